@@ -15,11 +15,9 @@ from drill_twin.core.errors import ArgumentError, RunError, SceneError
 from drill_twin.dynamics.discretisation.kernel_arguments import SPATIAL
 from drill_twin.dynamics.discretisation.resolution import LONG
 from drill_twin.dynamics.rotordynamics import campbell as _campbell
-from drill_twin.dynamics.rotordynamics import growth_map as _growth_map
 from drill_twin.dynamics.rotordynamics import modes as _modes
-from drill_twin.dynamics.rotordynamics.campbell import Campbell
+from drill_twin.dynamics.rotordynamics.campbell import Campbell, GrowthMap
 from drill_twin.dynamics.rotordynamics.equations import EquationsOfMotion, meshed, without
-from drill_twin.dynamics.rotordynamics.growth_map import GrowthMap
 from drill_twin.dynamics.rotordynamics.modes import ModeTable, Resting
 from drill_twin.dynamics.rotordynamics.steady import branches as _branches
 from drill_twin.dynamics.rotordynamics.steady import whirl_states as _whirl_states
@@ -164,7 +162,7 @@ def growth_map(
             raise ArgumentError(f"{name}: expected values that increase, found {list(values)!s:.60}; sort them")
     own = steady_scene(scene, overrides, without)
     equations = EquationsOfMotion(own)
-    return _growth_map.growth_map(equations, np.asarray(weights, float), np.asarray(speeds, float), progress)
+    return _campbell.growth_map(equations, np.asarray(weights, float), np.asarray(speeds, float), progress)
 
 
 def whirl_states(

@@ -15,8 +15,8 @@ from typing import Any
 import numpy as np
 
 from drill_twin.core.errors import RunError, SceneError
+from drill_twin.dynamics.rotordynamics.campbell import growth_map
 from drill_twin.dynamics.rotordynamics.equations import TIME_DEPENDENT, EquationsOfMotion, without
-from drill_twin.dynamics.rotordynamics.growth_map import growth_map
 from drill_twin.dynamics.rotordynamics.steady.refinement import refined
 from drill_twin.dynamics.rotordynamics.steady.whirl_state import WhirlState
 from drill_twin.dynamics.rotordynamics.steady.whirl_states import SPATIAL_EFFECTS, lateral_form, search

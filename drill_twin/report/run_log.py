@@ -19,8 +19,7 @@ from drill_twin.io.messages.decode import read_string
 from drill_twin.io.messages.diagnostics import decode_diagnostics
 from drill_twin.io.messages.stamps import seconds, unpack_stamp
 from drill_twin.io.messages.whirl_encode import OnsetMessage, decode_onset
-from drill_twin.runs.monitor.model_limits import recorded_sentences
-from drill_twin.runs.monitor.rejected_steps import RecordedRejections, is_count
+from drill_twin.runs.monitor import RecordedRejections, is_count, recorded_sentences
 
 _SIMULATORS = {"simulator", "twin"}
 

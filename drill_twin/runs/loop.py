@@ -35,9 +35,7 @@ from drill_twin.io.messages.topics import (
 )
 from drill_twin.io.run_messages import Measurements, describe_run, sensor_topics
 from drill_twin.io.scene_geometry import string_geometry
-from drill_twin.runs.monitor.model_limits import NOTES, SEPARATOR, MissingEffects
-from drill_twin.runs.monitor.rejected_steps import RejectedSteps
-from drill_twin.runs.monitor.run_timing import RunTiming
+from drill_twin.runs.monitor import NOTES, SEPARATOR, MissingEffects, RejectedSteps, RunTiming
 from drill_twin.scene import Scene
 from drill_twin.scene.set_points.command import Command
 

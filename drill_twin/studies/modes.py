@@ -13,8 +13,7 @@ from matplotlib.colors import TwoSlopeNorm
 from matplotlib.figure import Figure
 
 from drill_twin.core.arrays import Array
-from drill_twin.dynamics.rotordynamics.campbell import Campbell
-from drill_twin.dynamics.rotordynamics.growth_map import GrowthMap
+from drill_twin.dynamics.rotordynamics.campbell import Campbell, GrowthMap
 from drill_twin.dynamics.rotordynamics.modes import LATERAL, ModeTable
 from drill_twin.report.figures.style import BLUE, GREY, INK, MARK_COLOURS, PURPLE, VERMILION, blank, head, styled
 

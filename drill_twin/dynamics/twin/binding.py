@@ -67,7 +67,6 @@ def memories(
 ) -> dict[str, Any]:
     """Arrays of `BoundTwin` that are made for it, by field, and what does not change in a run."""
     return {
-        "target": np.zeros(3),
         "effort": Effort(counters, np.zeros_like(counters), impulse, np.zeros_like(impulse)),
         "now": np.zeros(EXTREMES),
         "before": np.zeros(EXTREMES),

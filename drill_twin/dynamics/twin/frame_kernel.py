@@ -88,7 +88,6 @@ class BoundTwin(NamedTuple):
     state: State
     control: StepControl
     command: Array  # (3,) set-points last reached
-    target: Array  # (3,) set-points at the end of the frame
     progress: Array  # of the advance
     effort: Effort
     memory: NDArray[np.int64]  # of the state, and its copy at the start of the frame
@@ -242,9 +241,7 @@ def bind(advance: Any, observe: Any) -> Callable[..., int]:
             field(words, kind, "rod"), field(words, kind, "state"), field(words, kind, "effort"),
             field(words, kind, "reactions"),
         )  # fmt: skip
-        command, target, progress = (
-            field(words, kind, "command"), field(words, kind, "target"), field(words, kind, "progress"),
-        )  # fmt: skip
+        command, progress = field(words, kind, "command"), field(words, kind, "progress")
         guard, course, control = (
             field(words, kind, "guard"),
             field(words, kind, "course"),
@@ -264,7 +261,7 @@ def bind(advance: Any, observe: Any) -> Callable[..., int]:
                     find_extremes(rod.outer_radius, u, v, before)
                     progress[UNFINISHED] = 1.0
                 step = min(nominal, seconds) * guard[FRACTION]
-            copy_numbers(commands[course[ROW]], target)
+            target = commands[course[ROW]]
             status = advance(
                 field(words, kind, "parameters"), rod, field(words, kind, "scratch"), field(words, kind, "constrained"),
                 state, StepControl(step, control.position, control.angle, halvings), command, target,

@@ -36,8 +36,8 @@ class Growth(NamedTuple):
 
 def growth_of(scene: Scene, plane: Plane) -> Growth | None:
     """Largest growth rates over the plane; None where the string has no such map."""
+    from drill_twin.dynamics.rotordynamics.campbell import growth_map
     from drill_twin.dynamics.rotordynamics.equations import EquationsOfMotion
-    from drill_twin.dynamics.rotordynamics.growth_map import growth_map
 
     weights, speeds = (np.linspace(span.low, span.high, GROWTH_POINTS) for span in (plane.weight, plane.speed))
     try:

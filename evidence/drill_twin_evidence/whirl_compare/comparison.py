@@ -24,8 +24,8 @@ from drill_twin.api.ensemble import Ensemble
 from drill_twin.api.rotordynamics import steady_scene
 from drill_twin.core.arrays import ComplexArray
 from drill_twin.core.frame_period import frame_period
+from drill_twin.dynamics.rotordynamics.campbell import growth_map
 from drill_twin.dynamics.rotordynamics.equations import EquationsOfMotion
-from drill_twin.dynamics.rotordynamics.growth_map import growth_map
 from drill_twin.dynamics.rotordynamics.steady.steady_whirl import SteadyWhirl, TurningEquations
 from drill_twin.dynamics.rotordynamics.steady.whirl_state import WhirlState
 from drill_twin.dynamics.rotordynamics.steady.whirl_states import state_near, whirl_states

@@ -12,7 +12,7 @@ from typer.testing import CliRunner
 from drill_twin.cli.app import app
 from drill_twin.dynamics.twin.frame import EnergyBalance, Frames
 from drill_twin.dynamics.twin.twin import Twin
-from drill_twin.runs.monitor.run_timing import RunTiming
+from drill_twin.runs.monitor import RunTiming
 from drill_twin.scene import added_scenes, load_scene
 from drill_twin.scene.set_points import Schedule
 from drill_twin_evidence import stress

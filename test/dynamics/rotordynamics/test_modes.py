@@ -10,10 +10,9 @@ from variants import one_of
 import drill_twin as dt
 from drill_twin.api import rotordynamics
 from drill_twin.core.errors import RunError
-from drill_twin.dynamics.rotordynamics.campbell import campbell, mac
+from drill_twin.dynamics.rotordynamics.campbell import campbell, growth_map, mac
 from drill_twin.dynamics.rotordynamics.eigenvalues import MOST_UNKNOWNS, Pencil, eigenvalues_only
 from drill_twin.dynamics.rotordynamics.equations import EquationsOfMotion, meshed
-from drill_twin.dynamics.rotordynamics.growth_map import growth_map
 from drill_twin.dynamics.rotordynamics.modes import compared, modes
 from drill_twin.scene import load_scene
 from drill_twin.scene.set_points.command import Command

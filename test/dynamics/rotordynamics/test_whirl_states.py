@@ -13,8 +13,8 @@ from drill_twin.cli.app import app
 from drill_twin.core.errors import RunError, SceneError
 from drill_twin.dynamics.discretisation.discretise import discretise
 from drill_twin.dynamics.discretisation.resolution import mesh
+from drill_twin.dynamics.rotordynamics.campbell import growth_map
 from drill_twin.dynamics.rotordynamics.equations import EquationsOfMotion
-from drill_twin.dynamics.rotordynamics.growth_map import growth_map
 from drill_twin.dynamics.rotordynamics.steady import whirl_states as states_module
 from drill_twin.dynamics.rotordynamics.steady.imperfections import imperfect, locked_states, modulation
 from drill_twin.dynamics.rotordynamics.steady.shape_search import ShapeSearch

@@ -185,8 +185,8 @@ def test_a_bit_that_sticks_or_stands_is_not_calm():
 
 def test_a_run_whose_whirl_would_begin_after_it_is_not_settled():
     """1.2 N at 2.6 rev/s: whirl after minutes, so a run of 30 s is not smooth; it grows as the linear string does."""
+    from drill_twin.dynamics.rotordynamics.campbell import growth_map
     from drill_twin.dynamics.rotordynamics.equations import EquationsOfMotion
-    from drill_twin.dynamics.rotordynamics.growth_map import growth_map
 
     scene = dt.load_scene("pa6_bench", COARSE)
     plane = Plane(Span(1.2, 2.0), Span(math.tau, 2.6 * math.tau), 8)

@@ -11,9 +11,8 @@ import numpy as np
 
 from drill_twin.core.arrays import Array
 from drill_twin.core.compile.jit import kernel
-from drill_twin.dynamics.solver import unknowns
 from drill_twin.dynamics.solver.boundary import BIT, RESIDUAL, ROTATION, TOP
-from drill_twin.dynamics.solver.interface import Effects, Formulation
+from drill_twin.dynamics.solver.interface import Effects, Formulation, bind_unknowns
 from drill_twin.dynamics.solver.lateral import assembly
 from drill_twin.dynamics.solver.lateral.linear_solver import (
     ADDED,
@@ -45,7 +44,7 @@ def column(k: int) -> int:
     return k if k < 2 else k + 1
 
 
-extrapolate, clear_constrained, move_to_middle, take_step = unknowns.bind(NODE, column)
+extrapolate, clear_constrained, move_to_middle, take_step = bind_unknowns(NODE, column)
 
 
 @kernel

@@ -5,7 +5,6 @@ from typing import Any
 
 from drill_twin.core.arrays import Array
 from drill_twin.core.compile.jit import kernel
-from drill_twin.dynamics.solver import unknowns
 from drill_twin.dynamics.solver.boundary import (
     ROTATION,
     from_bit,
@@ -15,7 +14,7 @@ from drill_twin.dynamics.solver.boundary import (
     turn_row_back,
     turn_step_back,
 )
-from drill_twin.dynamics.solver.interface import Effects, Formulation
+from drill_twin.dynamics.solver.interface import Effects, Formulation, bind_unknowns
 from drill_twin.dynamics.solver.spatial import assembly
 from drill_twin.dynamics.solver.spatial.linear_solver import NODE, Workspace, solve_blocks
 from drill_twin.dynamics.solver.state import BIT_IMPULSE, HOOK_IMPULSE, TORQUE_IMPULSE, State, StepControl
@@ -28,7 +27,7 @@ def column(k: int) -> int:
     return k
 
 
-extrapolate, clear_constrained, move_to_middle, take_step = unknowns.bind(NODE, column)
+extrapolate, clear_constrained, move_to_middle, take_step = bind_unknowns(NODE, column)
 
 
 @kernel

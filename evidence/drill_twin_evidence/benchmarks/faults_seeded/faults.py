@@ -70,9 +70,9 @@ FAULTS = (
     # Run
     Fault("formula: slope at the ends of the STEP set-point", "scene/set_points/schedule.py",
           "x * x * (3.0 - 2.0 * x)", "x * x * (2.0 - x)", "scene/set_points/test_schedule_shapes.py"),
-    Fault("real-time factor over computing time instead of wall time", "runs/monitor/run_timing.py",
+    Fault("real-time factor over computing time instead of wall time", "runs/monitor.py",
           "return _ratio(self._total[0], self._total[3])", "return _ratio(self._total[0], self._total[1])",
-          "runs/monitor/test_run_timing.py"),
+          "runs/test_run_timing.py"),
     Fault("ignored limit: the largest speed of the parameters", "ros/simulator/command_limits.py",
           "speed = max_speed or _largest", "speed = _largest", "ros/test_command_arbiter.py"),
     Fault("quality of service: a latched topic is volatile", "ros/core/topics/rclpy_topics.py",

@@ -6,8 +6,8 @@ from types import SimpleNamespace
 import pytest
 
 from drill_twin.dynamics.twin.frame import StepStats
-from drill_twin.runs.monitor import run_timing
-from drill_twin.runs.monitor.run_timing import RunTiming
+from drill_twin.runs import monitor
+from drill_twin.runs.monitor import RunTiming
 
 STATS = StepStats(steps=1, iterations=2, cut_steps=0, loose_steps=0, wall_seconds=0.001)
 
@@ -16,7 +16,7 @@ STATS = StepStats(steps=1, iterations=2, cut_steps=0, loose_steps=0, wall_second
 def wall(monkeypatch):
     wall = SimpleNamespace(now=50.0)
     wall.monotonic = lambda: wall.now
-    monkeypatch.setattr(run_timing, "time", wall)
+    monkeypatch.setattr(monitor, "time", wall)
     return wall
 
 

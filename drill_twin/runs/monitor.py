@@ -1,0 +1,271 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What a run reports of itself in `/diagnostics`: timing, rejected frames, energy balance, effects left out."""
+
+import time
+from collections.abc import Mapping
+from contextlib import suppress
+
+import numpy as np
+
+from drill_twin.dynamics.twin.frame import EnergyBalance, Frames, RigState, StepStats
+from drill_twin.physics.model.section_stress import LARGEST_STRESS
+from drill_twin.scene import Scene
+
+_FRAMES, _SHORTEST = 10, 0.2  # a window of fewer frames and less time [s] has no rate
+
+
+class RunTiming:
+    """Real-time factor, speed of the physics and step counts, over the whole run and since the last report.
+
+    The real-time factor is simulated over wall time, pauses left out. The speed of the physics is simulated time over
+    the time spent computing the motion: the real-time factor of a run that did nothing else and waited for nothing.
+    """
+
+    def __init__(self) -> None:
+        # Simulated, computing, publishing and wall time [s].
+        self._total = [0.0, 0.0, 0.0, 0.0]
+        self._steps = self._iterations = self._cut = self._loose = 0
+        self._slowest = self._recent = 0.0
+        self._frame_end: float | None = None
+        self._window_start: float | None = None
+        self._clear_window()
+
+    def _clear_window(self) -> None:
+        self._window_simulated, self._window_frames = 0.0, 0
+
+    def update(self, simulated: float, publishing: float, stats: StepStats, frames: int = 1) -> None:
+        """Count frames with their simulated and publishing time [s] in all, now that they are published.
+
+        Args:
+            simulated: Simulated time [s].
+            publishing: Time of encoding and sending them [s].
+            stats: Numerical effort.
+            frames: Number of frames; those of a block count with their mean computing time.
+        """
+        now, computing = time.monotonic(), stats.wall_seconds
+        start = now - computing - publishing if self._frame_end is None else self._frame_end
+        self._frame_end = now
+        self._window_start = start if self._window_start is None else self._window_start
+        for k, seconds in enumerate((simulated, computing, publishing, now - start)):
+            self._total[k] += seconds
+        self._window_simulated += simulated
+        self._window_frames += frames
+        self._steps += stats.steps
+        self._iterations += stats.iterations
+        self._cut += stats.cut_steps
+        self._loose += stats.loose_steps
+        self._slowest = max(self._slowest, computing / frames)
+
+    def pause(self) -> None:
+        """Leave the time until the next frame out of the real-time factor of the run."""
+        self._frame_end = None
+
+    def start_window(self) -> None:
+        """Start a new reporting window."""
+        self._recent = self.recent_realtime_factor
+        if self._window_start is not None:
+            self._window_start = time.monotonic()
+        self._clear_window()
+
+    @property
+    def simulated(self) -> float:
+        """Simulated time [s]."""
+        return self._total[0]
+
+    @property
+    def realtime_factor(self) -> float:
+        """Simulated over wall time, pauses left out; 0 before the first frame."""
+        return _ratio(self._total[0], self._total[3])
+
+    @property
+    def recent_realtime_factor(self) -> float:
+        """Simulated over wall time in this window, or in the one before while this one is too short; 0 in a pause."""
+        if self._window_start is None:
+            return 0.0
+        wall = time.monotonic() - self._window_start
+        long_enough = self._window_frames >= _FRAMES or wall >= _SHORTEST
+        return _ratio(self._window_simulated, wall) if long_enough else self._recent
+
+    @property
+    def physics_speed(self) -> float:
+        """Simulated over computing time; 0 before the first frame."""
+        return _ratio(self._total[0], self._total[1])
+
+    def values(self) -> dict[str, str]:
+        """Diagnostics values."""
+        return {
+            "realtime_factor": f"{self.realtime_factor:.3f}",
+            "realtime_factor_last_second": f"{self.recent_realtime_factor:.3f}",
+            "physics_speed": f"{self.physics_speed:.3f}",
+            "slowest_frame_ms": f"{self._slowest * 1e3:.3f}",
+            "publishing_share": f"{_ratio(self._total[2], self._total[0]):.4f}",
+            "steps": str(self._steps),
+            "iterations": str(self._iterations),
+            "cut_steps": str(self._cut),
+            "loose_steps": str(self._loose),
+        }
+
+    def text(self) -> str:
+        """The real-time factor and the speed of the physics as a sentence."""
+        if not self.simulated:
+            return "nothing simulated yet"
+        return f"real-time factor {self.realtime_factor:.3g}, the physics alone {self.physics_speed:.3g}"
+
+
+def _ratio(part: float, whole: float) -> float:
+    return part / whole if whole else 0.0
+
+
+KEY = "left_out"
+"""Key in the simulator's diagnostics; several sentences are joined by `SEPARATOR`."""
+NOTES = "notes"
+"""Key in the simulator's diagnostics for notes on the scene (`drill_twin.dynamics.discretisation.warnings`), joined
+likewise."""
+SEPARATOR = " | "
+_BIT_FORCE = RigState._fields.index("bit_force")
+
+
+def recorded_sentences(values: Mapping[str, str]) -> list[str]:
+    """The sentences in the simulator's diagnostics: missing effects, and notes on the scene."""
+    return [sentence for key in (KEY, NOTES) if values.get(key) for sentence in values[key].split(SEPARATOR)]
+
+
+class MissingEffects:
+    """Checks every frame for the first sign of a missing effect.
+
+    Attributes:
+        found: One sentence for each, with time and place, in order of appearance.
+    """
+
+    def __init__(self, scene: Scene) -> None:
+        effects = scene.effects
+        self.found: list[str] = []
+        self._yielded: set[str] = set()
+        self._check_wall = effects.wall is None
+        block = effects.fatigue
+        self._yield_strengths = {} if block is None else block.yield_strengths(scene)
+        self._check_bit = scene.rig.weight_on_bit.at == "top" and not effects.providing("weight")
+
+    def update(self, frames: Frames) -> None:
+        """Check frames, in order."""
+        force, depth = frames.rig[:, _BIT_FORCE], frames.wall_depth
+        through, pulled = depth > 0.0, force < 0.0
+        for k in np.flatnonzero(through | pulled | (frames.stress is not None)).tolist():
+            if not (self._check_wall or self._check_bit or self._yield_strengths):
+                return
+            time = float(frames.time[k])
+            if self._check_wall and through[k]:
+                self._check_wall = False
+                self.found.append(
+                    f"at {time:.3f} s the string passed through the wall of the hole, {frames.wall_depth_at[k]:.3g} m "
+                    "from the bit, and goes on as if there were none: list the effect `wall`"
+                )
+            if self._check_bit and pulled[k]:
+                self._check_bit = False
+                self.found.append(
+                    f"at {time:.3f} s the bit was pulled with {-force[k]:.4g} N and would have lifted off "
+                    "the bottom, which holds it here: list `rock_floor`, `bit_cutting` or `bit_regenerative`"
+                )
+            if frames.stress is not None:
+                self._check_yield(time, frames.stress[k, :, LARGEST_STRESS].tolist())
+
+    def _check_yield(self, time: float, largest: list[float]) -> None:
+        """Check the stress of the sections of `fatigue` [Pa]."""
+        for (name, strength), stress in zip(self._yield_strengths.items(), largest, strict=True):
+            if stress > strength and name not in self._yielded:
+                self._yielded.add(name)
+                self.found.append(
+                    f"at {time:.3f} s the stress at {name} reached {1e-6 * stress:.4g} MPa, above its yield strength "
+                    f"of {1e-6 * strength:.4g} MPa, and goes on as if it were elastic: its damage counts for nothing"
+                )
+
+    def values(self) -> dict[str, str]:
+        """Diagnostics values; empty while nothing is missing."""
+        return {KEY: SEPARATOR.join(self.found)} if self.found else {}
+
+
+ENERGY = "energy_"
+"""Prefix of the keys of the energy balance, present where a scene asks for it: `energy_residual` is the share of
+`energy_scale_J`, `energy_work_drag_J` the work of that effect."""
+COUNT, NEW, STOP = "guard_interventions", "guard", "guard_stop"
+"""Keys in the simulator's diagnostics: the count so far, those since the last report, and the reason of a stop."""
+LARGEST_REPORT = 20
+"""Largest number of rejected frames that one report describes."""
+_LONGEST_COUNT = 18  # digits
+
+
+class RejectedSteps:
+    """Counts the frames that the step guard rejected.
+
+    Attributes:
+        count: Number of rejected frames.
+        last: Description of the last one; empty if there is none.
+        stopped: Reason of the stop; empty unless the run was stopped.
+    """
+
+    def __init__(self) -> None:
+        self.count = 0
+        self.last = self.stopped = ""
+        self._new: list[str] = []
+        self._energy: EnergyBalance | None = None
+
+    def update(self, frames: Frames) -> None:
+        """Count the rejected frames among some that were computed."""
+        self._energy = frames.energy
+        for intervention in frames.interventions:
+            self.count += 1
+            self.last = intervention.text
+            self._new.append(self.last)
+
+    def values(self) -> dict[str, str]:
+        """Diagnostics values; each rejected frame is described in one report only."""
+        described, remaining = self._new[:LARGEST_REPORT], len(self._new) - LARGEST_REPORT
+        self._new = []
+        if remaining > 0:
+            described.append(f"and {remaining} more")
+        values = {COUNT: str(self.count)}
+        values |= {key: text for key, text in ((NEW, SEPARATOR.join(described)), (STOP, self.stopped)) if text}
+        return values | (energy_values(self._energy) if self._energy else {})
+
+
+def energy_values(energy: EnergyBalance) -> dict[str, str]:
+    """Diagnostics values of an energy balance [J]."""
+    parts = {"stored": energy.stored, "work": energy.work, "dissipated": energy.dissipated}
+    values = {f"{kind}_{name}_J": value for kind, part in parts.items() for name, value in part.items()}
+    values |= {"residual": energy.share, "scale_J": energy.scale, "newton_J": energy.newton}
+    return {f"{ENERGY}{key}": repr(float(value)) for key, value in values.items()}
+
+
+def is_count(text: str) -> bool:
+    """Check that a text is a count; Python refuses to convert texts of thousands of digits."""
+    return text.isdecimal() and len(text) <= _LONGEST_COUNT
+
+
+class RecordedRejections:
+    """Rejected frames and energy balance of a recorded run, read from the simulator's diagnostics.
+
+    Attributes:
+        count: Number of rejected frames.
+        events: Their descriptions.
+        stopped: Reason of the stop; None unless the run was stopped.
+        energy: The last energy balance, by key.
+    """
+
+    def __init__(self) -> None:
+        self.count = 0
+        self.events: list[str] = []
+        self.stopped: str | None = None
+        self.energy: dict[str, float] = {}
+
+    def update(self, values: Mapping[str, str]) -> None:
+        """Read the values of one report."""
+        self.count = int(values[COUNT]) if is_count(values.get(COUNT, "")) else self.count
+        self.events += values[NEW].split(SEPARATOR) if values.get(NEW) else []
+        self.stopped = values.get(STOP) or self.stopped
+        found = {key.removeprefix(ENERGY): text for key, text in values.items() if key.startswith(ENERGY)}
+        with suppress(ValueError):  # a bag of another program may use such a key
+            self.energy |= {key: float(text) for key, text in found.items()}
+
+    def summary(self) -> dict[str, object]:
+        """Plain types for `summary.json`."""
+        return {"interventions": self.count, "events": self.events, "stopped": self.stopped}
