@@ -13,7 +13,7 @@ import pytest
 
 PATTERNS = {
     "gateway.drillbotics": ("_STAMP", "_UNIT"), "scene.overrides": ("_BARE", "_INDEX"),
-    "scene.write": ("_LINE_BREAKS_OF_UNICODE",), "scene.well_plan.table": ("_BARE", "_DECIMAL_COMMA"),
+    "scene.lines": ("_LINE_BREAKS_OF_UNICODE",), "scene.well_plan.table": ("_BARE", "_DECIMAL_COMMA"),
     "core.units.parse": ("_QUANTITY",), "core.units.registry": ("_UNIT", "_POWER", "_COURSE", "_WORD"),
     "io.messages.topics": ("_NAMED",),
 }  # fmt: skip

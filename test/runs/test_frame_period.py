@@ -4,10 +4,10 @@
 import pytest
 
 import drill_twin as dt
-from drill_twin.core.frame_period import frame_period, frame_period_ns
 from drill_twin.io.messages.stamps import seconds
 from drill_twin.io.messages.topics import MARKS_STATE, RIG_STATE, STRING_POSES
 from drill_twin.runs.loop import RunLoop
+from drill_twin.scene.blocks.numerics import frame_period, frame_period_ns
 from drill_twin.scene.set_points import Schedule
 
 FRAMES = 24

@@ -14,7 +14,6 @@ from typing import ClassVar
 
 from rclpy.context import Context
 
-from drill_twin.core.frame_period import frame_period_ns
 from drill_twin.io.messages.diagnostics import Level, Status
 from drill_twin.io.messages.rig_messages import CommandEncoder
 from drill_twin.io.messages.stamps import seconds
@@ -25,6 +24,7 @@ from drill_twin.ros.core.scene_parameters import scene_of
 from drill_twin.ros.core.stop_request import StopRequest
 from drill_twin.ros.rig_driver.parameters import PARAMETERS
 from drill_twin.ros.rig_driver.set_point_transition import Plan, SetPointTransition
+from drill_twin.scene.blocks.numerics import frame_period_ns
 from drill_twin.scene.set_points.command import Command
 
 _QUIET = 0.1  # s

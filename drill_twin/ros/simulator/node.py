@@ -21,7 +21,6 @@ from rclpy.lifecycle import LifecycleState, TransitionCallbackReturn
 from rclpy.lifecycle.node import LifecycleNodeMixin
 
 from drill_twin.core.errors import DrillTwinError, RunError, RunStopped
-from drill_twin.core.frame_period import frame_period
 from drill_twin.dynamics.solver.slices import checked
 from drill_twin.io.messages.diagnostics import Level, Status
 from drill_twin.io.messages.topics import RIG_COMMAND, RPS_COMMAND, STRING_POSES, WOB_COMMAND
@@ -34,6 +33,7 @@ from drill_twin.ros.core.topics.rclpy_topics import relative
 from drill_twin.ros.simulator.parameters import PARAMETERS
 from drill_twin.ros.simulator.simulation_interfaces import offer_where_installed
 from drill_twin.ros.simulator.trigger_services import offer
+from drill_twin.scene.blocks.numerics import frame_period
 
 if TYPE_CHECKING:
     from drill_twin.ros.simulator.run_control import RunControl

@@ -10,7 +10,6 @@ from pathlib import Path
 from rclpy.logging import get_logging_directory
 
 from drill_twin.core.errors import CheckpointError, RunError, StoppedError
-from drill_twin.core.frame_period import frame_period
 from drill_twin.dynamics.twin.checkpoint import Checkpoint, save_failure
 from drill_twin.io.messages.encode import encode_string
 from drill_twin.io.messages.stamps import stamp_ns
@@ -22,6 +21,7 @@ from drill_twin.ros.simulator.command_subscriptions import CommandSubscriptions
 from drill_twin.ros.simulator.tf_publisher import TfPublisher, tf_message
 from drill_twin.runs.loop import RunLoop, topics_of
 from drill_twin.scene import Scene
+from drill_twin.scene.blocks.numerics import frame_period
 from drill_twin.scene.set_points.command import Command
 
 _BURST = 200  # frames; as fast as possible must not be faster than the readers

@@ -8,10 +8,22 @@ from pydantic import GetCoreSchemaHandler, GetJsonSchemaHandler, model_validator
 from pydantic.json_schema import JsonSchemaValue
 from pydantic_core import core_schema
 
-from drill_twin.core.frame_period import frame_period, frame_period_ns
 from drill_twin.core.units import Dimensionless, Frequency, Quantity, Within, refuse, show
 from drill_twin.core.units.dimension import DIMENSIONLESS, TIME
 from drill_twin.scene.blocks.part import OrAuto, Part, refuse_at
+
+_NANOSECONDS = 1_000_000_000
+
+
+def frame_period_ns(rate: float) -> int:
+    """Length of a frame [ns] at a frame rate [Hz]: whole, as stamps are, so that run, nodes and bag share every bit."""
+    return round(_NANOSECONDS / rate)
+
+
+def frame_period(rate: float) -> float:
+    """As `frame_period_ns`, in seconds."""
+    return frame_period_ns(rate) / _NANOSECONDS
+
 
 FEWEST_ELEMENTS, MOST_ELEMENTS = 4, 4000
 

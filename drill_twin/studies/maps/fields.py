@@ -10,11 +10,10 @@ from functools import cached_property
 import numpy as np
 
 from drill_twin.core.arrays import Mask
-from drill_twin.core.proportions import proportion_interval
 from drill_twin.studies.maps.plane import UNKNOWN, Labels, Node, Plane, boundary, filled, on_lattice
 from drill_twin.studies.maps.regimes import Regime
 from drill_twin.studies.maps.runs import Key, RunRecord
-from drill_twin.studies.maps.window import CONFIDENCE, known_and_calm
+from drill_twin.studies.maps.window import CONFIDENCE, known_and_calm, proportion_interval
 
 LIKELY = 0.05
 """Largest upper limit (95 %) of the chance of whirl at a calm set-point, once there are draws enough to show it."""

@@ -21,13 +21,12 @@ import numpy as np
 import drill_twin as dt
 from drill_twin.api.scenes import as_scene
 from drill_twin.core.arrays import Mask
-from drill_twin.core.proportions import proportion_interval, proportion_text
 from drill_twin.core.table import Table, markdown_row
 from drill_twin.runs.ensemble import Threads
 from drill_twin.studies.maps import OperatingMap, Plane, Regime
 from drill_twin.studies.maps.runs import FINER, Key, Runner, RunRecord
 from drill_twin.studies.maps.search import Journal
-from drill_twin.studies.maps.window import cells_of
+from drill_twin.studies.maps.window import cells_of, proportion_interval, proportion_text
 from drill_twin_evidence.benchmarks.advice_loop import COARSE
 
 DURATION, ASKED = 30.0, 300.0

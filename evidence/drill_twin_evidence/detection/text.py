@@ -6,8 +6,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Any
 
-from drill_twin.core.proportions import proportion_text
 from drill_twin.core.table import Table
+from drill_twin.studies.maps.window import proportion_text
 
 TARGETS = {"kinematic": 0.95, "simulated": 0.85, "simulated_with_forces": 0.85}
 """Required macro-F1."""

@@ -8,8 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from drill_twin.core.proportions import proportion_interval, proportion_text
 from drill_twin.core.table import Table
+from drill_twin.studies.maps.window import proportion_interval, proportion_text
 from drill_twin_evidence.estimation.hidden_truth import Followed
 
 NEAR = 0.1

@@ -23,7 +23,6 @@ from scipy.interpolate import CubicSpline
 from drill_twin.api.ensemble import Ensemble
 from drill_twin.api.rotordynamics import steady_scene
 from drill_twin.core.arrays import ComplexArray
-from drill_twin.core.frame_period import frame_period
 from drill_twin.dynamics.rotordynamics.campbell import growth_map
 from drill_twin.dynamics.rotordynamics.equations import EquationsOfMotion
 from drill_twin.dynamics.rotordynamics.steady.steady_whirl import SteadyWhirl, TurningEquations
@@ -31,6 +30,7 @@ from drill_twin.dynamics.rotordynamics.steady.whirl_state import WhirlState
 from drill_twin.dynamics.rotordynamics.steady.whirl_states import state_near, whirl_states
 from drill_twin.dynamics.twin.twin import Twin
 from drill_twin.scene import Scene
+from drill_twin.scene.blocks.numerics import frame_period
 from drill_twin.scene.blocks.string import Mark
 from drill_twin.scene.set_points.command import Command
 from drill_twin.studies.whirl_states import with_command

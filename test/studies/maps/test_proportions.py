@@ -6,12 +6,12 @@ import doctest
 import pytest
 from scipy import stats
 
-from drill_twin.core import proportions
-from drill_twin.core.proportions import proportion_interval
+from drill_twin.studies.maps import window
+from drill_twin.studies.maps.window import proportion_interval
 
 
 def test_examples():
-    assert doctest.testmod(proportions).failed == 0
+    assert doctest.testmod(window).failed == 0
 
 
 @pytest.mark.parametrize(("count", "trials"), [(0, 1), (1, 1), (0, 4), (1, 5), (5, 5), (41, 42), (60, 200)])
