@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What a run reports of itself in `/diagnostics`: timing, rejected frames, energy balance, effects left out."""
+"""Values that a run reports of itself in `/diagnostics`: timing, rejected frames, energy balance, effects left out."""
 
 import time
 from collections.abc import Mapping

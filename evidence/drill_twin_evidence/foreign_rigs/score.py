@@ -16,8 +16,8 @@ from typing_extensions import TypedDict
 
 import drill_twin as dt
 from drill_twin.core.files.json_files import JsonLines
-from drill_twin.core.proportions import proportion_text
 from drill_twin.core.table import Table
+from drill_twin.studies.maps.window import proportion_text
 from drill_twin_evidence.foreign_rigs.own_law import own_widths
 from drill_twin_evidence.foreign_rigs.rigs import INDICATED, LOAD, LOADS, OVERRIDES, RANGES, RIGS, SCENE, SECONDS, trial
 
