@@ -200,10 +200,12 @@ def test_the_simulator_says_who_drives(bench, simulator):
     assert int(status.values["unread_most"]) >= 1
     assert status.level == 0
     assert driver.end() == 0
-    bench.until(lambda: len(told) == 3, what="nobody to drive")
+    said = lambda: [read_string(raw) for raw in told]  # noqa: E731
+    bench.until(lambda: said()[-1] == "", what="nobody to drive")
     bench.publisher(WOB_COMMAND).publish(Float64(data=30.0))
-    bench.until(lambda: len(told) == 4, what="a person to drive")
-    assert [read_string(raw) for raw in told] == ["", "/rig_driver", "", "by hand"]
+    bench.until(lambda: said()[-1] == "by hand", what="a person to drive")
+    assert said()[:2] == ["", "/rig_driver"]
+    assert set(said()) == {"", "/rig_driver", "by hand"}  # a busy machine may be silent in between
 
 
 @pytest.mark.fault("a person beside the driver", "single values are refused, counted, told; the driver keeps the rig")

@@ -15,6 +15,7 @@ from drill_twin.io.bag.writer import BagWriter
 from drill_twin.io.messages.decode import JointStateReader, read_clock
 from drill_twin.io.messages.topics import (
     CLOCK_TOPIC,
+    COMMANDER,
     DIAGNOSTICS,
     MARKS_STATE,
     OF_EVERY_RUN,
@@ -149,7 +150,7 @@ def test_a_replay_keeps_its_time(bench, eager_bag):
 
 def test_two_runs_in_lockstep_are_alike(bench, eager_bag, payloads, tmp_path):
     again = _run(bench, tmp_path / "again_0")
-    topics = set(OF_EVERY_RUN) - {DIAGNOSTICS, TWIN_SCENE, REALTIME_FACTOR}  # these tell wall time
+    topics = set(OF_EVERY_RUN) - {COMMANDER, DIAGNOSTICS, TWIN_SCENE, REALTIME_FACTOR}  # these tell wall time
     for topic in topics:
         first, second = payloads(eager_bag, topic), payloads(again, topic)
         if topic == CLOCK_TOPIC:  # but for that of time zero
