@@ -21,7 +21,7 @@ from drill_twin.core.table import Column, Table
 if TYPE_CHECKING:
     from rich.text import Text
 
-    from drill_twin.ros.doctor.check import Check
+    from drill_twin.ros.doctor.installation import Check
 
 
 def node(
@@ -184,7 +184,7 @@ def doctor(
     Works without ROS too, and says so; the nodes of ROS_DOMAIN_ID are checked where rclpy is there. Exit code 1 when
     something is wrong.
     """
-    from drill_twin.ros.doctor.check import Verdict
+    from drill_twin.ros.doctor.installation import Verdict
     from drill_twin.ros.doctor.run import examine
 
     with shown_progress("checking"):
@@ -198,7 +198,7 @@ def _shown(checks: list[Check], problems: int) -> Iterator[Table | Text | str]:
     """A table a section, with what to do below each check that found something."""
     from rich.text import Text
 
-    from drill_twin.ros.doctor.check import Verdict
+    from drill_twin.ros.doctor.installation import Verdict
 
     styles = {Verdict.OK: "green", Verdict.NOTE: "yellow", Verdict.PROBLEM: "bold red"}
     for section, members in groupby(checks, key=lambda check: check.section):

@@ -23,7 +23,7 @@ from drill_twin.ros.core.node import TwinNode
 from drill_twin.ros.core.node_main import init_context, print_help, run_in_order
 from drill_twin.ros.core.parameters import Parameter, Value, declare, given_parameters
 from drill_twin.ros.core.stop_request import StopRequest
-from drill_twin.ros.deployment.security import readable_refusal
+from drill_twin.ros.deployment import readable_refusal
 from drill_twin.ros.entry_points import load
 
 

@@ -18,6 +18,7 @@ from typing import Any, ClassVar
 
 from rcl_interfaces.srv import SetParameters
 from rclpy.context import Context
+from rclpy.lifecycle import LifecycleState, TransitionCallbackReturn
 from rclpy.parameter import Parameter as RosParameter
 from std_srvs.srv import Trigger
 
@@ -30,10 +31,10 @@ from drill_twin.live.foxglove_server import FoxgloveServer
 from drill_twin.live.limits import parse_limit
 from drill_twin.live.page_state import INPUTS, PageState
 from drill_twin.live.sources import Sources
-from drill_twin.ros.core.node import TwinNode
+from drill_twin.ros.core.node import DONE, TwinNode
 from drill_twin.ros.core.node_main import init_context, run_in_order
 from drill_twin.ros.core.stop_request import StopRequest
-from drill_twin.ros.deployment.security import readable_refusal
+from drill_twin.ros.deployment import readable_refusal
 from drill_twin.scene.set_points.command import Command
 
 _DEPTH = 50  # messages; the page shows fewer
@@ -69,12 +70,13 @@ class LivePage(TwinNode):
         self._driver = self.create_client(SetParameters, "rig_driver/set_parameters")
         self._controls = {name: self.create_client(Trigger, f"simulator/{name}") for name in _CONTROLS}
 
-    def on_start(self) -> None:
-        """Create the topics."""
+    def on_configure(self, _: LifecycleState) -> TransitionCallbackReturn:
+        """Create the subscriptions."""
         self.topics.subscribe_scenes(partial(self.page_state.update, TWIN_SCENE))
         for topic in set(INPUTS) - {TWIN_SCENE} if self._viewers is None else TOPICS:
             depth = 1 if TOPICS[topic].latched else _DEPTH
             self.topics.subscribe_raw(topic, partial(self._on_message, topic), depth=depth)
+        return DONE
 
     def _on_message(self, topic: str, raw: bytes, info: Mapping[str, Any]) -> None:
         message = bytes(raw)

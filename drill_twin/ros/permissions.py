@@ -35,30 +35,28 @@ from drill_twin.io.messages.topics import (
     WHIRL_STATE,
     WOB_COMMAND,
 )
-from drill_twin.ros.simulator.simulation_interfaces import SERVICES
+from drill_twin.ros.simulator.run_control import SERVICES
 
 _OWN_SERVICES = (
+    "~/change_state",
     "~/describe_parameters",
+    "~/get_available_states",
+    "~/get_available_transitions",
     "~/get_parameter_types",
     "~/get_parameters",
+    "~/get_state",
+    "~/get_transition_graph",
     "~/get_type_description",
     "~/list_parameters",
     "~/ready",
     "~/set_parameters",
     "~/set_parameters_atomically",
 )
-_LIFECYCLE = (
-    "~/change_state",
-    "~/get_available_states",
-    "~/get_available_transitions",
-    "~/get_state",
-    "~/get_transition_graph",
-)
 _CONTROLS = ("~/load_checkpoint", "~/pause", "~/reset", "~/resume", "~/save_checkpoint", "~/step")
 _STANDARD = tuple(f"~/{name}" for name in SERVICES)
 WHERE_INSTALLED = {"tf2_msgs": ("/tf", "/tf_static"), "simulation_interfaces": _STANDARD}
 """Topics and services that the simulator has if these packages are installed; the wheels have neither."""
-_OF_EVERY_NODE = ("/parameter_events", "/rosout", DIAGNOSTICS)
+_OF_EVERY_NODE = ("/parameter_events", "/rosout", DIAGNOSTICS, "~/transition_event")
 
 
 @dataclass(frozen=True)
@@ -89,11 +87,10 @@ RIGHTS: dict[str, Rights] = {
             *(RIG_STATE, STRING_POSES, MARKS_STATE, STRING_MARKERS, TWIN_SCENE, REALTIME_FACTOR, CLOCK_TOPIC),
             COMMANDER,
             *(STRING_STRESS, SURFACE_STATE, *SUBS),
-            "~/transition_event",
             *WHERE_INSTALLED["tf2_msgs"],
         ),
         (RIG_COMMAND, WOB_COMMAND, RPS_COMMAND),
-        (*_LIFECYCLE, *_CONTROLS, *_STANDARD),
+        (*_CONTROLS, *_STANDARD),
     ),
     "rig_driver": Rights((RIG_COMMAND,), (CLOCK_TOPIC,), (), _READY),
     "analyzer": Rights(

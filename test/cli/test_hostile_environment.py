@@ -132,7 +132,7 @@ def test_keys_of_overrides_that_cannot_be(key, capsys):
 
 @pytest.mark.parametrize("text", ["9" * 5000, "-1", "\u00b2", "1e5"])
 def test_domains_that_cannot_be(text, monkeypatch):
-    from drill_twin.ros.deployment import discovery
+    from drill_twin.ros import deployment as discovery
 
     monkeypatch.setenv("ROS_DOMAIN_ID", text)
     with pytest.raises(DrillTwinError, match="ROS_DOMAIN_ID"):

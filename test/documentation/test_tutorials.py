@@ -76,7 +76,7 @@ def test_the_tutorial_in_python_prints_what_it_shows(tmp_path):
 
 @pytest.mark.long
 def test_the_tutorial_in_a_shell(tmp_path):
-    from drill_twin.ros.deployment.discovery import DomainClaim
+    from drill_twin.ros.deployment import DomainClaim
 
     claim = DomainClaim()  # the demo, which comes first, takes one by itself
     said = follow_shell("tutorial/ros.md", tmp_path, claim.domain)

@@ -35,9 +35,9 @@ from drill_twin.io.bag.reader import Bag  # noqa: E402
 from drill_twin.io.messages.decode import JointStateReader  # noqa: E402
 from drill_twin.io.messages.diagnostics import Status, decode_diagnostics  # noqa: E402
 from drill_twin.io.messages.topics import DIAGNOSTICS, TOPICS, TWIN_SUMMARY  # noqa: E402
+from drill_twin.ros import deployment as discovery  # noqa: E402
 from drill_twin.ros.core.startup_barrier import missing_readers  # noqa: E402
-from drill_twin.ros.core.topics.rclpy_topics import message_class  # noqa: E402
-from drill_twin.ros.deployment import discovery  # noqa: E402
+from drill_twin.ros.core.topics import message_class  # noqa: E402
 from drill_twin.scene import load_scene  # noqa: E402
 from drill_twin.scene.set_points import Command  # noqa: E402
 

@@ -26,7 +26,7 @@ def test_it_reports_answers_and_ends_on_a_signal(cold, number):
     simulator = cold.start("simulator")
     cold.until_status("simulator", _compiles)
     assert f"[simulator]: {COMPILING}" in simulator.text
-    assert cold.call("/simulator/get_state", None, GetState).current_state.label == "unconfigured"
+    assert cold.call("/simulator/get_state", None, GetState).current_state.label == "configuring"
     answer = cold.call("/simulator/ready")
     assert not answer.success
     assert answer.message.startswith(COMPILING)

@@ -13,9 +13,9 @@ from std_msgs.msg import Float32, Float64
 from drill_twin.io.messages.cdr import JointStateTemplate
 from drill_twin.io.messages.decode import read_string
 from drill_twin.io.messages.diagnostics import Level
-from drill_twin.io.messages.rig_messages import COMMAND_JOINTS, CommandEncoder
+from drill_twin.io.messages.rig_messages import COMMAND_JOINTS, DRIVER, CommandEncoder
 from drill_twin.io.messages.topics import COMMANDER, RIG_COMMAND, RIG_STATE, RPS_COMMAND, WOB_COMMAND
-from drill_twin.ros.simulator.publisher_check import PublisherCheck
+from drill_twin.ros.simulator.command_input import PublisherCheck
 from drill_twin.scene.set_points import Command
 
 TURN = 2.0 * math.pi
@@ -34,7 +34,7 @@ def unchecked(weight_on_bit, rotation):
     """A `/rig/command` as our encoder would refuse to write it."""
     unset = math.nan
     velocity, effort = (rotation, unset, 0.0), (unset, weight_on_bit, unset)
-    return JointStateTemplate(COMMAND_JOINTS).fill(0, (unset,) * 3, velocity, effort)
+    return JointStateTemplate(COMMAND_JOINTS, frame_id=DRIVER).fill(0, (unset,) * 3, velocity, effort)
 
 
 def _set_points(status):

@@ -12,8 +12,8 @@ import pytest
 from drill_twin.core.errors import RunError
 from drill_twin.io.bag.reader import Bag
 from drill_twin.io.messages.topics import OF_EVERY_RUN
-from drill_twin.ros.demo.result import check_bag
-from drill_twin.ros.demo.stall_detector import StallDetector
+from drill_twin.ros.demo.demo import check_bag
+from drill_twin.ros.demo.processes import StallDetector
 
 
 @pytest.fixture

@@ -14,7 +14,7 @@ from rclpy.signals import SignalHandlerOptions
 
 from drill_twin.core.errors import DrillTwinError
 from drill_twin.io.messages.topics import RIG_STATE, TWIN_SCENE
-from drill_twin.ros.deployment import discovery
+from drill_twin.ros import deployment as discovery
 
 
 def test_a_domain_is_claimed_once_and_free_again_afterwards():
@@ -31,7 +31,7 @@ def test_a_domain_is_claimed_once_and_free_again_afterwards():
 
 def test_a_claim_ends_with_its_process(tmp_path):
     hold = (
-        "import time; from drill_twin.ros.deployment.discovery import DomainClaim; "
+        "import time; from drill_twin.ros.deployment import DomainClaim; "
         "claim = DomainClaim(); print(claim.domain, flush=True); time.sleep(60)"
     )
     process = subprocess.Popen([sys.executable, "-c", hold], stdout=subprocess.PIPE, text=True)

@@ -29,7 +29,7 @@ from drill_twin.io.messages.topics import (
     WHIRL_STATE,
 )
 from drill_twin.io.samples import STUCK
-from drill_twin.ros.core.topics.rclpy_topics import message_class
+from drill_twin.ros.core.topics import message_class
 from drill_twin.scene import load_scene
 from drill_twin.scene.set_points import Command, Schedule
 

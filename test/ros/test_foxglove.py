@@ -14,7 +14,7 @@ from view_layouts import check_foxglove, check_plotjuggler, check_rviz, layout_t
 from websockets.sync.client import connect
 
 from drill_twin.io.messages.topics import OF_EVERY_RUN, RIG_COMMAND, TOPICS
-from drill_twin.ros.core.topics.rclpy_topics import message_class
+from drill_twin.ros.core.topics import message_class
 
 pytest.importorskip("foxglove", reason="needs foxglove-sdk: pip install 'drill_twin[foxglove]'")
 

@@ -1,19 +1,27 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The simulator under a lifecycle manager: each transition does what it says, and a bad scene leaves it as it was."""
+"""Nodes under a lifecycle manager: each transition does what it says, and a node that refuses stays as it was."""
 
+import pytest
 from lifecycle_msgs.msg import Transition
 from lifecycle_msgs.srv import ChangeState, GetState
 
-from drill_twin.io.messages.topics import CLOCK_TOPIC, STRING_POSES
+from drill_twin.io.messages.topics import CLOCK_TOPIC, DIAGNOSTICS, STRING_POSES
+from drill_twin.ros.entry_points import NODES
+from drill_twin.ros.permissions import RIGHTS
 
 
-def _set(bench, transition):
+def _set(bench, transition, node="simulator"):
     request = ChangeState.Request(transition=Transition(id=transition))
-    return bench.call("/simulator/change_state", request, ChangeState).success
+    return bench.call(f"/{node}/change_state", request, ChangeState).success
 
 
-def _state(bench):
-    return bench.call("/simulator/get_state", None, GetState).current_state.label
+def _state(bench, node="simulator"):
+    return bench.call(f"/{node}/get_state", None, GetState).current_state.label
+
+
+def _publishes(bench, node):
+    names = {name for name, _ in bench.node.get_publisher_names_and_types_by_node(node, "/")}
+    return names & set(RIGHTS[node].publish) - {DIAGNOSTICS}
 
 
 def test_a_manager_configures_activates_deactivates_cleans_up_and_ends_it(bench):
@@ -52,3 +60,26 @@ def test_a_scene_that_cannot_be_built_leaves_it_unconfigured(bench):
     assert _state(bench) == "unconfigured"
     bench.until(lambda: "no_such_scene" in process.text)
     assert process.end() == 0
+
+
+@pytest.mark.parametrize("node", [node for node in NODES if node != "simulator"])
+def test_every_node_is_configured_activated_rests_is_cleaned_up_and_configured_again(bench, small_bag, node):
+    given = {"recorder": {"bag": ""}, "replayer": {"bag": str(small_bag), "rate": 0.01}, "estimator": {"members": 4}}
+    process = bench.start(node, autostart=False, **given.get(node, {}))
+    bench.until(lambda: "waiting to be configured" in process.text)
+    assert not _publishes(bench, node)
+    for begun in (1, 2):
+        assert _set(bench, Transition.TRANSITION_CONFIGURE, node), process.text
+        assert _state(bench, node) == "inactive"
+        answer = bench.call(f"/{node}/ready")
+        assert not answer.success
+        assert answer.message
+        assert _set(bench, Transition.TRANSITION_ACTIVATE, node)
+        assert _set(bench, Transition.TRANSITION_DEACTIVATE, node)
+        if begun == 1:
+            assert _set(bench, Transition.TRANSITION_CLEANUP, node)
+            assert not _set(bench, Transition.TRANSITION_ACTIVATE, node)
+            bench.until(lambda: not _publishes(bench, node), what="its topics to go")
+    assert _set(bench, Transition.TRANSITION_INACTIVE_SHUTDOWN, node)
+    assert process.wait() == 0, process.text
+    assert "Traceback" not in process.text

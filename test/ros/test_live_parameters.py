@@ -9,7 +9,7 @@ from rcl_interfaces.srv import DescribeParameters
 
 from drill_twin.io.messages.rig_messages import CommandEncoder
 from drill_twin.io.messages.topics import RIG_COMMAND, RIG_STATE
-from drill_twin.ros.rig_driver.set_point_transition import SetPointTransition
+from drill_twin.ros.rig_driver.plan import SetPointTransition
 from drill_twin.scene import load_scene
 from drill_twin.scene.set_points import Command, Schedule
 

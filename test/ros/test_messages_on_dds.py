@@ -10,7 +10,7 @@ from std_msgs.msg import Float64
 from drill_twin.io.bag.reader import Bag
 from drill_twin.io.messages.topics import MARKS_STATE, RPS_COMMAND, STRING_POSES, TOPICS, WOB_COMMAND
 from drill_twin.io.messages.type_store import type_hash
-from drill_twin.ros.core.topics.rclpy_topics import message_class
+from drill_twin.ros.core.topics import message_class
 from drill_twin.scene import load_scene
 from drill_twin.scene.set_points import Schedule
 
@@ -81,8 +81,8 @@ def test_the_graph_has_the_types_of_the_contract(bench):
             if topic.latched:
                 assert info.qos_profile.durability.name == "TRANSIENT_LOCAL"
     # Nothing else is published, but what every ROS node has.
-    of_ros = ("/rosout", "/parameter_events", "/simulator/transition_event")  # the last: of every lifecycle node
-    ours = {name for name in found if not name.startswith(of_ros)}
+    of_ros = ("/rosout", "/parameter_events", "/transition_event")  # the last: of every lifecycle node
+    ours = {name for name in found if not name.endswith(of_ros)}
     assert ours == set(TOPICS)
     assert process.end() == 0
 

@@ -10,7 +10,7 @@ from rcl_interfaces.srv import SetParameters, SetParametersAtomically
 from sensor_msgs.msg import JointState
 
 from drill_twin.io.messages.topics import DIAGNOSTICS, MARKS_STATE, RIG_COMMAND, RIG_STATE
-from drill_twin.ros.core.topics.drop_counter import DropCounter
+from drill_twin.ros.core.queues import DropCounter
 
 TEXT = ParameterType.PARAMETER_STRING
 ODD_VALUES = (

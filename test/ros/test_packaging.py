@@ -16,7 +16,7 @@ import yaml
 import drill_twin
 from drill_twin.ros import entry_points
 from drill_twin.ros.composed_twin import ComposedTwin
-from drill_twin.ros.core.parameter_text import file_text
+from drill_twin.ros.core.parameters import file_text
 from drill_twin.ros.permissions import RIGHTS
 from drill_twin.scene import presets
 
@@ -25,7 +25,7 @@ NODES = {name: entry_points.load(name) for name in entry_points.NODES}
 EXECUTABLES = {*NODES, "twin", "watch"}
 # Import name -> distribution, where they differ.
 DISTRIBUTIONS = {"foxglove": "foxglove-sdk", "yaml": "pyyaml", "llvmlite": "numba", "pydantic_core": "pydantic"}
-FROM_ROS = {"rclpy", "rcl_interfaces", "std_srvs", "ament_index_python"}
+FROM_ROS = {"rclpy", "rcl_interfaces", "lifecycle_msgs", "std_srvs", "ament_index_python"}
 
 
 @pytest.fixture(scope="module")

@@ -3,7 +3,7 @@
 
 import pytest
 
-from drill_twin.ros.core.topics.scene_gate import SceneGate
+from drill_twin.ros.core.queues import SceneGate
 
 
 class Parser:

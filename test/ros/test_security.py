@@ -60,9 +60,9 @@ def test_a_policy_allows_what_the_running_node_does_and_no_more(bench, small_bag
 
     def done():
         present = node in {name for name, _ in graph.get_node_names_and_namespaces()}
-        return present and len(names("service")) == len(wanted["reply"]) - (node in {"rig_driver", "replayer"})
+        return present and len(names("service")) == len(wanted["reply"])
 
-    if node in {"rig_driver", "replayer"}:  # they offer ~/ready once they are through waiting, and wait here for ever
+    if node in {"rig_driver", "replayer"}:  # here they wait for ever
         bench.until(lambda: "waiting for /simulator" in process.text, what=node)
     bench.until(done, what=f"the services of {node}")
     # The gateway publishes commands while a client has control, and the measured state where there is a rig; the
@@ -77,7 +77,7 @@ def test_a_policy_allows_what_the_running_node_does_and_no_more(bench, small_bag
     of_subs = {name for names in wanted.values() for name in names if "*" in name}
     assert names("publisher") == wanted["publish"] - absent.get(node, set()) - of_subs
     assert names("subscriber") == wanted["subscribe"] - followed - of_subs
-    assert names("service") | {f"/{node}/ready"} == wanted["reply"]
+    assert names("service") == wanted["reply"]
     assert names("client") == wanted["request"]
     assert process.end() == 0
 

@@ -6,8 +6,8 @@ from types import SimpleNamespace
 import pytest
 
 from drill_twin.core.errors import DrillTwinError
-from drill_twin.ros.simulator import simulation_interfaces as common
-from drill_twin.ros.simulator.simulation_interfaces import Answers
+from drill_twin.ros.simulator import run_control as common
+from drill_twin.ros.simulator.run_control import Answers
 
 
 class Run:

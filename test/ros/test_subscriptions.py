@@ -13,7 +13,7 @@ from drill_twin.io.messages.cdr import ClockTemplate
 from drill_twin.io.messages.encode import encode_string
 from drill_twin.io.messages.topics import CLOCK_TOPIC, TOPICS, TWIN_SCENE, WHIRL_ONSET
 from drill_twin.io.messages.whirl_encode import OnsetMessage, encode_onset
-from drill_twin.ros.core.topics.rclpy_topics import message_class
+from drill_twin.ros.core.topics import message_class
 from drill_twin.ros.demo.demo_observer import DemoObserver
 
 

@@ -19,7 +19,7 @@ from drill_twin.io.messages.topics import (
     TOPICS,
     WHIRL_STATE,
 )
-from drill_twin.ros.core.topics.rclpy_topics import message_class
+from drill_twin.ros.core.topics import message_class
 
 FRAME = 10_000_000  # ns, of pa6_bench
 

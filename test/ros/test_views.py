@@ -10,7 +10,7 @@ from view_layouts import check_foxglove, check_plotjuggler, check_rviz
 
 from drill_twin.io.bag.reader import Bag
 from drill_twin.io.messages.topics import OF_EVERY_RUN, TOPICS
-from drill_twin.ros.core.topics.rclpy_topics import message_class
+from drill_twin.ros.core.topics import message_class
 
 
 @pytest.fixture(scope="module")

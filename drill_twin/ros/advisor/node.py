@@ -7,7 +7,7 @@ import json
 import math
 from typing import TYPE_CHECKING, ClassVar
 
-from rclpy.context import Context
+from rclpy.lifecycle import LifecycleState, TransitionCallbackReturn
 
 from drill_twin.core.errors import DrillTwinError
 from drill_twin.io.messages.decode import JointState, read_string
@@ -23,7 +23,7 @@ from drill_twin.io.messages.topics import (
     TWIN_SCENE,
     TWIN_SUMMARY,
 )
-from drill_twin.ros.core.node import TwinNode
+from drill_twin.ros.core.node import AUTOSTART, DONE, TwinNode
 from drill_twin.ros.core.pacing import Tick
 from drill_twin.ros.core.parameters import Parameter
 from drill_twin.studies.maps.advice import Advice, AdviceEncoder, Adviser
@@ -52,16 +52,36 @@ class Advisor(TwinNode):
         Parameter("runs", 100, "largest number of runs of a map made here", "", 1, 1_000_000),
         Parameter("workers", 1, "threads of a map made here", "", 1, 4096),
         Parameter("margin", 0.05, "share of the ranges that an advised set-point keeps from a boundary", "", 0.0, 0.5),
+        AUTOSTART,
     )
+    _maker: MapMaker | None = None
 
-    def __init__(self, context: Context) -> None:
-        super().__init__(context)
-        self._maker: MapMaker | None = None
+    def on_configure(self, _: LifecycleState) -> TransitionCallbackReturn:
+        """Read the map, and create topics and the timer of the advice.
+
+        Raises:
+            ArgumentError: The map cannot be read.
+        """
+        from drill_twin.studies.maps import read_map
+
         self._made: OperatingMap | None = None
         self._adviser: Adviser | None = None
         self._trouble = ""
         self._encoder = AdviceEncoder()
         self._clear()
+        self._given = read_map(self.settings.map) if self.settings.map else None
+        for topic in (ADVICE_STATE, ADVICE_MAP):
+            self.topics.advertise(topic)
+        self.topics.subscribe_scenes(self._on_scene)
+        self.topics.subscribe(RIG_STATE, self._on_rig, depth=1)
+        self.topics.subscribe(TWIN_SUMMARY, self._on_summary)
+        self.every(_PERIOD, self._look_at_map)
+        return DONE
+
+    def on_cleanup(self, _: LifecycleState) -> TransitionCallbackReturn:
+        """End a map that is being made."""
+        self._drop_maker()
+        return DONE
 
     def _clear(self) -> None:
         self._tracker = Tracker()
@@ -70,22 +90,6 @@ class Advisor(TwinNode):
         self._level = Level.OK
         self._repeat = Tick(_REPEAT)
         self._said = ""
-
-    def on_start(self) -> None:
-        """Read the map, and create the topics.
-
-        Raises:
-            ArgumentError: The map cannot be read.
-        """
-        from drill_twin.studies.maps import read_map
-
-        self._given = read_map(self.settings.map) if self.settings.map else None
-        self._due = Tick(_PERIOD)
-        for topic in (ADVICE_STATE, ADVICE_MAP):
-            self.topics.advertise(topic)
-        self.topics.subscribe_scenes(self._on_scene)
-        self.topics.subscribe(RIG_STATE, self._on_rig, depth=1)
-        self.topics.subscribe(TWIN_SUMMARY, self._on_summary)
 
     # --- inputs ---------------------------------------------------------------------------------------------------
 
@@ -127,11 +131,8 @@ class Advisor(TwinNode):
 
     # --- advice ---------------------------------------------------------------------------------------------------
 
-    def step(self) -> None:
-        """Process messages, take the map once it is made, and advise."""
-        super().step()
-        if not self._due.due():
-            return
+    def _look_at_map(self) -> None:
+        """Take the map once it is made, and advise."""
         if self._maker is not None:
             self._take_map(self._maker)
         if self._maker is not None and self._repeat.due():
@@ -184,16 +185,10 @@ class Advisor(TwinNode):
         if told:
             self.publish_diagnostics()
 
-    # --- end and health -------------------------------------------------------------------------------------------
-
     def _drop_maker(self) -> None:
         if self._maker is not None:
             self._maker.close()
             self._maker = None
-
-    def on_stop(self) -> None:
-        """End a map that is being made."""
-        self._drop_maker()
 
     def health(self) -> Status:
         """Level and sentence: gaps of its inputs, progress of the map, or the last advice."""

@@ -11,7 +11,7 @@ from collections.abc import Iterable
 from functools import partial
 from typing import TYPE_CHECKING, ClassVar
 
-from rclpy.context import Context
+from rclpy.lifecycle import LifecycleState, TransitionCallbackReturn
 
 from drill_twin.io.messages.diagnostics import Level, Status
 from drill_twin.io.messages.topics import (
@@ -24,7 +24,7 @@ from drill_twin.io.messages.topics import (
     WHIRL_ONSET,
     WHIRL_STATE,
 )
-from drill_twin.ros.core.node import TwinNode
+from drill_twin.ros.core.node import AUTOSTART, DONE, TwinNode
 from drill_twin.ros.core.parameters import Parameter
 
 if TYPE_CHECKING:
@@ -52,17 +52,12 @@ class Analyzer(TwinNode):
             'measured/NAME; "": the marks',
             such_as="near_bit",
         ),
+        AUTOSTART,
     )
+    _pipeline: WhirlPipeline | None = None
 
-    def __init__(self, context: Context) -> None:
-        super().__init__(context)
-        self._pipeline: WhirlPipeline | None = None
-        self._counted = (0, 0, 0)
-        self._onset_logged = False
-        self._logged_problem = ""
-
-    def on_start(self) -> None:
-        """Create the topics."""
+    def on_configure(self, _: LifecycleState) -> TransitionCallbackReturn:
+        """Create the pipeline, the publishers of its findings, and the subscriptions to scene and samples."""
         # Imported here: a bad parameter should be refused before.
         from drill_twin.io.scene_geometry import readings_topic
         from drill_twin.io.whirl_pipeline import WhirlPipeline
@@ -72,7 +67,7 @@ class Analyzer(TwinNode):
         pipeline = WhirlPipeline(scene, sub=self.settings.sub)
         samples = (readings_topic(self.settings.sub),) if self.settings.sub else (MARKS_STATE, RIG_STATE)
         self._sampled = samples[0]
-        self._pipeline = pipeline
+        self._pipeline, self._counted, self._onset_logged, self._logged_problem = pipeline, (0, 0, 0), False, ""
         for topic in (WHIRL_STATE, WHIRL_MOTION, WHIRL_ONSET, TWIN_SUMMARY):
             self.topics.advertise(topic)
         self._publish(pipeline.start())
@@ -82,6 +77,16 @@ class Analyzer(TwinNode):
             self.topics.subscribe_raw(topic, partial(self._on_message, pipeline, topic), depth=_DEPTH)
             for topic in samples
         ]
+        return DONE
+
+    def on_cleanup(self, _: LifecycleState) -> TransitionCallbackReturn:
+        """Analyse what has arrived already, and wait until the findings are received."""
+        if self._pipeline is not None:
+            self.drain(_QUIET)
+            self.publish_diagnostics()
+            self.topics.flush(2.0)
+        self._pipeline = None
+        return DONE
 
     def _on_message(self, pipeline: WhirlPipeline, topic: str, raw: bytes, *_: object) -> None:
         runs, malformed = pipeline.runs, pipeline.malformed
@@ -114,15 +119,7 @@ class Analyzer(TwinNode):
         for topic, raw in messages:
             self.topics.publish(topic, raw)
 
-    # --- end and health -------------------------------------------------------------------------------------------
-
-    def on_stop(self) -> None:
-        """Analyse what has arrived already, and wait until the findings are received."""
-        if self._pipeline is None:
-            return
-        self.drain(_QUIET)
-        self.publish_diagnostics()
-        self.topics.flush(2.0)
+    # --- readiness and health -------------------------------------------------------------------------------------
 
     def not_ready(self) -> str:
         """Reason why it cannot analyse yet: no scene, or a topic without a connected publisher."""

@@ -9,17 +9,16 @@ from contextlib import contextmanager
 from dataclasses import replace
 from typing import Any, ClassVar
 
-from rclpy.context import Context
+from rclpy.lifecycle import LifecycleState, TransitionCallbackReturn
 
 from drill_twin.core.errors import BagError, RunError
 from drill_twin.io.bag.metadata import RecordedTopic, contract_topic
 from drill_twin.io.bag.writer import BagWriter
 from drill_twin.io.messages.diagnostics import Level, Status
 from drill_twin.io.messages.topics import DIAGNOSTICS, TOPICS, sub_of
-from drill_twin.ros.core.node import TwinNode
-from drill_twin.ros.core.pacing import Tick
+from drill_twin.ros.core.node import AUTOSTART, DONE, TwinNode
 from drill_twin.ros.core.parameters import Parameter, ParameterError
-from drill_twin.ros.core.topics.raw_subscriptions import Received
+from drill_twin.ros.core.topics import Received
 
 _DEPTH = 2000  # messages of one topic; 10 s at 200 Hz
 _QUIET = 0.3  # s
@@ -45,20 +44,15 @@ class Recorder(TwinNode):
             'topics to record, separated by spaces; "": all of the contract',
             such_as="/rig/state /marks/state",
         ),
+        AUTOSTART,
     )
+    _bag: BagWriter | None = None
 
-    def __init__(self, context: Context) -> None:
-        super().__init__(context)
-        self._bag: BagWriter | None = None
+    def on_configure(self, _: LifecycleState) -> TransitionCallbackReturn:
+        """Create the bag, the subscriptions, and a timer that looks for topics of subs."""
         self._namespace = self.get_namespace().rstrip("/")
         self._told = 0  # sentences on changes of the bag by other programs
-        self._find_subs = False
-        self._recorded: set[str] = set()
-        self._search_due = Tick(_SEARCH_PERIOD)
         self._failure = ""  # a bag that failed once is not written to again, so that the first error is reported
-
-    def on_start(self) -> None:
-        """Create the bag and subscribe."""
         topics = self.settings.topics.split() or list(TOPICS)
         if unknown := [topic for topic in topics if topic not in TOPICS]:
             raise ParameterError(
@@ -72,13 +66,14 @@ class Recorder(TwinNode):
             longest=self.settings.max_bagfile_duration,
         )
         self._inputs = [self.topics.subscribe_raw(topic, self._writer_of(bag, topic), depth=_DEPTH) for topic in topics]
-        self._find_subs = not self.settings.topics
         self._recorded = set(topics)
+        self.every(_SEARCH_PERIOD, self._record_subs)
         self.get_logger().info(f"recording {len(topics)} topics to {bag.folder}")
+        return DONE
 
     def _record_subs(self) -> None:
         """Record the topics of downhole subs that have appeared in the namespace of this node."""
-        if self._bag is None or not self._find_subs:
+        if self._bag is None or self.settings.topics:
             return
         for name, types in self.get_topic_names_and_types():
             topic = name.removeprefix(self._namespace) if name.startswith(self._namespace) else ""
@@ -119,10 +114,8 @@ class Recorder(TwinNode):
 
     def step(self) -> None:
         """Record many messages at a time, by the times at which DDS received them; flush the bag also when idle."""
-        self.spin_once(0.05)
         time.sleep(_BATCH_TIME)
-        if self._search_due.due():
-            self._record_subs()
+        self.spin_all()
         if self._bag is None:
             return
         with self._writing():
@@ -131,25 +124,28 @@ class Recorder(TwinNode):
             self.get_logger().error(f"{text}; going on in {self._bag.file}")
         self._told = len(self._bag.damage)
 
-    def on_stop(self) -> None:
+    def on_cleanup(self, _: LifecycleState) -> TransitionCallbackReturn:
         """Record what is still arriving, and finish the bag."""
-        if self._bag is None:
-            return
+        bag = self._bag
+        if bag is None:
+            return DONE
         try:
             if not self._failure:
                 self.drain(_QUIET)
                 self.publish_diagnostics()
                 with self._writing():
-                    self._bag.close()
+                    bag.close()
         finally:
             if self._failure:
                 self.publish_diagnostics()
             lost = [f"{number} of {topic}" for topic, number in self.topics.dropped.items()]
-            if self._bag.lost or self._failure:
-                lost.append(f"{self._bag.lost} in the bag{' and all that came after' * bool(self._failure)}")
+            if bag.lost or self._failure:
+                lost.append(f"{bag.lost} in the bag{' and all that came after' * bool(self._failure)}")
             log = self.get_logger().warning if lost else self.get_logger().info
-            count = sum(self._bag.counts.values()) - self._bag.lost
-            log(f"{self._bag.folder}: {count} messages recorded, lost: {', '.join(lost) or 'none'}")
+            count = sum(bag.counts.values()) - bag.lost
+            log(f"{bag.folder}: {count} messages recorded, lost: {', '.join(lost) or 'none'}")
+            self._bag = None
+        return DONE
 
     def not_ready(self) -> str:
         """Publishers of its topics that it is not connected to yet, in a sentence; empty when there are none."""

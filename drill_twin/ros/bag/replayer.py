@@ -7,7 +7,7 @@ import time
 from collections.abc import Iterator
 from typing import ClassVar
 
-from rclpy.context import Context
+from rclpy.lifecycle import LifecycleState, TransitionCallbackReturn
 
 from drill_twin.core.errors import MessageError
 from drill_twin.io.bag.skipped import SkippedMessages
@@ -15,9 +15,9 @@ from drill_twin.io.messages.cdr import ClockTemplate
 from drill_twin.io.messages.diagnostics import Level, Status
 from drill_twin.io.messages.topics import CLOCK_TOPIC, DIAGNOSTICS, TOPICS, TWIN_SCENE
 from drill_twin.io.messages.type_store import deserialize
-from drill_twin.ros.core.node import TwinNode
+from drill_twin.ros.core.node import AUTOSTART, DONE, TwinNode
 from drill_twin.ros.core.parameters import Parameter, ParameterError
-from drill_twin.ros.core.stop_request import StopRequest
+from drill_twin.ros.core.startup_barrier import StartupBarrier, unmatched_readers
 
 _DISCOVERY = 0.6  # s; longest discovery of a running node
 _LONGEST_WAIT = 0.05  # s
@@ -70,20 +70,17 @@ class Replayer(TwinNode):
         Parameter("wait_for", "", "nodes that must be ready before the first message, separated by spaces"),
         Parameter("wait_timeout", 30.0, "longest wait for them", "s", 0.0, 3600.0),
         Parameter("loop", False, "whether to begin again at the end"),
+        AUTOSTART,
     )
 
-    def __init__(self, context: Context) -> None:
-        super().__init__(context)
-        self._over = False
-        self._sent = 0
-        self._skipped = SkippedMessages()
-        self._repeating = False
-
-    def on_start(self) -> None:
-        """Open the bag and create its topics."""
+    def on_configure(self, _: LifecycleState) -> TransitionCallbackReturn:
+        """Open the bag and create its publishers."""
         from drill_twin.io.bag.reader import Bag, parse_remappings
 
         settings = self.settings
+        self._over = self._repeating = False
+        self._sent = 0
+        self._skipped = SkippedMessages()
         if not settings.bag:
             raise ParameterError("parameter bag: expected the path of a bag, found none; add -p bag:=PATH")
         names = parse_remappings(settings.map.split(), "parameter map")
@@ -103,6 +100,28 @@ class Replayer(TwinNode):
             self.get_logger().warning(text)
         length = (self._bag.end - self._bag.start) * 1e-9
         self.get_logger().info(f"{settings.bag}: {self._bag.message_count} messages in {length:.1f} s")
+        self._began = self._rests = 0.0
+        self._waits, self._steps = True, self._replay()
+        return DONE
+
+    def on_activate(self, _: LifecycleState) -> TransitionCallbackReturn:
+        """Go on where the replay rested."""
+        self._began += time.monotonic() - self._rests
+        return DONE
+
+    def on_deactivate(self, _: LifecycleState) -> TransitionCallbackReturn:
+        """Let the replay rest."""
+        self._rests = time.monotonic()
+        return DONE
+
+    def on_cleanup(self, _: LifecycleState) -> TransitionCallbackReturn:
+        """Wait until the readers have received everything."""
+        if self._sent:
+            self.topics.flush()
+            self.get_logger().info(f"{self._sent} messages replayed")
+        for text in self._skipped.sentences():
+            self.get_logger().warning(f"left out: {text}")
+        return DONE
 
     def _chosen(self) -> list[str]:
         held = [name for name, topic in self._bag.topics.items() if name in TOPICS and topic.count]
@@ -114,8 +133,12 @@ class Replayer(TwinNode):
                 )
         return [topic for topic in held if (not wanted or topic in wanted) and topic not in unwanted]
 
-    def run(self, stop: StopRequest) -> None:
-        """Wait for the readers to be connected, then replay."""
+    def step(self) -> None:
+        """Publish the messages that are due, or wait for at most 50 ms."""
+        next(self._steps, None)
+
+    def _replay(self) -> Iterator[None]:
+        """Wait for the readers to be connected, then replay; yields at least every 50 ms."""
         # The scene is published first, before its time: an analyzer is only ready once it knows the marks.
         self._scene_sent = TWIN_SCENE in self._topics
         if self._scene_sent:
@@ -124,22 +147,15 @@ class Replayer(TwinNode):
             if first is not None:
                 self.topics.publish(TWIN_SCENE, first)
         discovered = time.monotonic() + _DISCOVERY
-        while not stop and (time.monotonic() < discovered or self.barrier.unmatched_readers()):
-            self.spin_once(0.05)
         prefix = f"{self.topics.prefix}/" if self.topics.prefix else ""
         names = " ".join(prefix + name for name in self.settings.wait_for.split())
-        self.barrier.wait_for(names, self.settings.wait_timeout, stop)
-        self._steps = self._play()
-        super().run(stop)
-
-    def step(self) -> None:
-        """Publish the messages that are due, or wait for at most 50 ms."""
-        next(self._steps, None)
-
-    def _play(self) -> Iterator[None]:
-        """Replay the bag; yields at least every 50 ms."""
+        barrier = StartupBarrier(self, names, self.settings.wait_timeout)
+        while time.monotonic() < discovered or unmatched_readers(self) or not barrier.passed():
+            self.spin_once(_LONGEST_WAIT)
+            yield
+        self._waits = False
         while not self._over:
-            began, clock_due = time.monotonic(), 0.0
+            self._began, clock_due = time.monotonic(), 0.0
             for topic, stamp, raw in self._bag.messages(self._topics):
                 if self._scene_sent and topic == TWIN_SCENE:
                     self._scene_sent = False
@@ -151,15 +167,15 @@ class Replayer(TwinNode):
                     self.topics.publish(CLOCK_TOPIC, self._clock_message.fill(stamp))
                     clock_due = passed + self._clock_period * (self.settings.rate or 1.0)
                 if self.settings.rate:
-                    while (left := began + passed / self.settings.rate - time.monotonic()) > 0.0:
-                        time.sleep(min(left, _LONGEST_WAIT))
+                    while (left := self._began + passed / self.settings.rate - time.monotonic()) > 0.0:
+                        self.spin_once(min(left, _LONGEST_WAIT))
                         yield
                 self.topics.publish(topic, raw)
                 self._sent += 1
                 if not self.settings.rate and not self._sent % _ACKNOWLEDGE:
                     self.topics.flush(1.0)
                 if not self._sent % 50:
-                    self.spin_once(0.0)
+                    self.spin_all()
                     yield
             self._over, self._repeating = not self.settings.loop, True
 
@@ -180,13 +196,9 @@ class Replayer(TwinNode):
         """True once all has been replayed."""
         return self._over
 
-    def on_stop(self) -> None:
-        """Wait until the readers have received everything."""
-        if self._sent:
-            self.topics.flush()
-            self.get_logger().info(f"{self._sent} messages replayed")
-        for text in self._skipped.sentences():
-            self.get_logger().warning(f"left out: {text}")
+    def not_ready(self) -> str:
+        """Reason why it does not replay yet; empty when it does."""
+        return "it waits for other nodes" if self._waits else ""
 
     def health(self) -> Status:
         """Progress of the replay."""

@@ -13,7 +13,7 @@ from rclpy.node import Node
 from drill_twin.core import __version__
 from drill_twin.io.messages.diagnostics import Level, Status, encode_diagnostics
 from drill_twin.io.messages.topics import DIAGNOSTICS
-from drill_twin.ros.core.topics.node_topics import NodeTopics
+from drill_twin.ros.core.topics import NodeTopics
 
 _REPEAT_AFTER = 60.0  # s without a problem until it is logged again
 

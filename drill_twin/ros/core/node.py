@@ -1,36 +1,62 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Base class of all nodes: a loop, the topics of the contract, diagnostics, and the start-up barrier.
+"""Base class of all nodes: a lifecycle node with the topics of the contract, diagnostics, and the start-up barrier.
 
-A node has a loop of its own instead of `rclpy.spin`: each turn waits for messages, processes all that have arrived,
-does the node's step, and checks whether the node was asked to stop.
+Messages, services and timers are those of rclpy's own `EventsExecutor` (7.1.4 or later), driven by one event a turn: a
+turn then needs no look at every entity of the node, some forty of them, which takes `SingleThreadedExecutor` a
+millisecond in Python. Errors of callbacks are raised after the turn (`_keep`): the executor would print a traceback of
+them first. `docs/design.md` has the load of both.
 """
 
 from __future__ import annotations
 
+import time
+from collections.abc import Callable
+from functools import partial
 from types import SimpleNamespace
 from typing import Any, ClassVar
 
+from lifecycle_msgs.srv import ChangeState
+from rclpy.clock import Clock
+from rclpy.clock_type import ClockType
 from rclpy.context import Context
+from rclpy.experimental.events_executor import EventsExecutor
+from rclpy.lifecycle import LifecycleState, TransitionCallbackReturn
+from rclpy.lifecycle.node import LifecycleNodeMixin
 from rclpy.node import Node
 from rclpy.service import Service
+from rclpy.timer import Timer
+from std_srvs.srv import Trigger
 
 from drill_twin.io.messages.diagnostics import Level, Status
 from drill_twin.io.messages.good_samples import GoodSamples
 from drill_twin.io.messages.topics import DIAGNOSTICS
 from drill_twin.ros.core.diagnostics_publisher import DiagnosticsPublisher
-from drill_twin.ros.core.pacing import Tick
 from drill_twin.ros.core.parameters import Parameter, declare, follow_changes
-from drill_twin.ros.core.request_guard import Answer, guarded
-from drill_twin.ros.core.startup_barrier import StartupBarrier
+from drill_twin.ros.core.requests import Answer, guarded, log_refusal
+from drill_twin.ros.core.startup_barrier import answer_ready
 from drill_twin.ros.core.stop_request import StopRequest
-from drill_twin.ros.core.topics.node_topics import NodeTopics
-from drill_twin.ros.core.topics.raw_subscriptions import RawSubscriptions
+from drill_twin.ros.core.topics import NodeTopics, refuse_unused_overrides
 
 _DIAGNOSTICS_PERIOD = 1.0  # s
+_AT_ONCE = 1000  # messages processed in one turn
+_SCENE_PERIOD = 0.1  # s between two looks at the scenes that wait
+DONE, REFUSED = TransitionCallbackReturn.SUCCESS, TransitionCallbackReturn.FAILURE
+_CONFIGURED = LifecycleState("inactive", 2)
+AUTOSTART = Parameter(
+    "autostart", True, "whether to configure and activate itself; else a lifecycle manager does (ros2 lifecycle)"
+)
+"""Parameter of every node."""
+
+Transition = Callable[[LifecycleState], TransitionCallbackReturn]
 
 
-class TwinNode(Node):
-    """A node of drill_twin.
+class TwinNode(LifecycleNodeMixin, Node):
+    """A node of drill_twin: a lifecycle node that by default configures and activates itself.
+
+    A node implements `on_configure` (load what is needed; create topics, services and timers; an error refuses),
+    `on_cleanup` (complete what is open and drop it; called once, also at the end and after an error) and, where it has
+    something to do there, `on_activate` and `on_deactivate`. An inactive node takes no step, and of messages only
+    latched ones.
 
     Raises:
         ParameterError: A parameter with which it cannot start.
@@ -43,47 +69,51 @@ class TwinNode(Node):
     """Names of parameters of other nodes in this process."""
     ON_CHANGE: ClassVar[tuple[str, ...]] = ()
     """Topics of which this node expects a message on change only, so that their silence is no fault."""
+    configured = False
+    """True from the beginning of `on_configure` until `on_cleanup` is over."""
 
     def __init__(self, context: Context) -> None:
         """Create the node without topics but the diagnostics."""
-        super().__init__(self.NAME, context=context)
+        Node.__init__(self, self.NAME, context=context)
         self.settings: SimpleNamespace = declare(self, self.PARAMETERS, other_names=self.OTHER_PARAMETERS)
         follow_changes(self, self.PARAMETERS, self.settings, check=self.check_change, changed=self.on_change)
-        self._raw_subscriptions = RawSubscriptions(self, context)
         self.samples = GoodSamples(on_change=self.ON_CHANGE)
         """Good and bad samples by topic."""
-        self.topics = NodeTopics(self, self._raw_subscriptions, self.samples.unreadable)
-        self.barrier = StartupBarrier(self)
-        self.services_while_configured: list[Service] = []
-        self.ended = False
-        """True once the node is being closed in order."""
+        self.topics = NodeTopics(self, self.samples.unreadable, self._keep)
+        self._spins = False
+        self.active = self.ended = self.ends = False
+        """True while active; true once closed in order; true once asked by a service to end."""
+        self._raised: list[BaseException] = []
+        self._endpoints: list[Service | Timer] = []
+        self._ready: Service | None = None
+        self._refusal: Exception | None = None
+        for name, then in (
+            ("on_configure", self._configured),
+            ("on_activate", partial(self._set_active, active=True)),
+            ("on_deactivate", partial(self._set_active, active=False)),
+            ("on_cleanup", self._clean),
+            ("on_shutdown", self.end),
+        ):
+            setattr(self, name, self._refusable(getattr(self, name), then, begins=name == "on_configure"))
+        LifecycleNodeMixin.__init__(self)
+        for service in self.services:
+            if service.srv_type is ChangeState:  # rclpy raises where the present state does not have the transition
+                service.callback = guarded(self, ChangeState, service.callback)
+        self._executor = EventsExecutor(context=context)
+        self._executor.add_node(self)
         self._diagnostics = DiagnosticsPublisher(self, self.topics)
-        self._diagnostics_due = Tick(_DIAGNOSTICS_PERIOD)
+        self._every(_DIAGNOSTICS_PERIOD, self.publish_diagnostics)
+        self._every(_SCENE_PERIOD, self.topics.pass_on_scenes)
 
-    def create_service(self, srv_type: Any, srv_name: str, callback: Answer, **options: Any) -> Service:
-        """Create a service whose requests cannot end the node, rclpy's own services of parameters included."""
-        return super().create_service(srv_type, srv_name, guarded(self, srv_type, callback), **options)
-
-    # --- implemented by each node ---------------------------------------------------------------------------------
-
-    def on_start(self) -> None:
-        """Create topics and load what is needed; may take long, and a signal ends it at once."""
+    # --- implemented by nodes -------------------------------------------------------------------------------------
 
     def step(self) -> None:
-        """Do one turn of the loop."""
+        """Do one turn of the loop, while active."""
         self.spin_once(0.05)
-
-    def on_stop(self) -> None:
-        """Complete what is open; called once, also after an error."""
 
     @property
     def finished(self) -> bool:
         """True once the node has completed its task."""
-        return False
-
-    @property
-    def topics_pending(self) -> bool:
-        """True while topics are still to be created; the service `~/ready` is not offered before."""
         return False
 
     def not_ready(self) -> str:
@@ -91,7 +121,7 @@ class TwinNode(Node):
         return ""
 
     def health(self) -> Status:
-        """Diagnostic status, published once a second."""
+        """Diagnostic status, published once a second while it is configured."""
         return Status(self.NAME, Level.OK, "running")
 
     def check_change(self, settings: SimpleNamespace) -> None:
@@ -100,42 +130,164 @@ class TwinNode(Node):
     def on_change(self) -> None:
         """Apply a live change; the settings hold the new value."""
 
+    # --- topics, services, timers ---------------------------------------------------------------------------------
+
+    def create_service(self, srv_type: Any, srv_name: str, callback: Answer, **options: Any) -> Service:
+        """Create a service whose requests cannot end the node, rclpy's own services of parameters included."""
+        service = super().create_service(srv_type, srv_name, guarded(self, srv_type, callback), **options)
+        if self.configured:
+            self._endpoints.append(service)
+        return service
+
+    def every(self, period: float, callback: Callable[[], object]) -> None:
+        """Create a timer by the wall clock [s], whatever `use_sim_time` says; it rests while the node is inactive."""
+        self._endpoints.append(self._every(period, lambda: callback() if self.active else None))
+
+    def _every(self, period: float, callback: Callable[[], object]) -> Timer:
+        return self.create_timer(period, lambda: self._keep(callback), clock=Clock(clock_type=ClockType.STEADY_TIME))
+
+    def offer_ready(self) -> None:
+        """Create the service `~/ready`, unless it is there: after all topics of this node."""
+        if self._ready is None:
+            self._ready = super().create_service(Trigger, "~/ready", lambda _, response: answer_ready(self, response))
+
+    def withdraw_ready(self) -> None:
+        """Destroy the service `~/ready`."""
+        if self._ready is not None:
+            self.destroy_service(self._ready)
+        self._ready = None
+
+    # --- life cycle -----------------------------------------------------------------------------------------------
+
+    def start(self) -> None:
+        """Configure and activate, unless a lifecycle manager is to do it.
+
+        Raises:
+            Exception: That with which the node refused.
+        """
+        if not getattr(self.settings, "autostart", True):
+            name = self.get_fully_qualified_name()
+            self.get_logger().info(f"waiting to be configured: ros2 lifecycle set {name} configure")
+            return
+        for transition in (self.trigger_configure, self.trigger_activate):
+            transition()
+            if self._refusal is not None:
+                raise self._refusal
+
+    def _refusable(self, transition: Transition, then: Callable[[], object], *, begins: bool) -> Transition:
+        """Callback of a transition whose error is told, where rclpy would swallow it, and what follows a success."""
+
+        def callback(state: LifecycleState) -> TransitionCallbackReturn:
+            self.configured |= begins
+            try:
+                if (found := transition(state)) == DONE:
+                    then()
+                    return found
+            except Exception as error:  # noqa: BLE001 - told here, or raised by `start`
+                self._refusal = error
+                if not getattr(self.settings, "autostart", True):
+                    self.get_logger().error(str(error))
+            if begins:
+                self.clean_up()
+            return REFUSED
+
+        return callback
+
+    def _configured(self) -> None:
+        if not self.OTHER_PARAMETERS:
+            refuse_unused_overrides(self)
+        self.topics.muted = not self.active
+        self.offer_ready()
+
+    def _set_active(self, *, active: bool) -> None:
+        self.active, self.topics.muted = active, not active
+
+    def _clean(self) -> None:
+        """Destroy all topics, services and timers of a configured node; the diagnostics remain."""
+        self.configured = False
+        self.withdraw_ready()
+        for endpoint in self._endpoints:
+            self.destroy_timer(endpoint) if isinstance(endpoint, Timer) else self.destroy_service(endpoint)
+        self._endpoints.clear()
+        self.topics.destroy_all_but(DIAGNOSTICS)
+
+    def clean_up(self) -> None:
+        """Complete what is open and drop it, if anything is."""
+        if self.configured:
+            try:
+                type(self).on_cleanup(self, _CONFIGURED)
+            finally:
+                self._clean()
+
+    def end(self) -> None:
+        """Ask the node to end."""
+        self.ends = True
+
+    def close(self) -> None:
+        """Complete what is open, and destroy the node."""
+        self.ended = True
+        try:
+            self.clean_up()
+        finally:
+            self._executor.shutdown()
+            self.destroy_node()
+
     # --- the loop -------------------------------------------------------------------------------------------------
 
     def run(self, stop: StopRequest) -> None:
         """Work until finished or asked to stop."""
-        self.offer_readiness()
-        while not stop and not self.finished:
-            self.step()
-            self.publish_due_diagnostics()
+        while not (stop or self.ends or self.finished):
+            if self.active:
+                self.step()
+            else:
+                self.spin_once(0.05)
 
     def spin_once(self, seconds: float) -> None:
-        """Wait for messages and service calls, at most this long [s], and process all that have arrived."""
-        self._raw_subscriptions.spin_once(seconds)
-        self.topics.pass_on_scenes()
+        """Wait for a message, a service call or a timer, at most this long [s], and process what comes first.
+
+        Within a callback, such as a transition that a service asks for, nothing else is processed.
+        """
+        if self._spins:
+            time.sleep(seconds)
+            return
+        self._spins = True
+        try:
+            self._executor.spin_once(max(seconds, 0.0))
+        except (ValueError, TypeError, RuntimeError, SystemError) as error:  # rclpy could not take a request or answer
+            log_refusal(self, "taken by rclpy", error)
+        finally:
+            self._spins = False
+        if self._raised:
+            raise self._raised.pop(0)
+
+    def spin_all(self) -> None:
+        """Process all messages that have arrived; to find that none is left takes 0.1 ms."""
+        for _ in range(_AT_ONCE):  # a flood must not keep the node from its work
+            taken = self.topics.taken
+            self.spin_once(0.0)
+            if taken == self.topics.taken:
+                return
 
     def drain(self, quiet: float, longest: float = 2.0) -> None:
         """Process what is still arriving, until nothing has come for `quiet` seconds or `longest` have passed."""
-        self._raw_subscriptions.drain(quiet, longest)
+        now = last = time.monotonic()
+        end = now + longest
+        while now - last < quiet and now < end:
+            taken = self.topics.taken
+            self.spin_once(0.01)
+            now = time.monotonic()
+            last = now if self.topics.taken > taken else last
 
-    def publish_due_diagnostics(self) -> None:
-        """Publish the diagnostics of this node, if the last ones are a second old."""
-        if self._diagnostics_due.due():
-            self.publish_diagnostics()
+    def _keep(self, callback: Callable[[], object]) -> None:
+        """Call a function within the executor; an error is raised once that has returned."""
+        try:
+            callback()
+        except BaseException as error:  # noqa: BLE001 - raised by `spin_once`
+            self._raised.append(error)
 
     def publish_diagnostics(self) -> None:
         """Publish the diagnostics of this node now."""
-        self._diagnostics.publish(self.health, ended=self.ended)
+        self._diagnostics.publish(self._health, ended=self.ended)
 
-    def offer_readiness(self) -> None:
-        """Create the service `~/ready`, unless topics are still to be created."""
-        if not self.topics_pending:
-            self.barrier.create_service()
-
-    def destroy_endpoints(self) -> None:
-        """Destroy all topics and services of a configured node; the diagnostics remain."""
-        self.barrier.destroy_service()
-        for service in self.services_while_configured:
-            self.destroy_service(service)
-        self.services_while_configured.clear()
-        self.topics.destroy_all_but(DIAGNOSTICS)
+    def _health(self) -> Status:
+        return self.health() if self.configured else Status(self.NAME, Level.OK, "unconfigured")

@@ -12,13 +12,11 @@ from rclpy.signals import SignalHandlerOptions
 from rclpy.utilities import remove_ros_args
 
 from drill_twin.core.errors import DrillTwinError
+from drill_twin.ros import deployment as discovery
 from drill_twin.ros.core.node import TwinNode
-from drill_twin.ros.core.parameter_text import file_text, help_text
-from drill_twin.ros.core.parameters import Parameter
+from drill_twin.ros.core.parameters import Parameter, file_text, help_text
 from drill_twin.ros.core.stop_request import StopRequest
-from drill_twin.ros.core.topics.qos_overrides import refuse_unused
-from drill_twin.ros.deployment import discovery
-from drill_twin.ros.deployment.security import readable_refusal
+from drill_twin.ros.deployment import readable_refusal
 
 
 def run_node(kind: type[TwinNode], arguments: Sequence[str], stop: StopRequest) -> None:
@@ -76,16 +74,10 @@ def run_in_order(node: TwinNode, stop: StopRequest) -> None:
     """Start, run and stop a node; destroys it."""
     try:
         with stop.at_once():
-            node.on_start()
-            if not node.topics_pending and not node.OTHER_PARAMETERS:
-                refuse_unused(node)
+            node.start()
         node.run(stop)
     finally:
-        node.ended = True
-        try:
-            node.on_stop()
-        finally:
-            node.destroy_node()
+        node.close()
 
 
 def print_help(name: str, purpose: str, table: Sequence[Parameter], arguments: Sequence[str]) -> bool:

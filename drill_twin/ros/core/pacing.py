@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Callable
 
 _LONGEST_SLEEP = 0.05  # s; longest delay of a signal
 
@@ -34,8 +35,12 @@ class Pacer:
         """Return True if lag was dropped in the last seconds."""
         return self._dropped_at is not None and time.monotonic() - self._dropped_at < seconds
 
-    def wait(self) -> None:
-        """Sleep until the next frame is due; returns at once when it is late."""
+    def wait(self, spend: Callable[[float], object] = time.sleep) -> bool:
+        """Spend the time until the next frame is due; returns False at once when it is late.
+
+        Args:
+            spend: Spends at most a time [s]; given 50 ms at most.
+        """
         now = time.monotonic()
         if self._deadline is None:
             self._deadline = now
@@ -47,9 +52,10 @@ class Pacer:
                 self.lag_dropped += late
                 self._dropped_at = now
                 self._deadline = now
-            return
-        while (left := self._deadline - time.monotonic()) > 0.0:
-            time.sleep(min(left, _LONGEST_SLEEP))
+            return False
+        while self._deadline is not None and (left := self._deadline - time.monotonic()) > 0.0:
+            spend(min(left, _LONGEST_SLEEP))
+        return True
 
 
 class Tick:

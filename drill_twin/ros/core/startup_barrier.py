@@ -1,37 +1,32 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Start-up barrier: a service that reports the readiness of a node, and the wait for those of other nodes.
+"""Start-up barrier: the service `~/ready` of a node, and the wait of one that sends for those that must not miss it.
 
 Two nodes that a third one waits for may both be running and not be connected to each other yet. A ready node therefore
 answers with the number of readers of each of its topics. The waiting node has discovered all readers of every node
-whose `~/ready` service it sees, because that service is created last; it compares the two numbers.
-
-The answer of a service is lost as long as DDS has not connected the server to the client, which sees the server
-already: mostly for a second, rarely for long, where an earlier process was killed. An unanswered client is made anew
-after some seconds, and where the run is under way the wait ends without an answer.
+that answers, because `~/ready` is created last; it compares the two numbers. A node that compiles offers the service
+meanwhile too, and answers that it does: the waiting node waits as long.
 
 Latched frame topics do not replace this. In lockstep, at 5 times real time, a recorder that came a second late missed
 the first 11 s although a publisher keeps 1000 frames; and readers that ask for latched messages are not connected to
-publishers of the usual, volatile kind.
-
-A node that compiles offers the service meanwhile too, before its topics. Its answer then begins with `COMPILING`: the
-waiting node takes it for absent, and waits as long as it compiles.
+publishers of the usual, volatile kind. Neither does `get_subscription_count` of rclpy alone: a node knows whom its own
+publishers are connected with, not whom another's are.
 """
 
 from __future__ import annotations
 
 import json
 import time
+from collections import Counter
 from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 from rclpy.node import Node
-from rclpy.qos import DurabilityPolicy
-from rclpy.service import Service
+from rclpy.task import Future
 from std_srvs.srv import Trigger
 
 from drill_twin.core.errors import RunError
 from drill_twin.core.files.json_files import JsonError, read_json
-from drill_twin.ros.core.stop_request import StopRequest
+from drill_twin.ros.core.graph import readers_of
 
 if TYPE_CHECKING:
     from drill_twin.ros.core.node import TwinNode
@@ -39,139 +34,120 @@ if TYPE_CHECKING:
 COMPILING = "compiling"
 """First word of the reason of a node that is not ready because it compiles."""
 _POLL = 0.05  # s
-_ANSWER_TIME = 1.0  # s
+_ANSWER_TIME = 1.0  # s; an answer is lost as long as DDS has not connected the server to the client
 _NO_ANSWER = "it did not answer"
-_RENEW_AFTER = 5  # requests without an answer
+_RENEW_AFTER = 5  # requests without an answer, as where an earlier process was killed
 _GO_ON_AFTER = 2  # requests without an answer, where the run is under way
 
 
 class StartupBarrier:
-    """Readiness of a node, and its wait for the readiness of others."""
+    """Wait for other nodes to be ready, and for the readers of this node to be connected."""
 
-    def __init__(self, node: TwinNode) -> None:
-        self._node = node
-        self._service: Service | None = None
-        self._deadline = 0.0
-
-    def create_service(self) -> None:
-        """Create the service `~/ready`, after all topics of this node."""
-        if self._service is None:
-            self._service = self._node.create_service(Trigger, "~/ready", self._answer)
-
-    def destroy_service(self) -> None:
-        """Destroy the service `~/ready`."""
-        if self._service is not None:
-            self._node.destroy_service(self._service)
-        self._service = None
-
-    def _answer(self, _: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
-        reason = self._node.not_ready() or self.unmatched_readers()
-        publishers = self._node.topics.publishers.values()
-        counts = {publisher.topic_name: publisher.get_subscription_count() for publisher in publishers}
-        response.success = not reason
-        response.message = reason or json.dumps(counts)
-        return response
-
-    def unmatched_readers(self) -> str:
-        """Topics of this node with a reader that is not connected yet, in a sentence; empty when all are."""
-        late = [
-            topic
-            for topic, publisher in self._node.topics.publishers.items()
-            if publisher.get_subscription_count() < readers_of(self._node, publisher.topic_name)
-        ]
-        return f"not yet connected to the readers of {', '.join(late)}" if late else ""
-
-    def wait_for(
-        self, names: str, seconds: float, stop: StopRequest, under_way: Callable[[], bool] = lambda: False
+    def __init__(
+        self, node: TwinNode, names: str, seconds: float, under_way: Callable[[], bool] = lambda: False
     ) -> None:
-        """Wait until other nodes are ready and the readers of this node are connected.
+        """Begin to wait.
 
         Args:
-            names: Node names in this namespace, or full ones, separated by spaces.
+            node: The node that waits.
+            names: Node names in its namespace, or full ones, separated by spaces.
             seconds: Longest wait [s]; it begins again while a node answers that it compiles.
-            stop: Ends the wait early.
             under_way: Whether this node is connected to a run that has begun: it then does not wait for a node that is
                 there and does not answer.
+        """
+        self._node, self._seconds, self._under_way = node, seconds, under_way
+        self._clients = {name: node.create_client(Trigger, f"{name}/ready") for name in names.split()}
+        self._full_names = {name: client.service_name.removesuffix("/ready") for name, client in self._clients.items()}
+        self._answers: dict[str, Future] = {}
+        self._unanswered: Counter[str] = Counter()
+        self._told: dict[str, str] = {}
+        self._asked = 0.0
+        self._deadline = time.monotonic() + seconds
+
+    def passed(self) -> bool:
+        """Return True once the wait is over; called at each turn of the loop of the node.
 
         Raises:
             RunError: A node was not ready in time.
         """
-        others = [_Other(self._node, name) for name in names.split()]
-        self._deadline = time.monotonic() + seconds
-        # All must be there before the first is asked: its answer is compared with the readers of all the others.
-        for ready in (False, True):
-            for other in others:
-                self._wait(other, seconds, stop, under_way, ready=ready)
-        for other in others:
-            other.close()
-        while not stop and self.unmatched_readers() and time.monotonic() < self._deadline:
-            self._node.spin_once(_POLL)
-
-    def _wait(
-        self, other: _Other, seconds: float, stop: StopRequest, under_way: Callable[[], bool], *, ready: bool
-    ) -> None:
-        """Wait until a node is there, or ready; the log says so where it takes a while."""
-        console, logged, unanswered = self._node.get_logger(), "", 0
-        while not stop and (reason := other.lacks(ready=ready)):
-            unanswered = unanswered + 1 if reason == _NO_ANSWER else 0
-            if unanswered >= _GO_ON_AFTER and under_way():
-                console.warning(f"{other.name} did not answer; its run is under way, so this node joins it")
-                return
-            if unanswered and unanswered % _RENEW_AFTER == 0:
-                other.renew()
-            if reason.startswith(COMPILING):
-                self._deadline = time.monotonic() + seconds
-                reason = COMPILING  # its progress is in the log of that node
-            if reason != logged:
-                console.info(f"waiting for {other.name}: {reason}")
-                logged = reason
-            if time.monotonic() > self._deadline:
-                raise RunError(
-                    f"waited {seconds:g} s for the node {other.name}: {reason}; start it in the same "
-                    "ROS_DOMAIN_ID and namespace, or take its name out of the parameter wait_for"
-                )
-            self._node.spin_once(_POLL)
-        if logged:
-            console.info(f"{other.name} is {'ready' if ready else 'there'}")
-
-
-class _Other:
-    """Node that is waited for."""
-
-    def __init__(self, node: TwinNode, name: str) -> None:
-        self._node, self._service = node, f"{name}/ready"
-        self._client = node.create_client(Trigger, self._service)
-
-    @property
-    def name(self) -> str:
-        """Full name of the node."""
-        return str(self._client.service_name).removesuffix("/ready")
-
-    def renew(self) -> None:
-        """Make the client anew."""
+        now = time.monotonic()
+        if self._clients and not self._answers:
+            if now < self._asked + _POLL:
+                return False
+            self._asked = now
+            there = [name for name, client in self._clients.items() if client.service_is_ready()]
+            self._answers = {name: self._clients[name].call_async(Trigger.Request()) for name in there}
+        if not all(answer.done() for answer in self._answers.values()) and now < self._asked + _ANSWER_TIME:
+            return False
+        reasons = {name: reason for name in tuple(self._clients) if (reason := self._reason(name))}
+        self._answers = {}
+        for name, reason in reasons.items():
+            self._tell(name, f"waiting for {self._full_names[name]}: {reason}")
+        if now > self._deadline and reasons:
+            name, reason = next(iter(reasons.items()))
+            raise RunError(
+                f"waited {self._seconds:g} s for the node {self._full_names[name]}: {reason}; start it in the same "
+                "ROS_DOMAIN_ID and namespace, or take its name out of the parameter wait_for"
+            )
+        if reasons or (unmatched_readers(self._node) and now < self._deadline):
+            return False
+        for name in self._told:
+            self._node.get_logger().info(f"{self._full_names[name]} is ready")
         self.close()
-        self._client = self._node.create_client(Trigger, self._service)
+        return True
 
     def close(self) -> None:
-        """Destroy the client."""
-        self._node.destroy_client(self._client)
+        """Destroy the clients."""
+        for client in self._clients.values():
+            self._node.destroy_client(client)
+        self._clients, self._told = {}, {}
 
-    def lacks(self, *, ready: bool) -> str:
-        """Reason why the node is not there, or not `ready`; empty when it is."""
-        if not self._client.service_is_ready():
+    def _reason(self, name: str) -> str:
+        """Reason why a node is not waited for any more; empty where it is not."""
+        answer, client = self._answers.get(name), self._clients[name]
+        if answer is None:
             return "it is not there yet"
-        answer = self._client.call_async(Trigger.Request())
-        deadline = time.monotonic() + _ANSWER_TIME
-        while not answer.done():
-            if time.monotonic() > deadline:
-                self._client.remove_pending_request(answer)
-                return _NO_ANSWER
-            self._node.spin_once(_POLL)
-        said = answer.result()
-        message = str(said.message)
-        if ready:
-            return missing_readers(self._node, message) if said.success else message
-        return message if message.startswith(COMPILING) else ""
+        if answer.done():
+            self._unanswered[name] = 0
+            said = answer.result()
+            if said.success:
+                return missing_readers(self._node, said.message)
+            if str(said.message).startswith(COMPILING):
+                self._deadline = time.monotonic() + self._seconds
+                return COMPILING  # its progress is in the log of that node
+            return str(said.message)
+        client.remove_pending_request(answer)
+        self._unanswered[name] += 1
+        if self._unanswered[name] >= _GO_ON_AFTER and self._under_way():
+            self._node.get_logger().warning(
+                f"{self._full_names[name]} did not answer; its run is under way, so this node joins it"
+            )
+            self._node.destroy_client(self._clients.pop(name))
+            return ""
+        if self._unanswered[name] % _RENEW_AFTER == 0:
+            self._node.destroy_client(client)
+            self._clients[name] = self._node.create_client(Trigger, f"{name}/ready")
+        return _NO_ANSWER
+
+    def _tell(self, name: str, text: str) -> None:
+        if self._told.get(name) != text:
+            self._told[name] = text
+            self._node.get_logger().info(text)
+
+
+def answer_ready(node: TwinNode, response: Trigger.Response) -> Trigger.Response:
+    """Answer of `~/ready`: the reason why a node is not ready, else the readers of each of its topics."""
+    reason = node.not_ready() or ("" if node.active else "it is not active") or unmatched_readers(node)
+    publishers = node.topics.publishers.values()
+    response.success = not reason
+    response.message = reason or json.dumps({one.topic_name: one.get_subscription_count() for one in publishers})
+    return response
+
+
+def unmatched_readers(node: TwinNode) -> str:
+    """Topics of a node with a reader that is not connected yet, in a sentence; empty when all are."""
+    publishers = node.topics.publishers.values()
+    return _late(node, {one.topic_name: one.get_subscription_count() for one in publishers})
 
 
 def missing_readers(node: Node, answer: str) -> str:
@@ -187,18 +163,9 @@ def missing_readers(node: Node, answer: str) -> str:
         return ""
     if not isinstance(counts, dict):
         return ""
-    late = [topic for topic, count in counts.items() if isinstance(count, int) and count < readers_of(node, topic)]
+    return _late(node, {topic: count for topic, count in counts.items() if isinstance(count, int)})
+
+
+def _late(node: Node, counts: dict[str, int]) -> str:
+    late = [topic for topic, count in counts.items() if count < readers_of(node, topic)]
     return f"not yet connected to the readers of {', '.join(late)}" if late else ""
-
-
-def readers_of(node: Node, topic: str) -> int:
-    """Number of readers of a topic, by its full name, that its publishers can be connected to.
-
-    A reader that requests latched messages where none are offered is never connected, so it does not count.
-    """
-    latched = any(
-        offer.qos_profile.durability == DurabilityPolicy.TRANSIENT_LOCAL
-        for offer in node.get_publishers_info_by_topic(topic)
-    )
-    readers = node.get_subscriptions_info_by_topic(topic)
-    return sum(latched or reader.qos_profile.durability != DurabilityPolicy.TRANSIENT_LOCAL for reader in readers)

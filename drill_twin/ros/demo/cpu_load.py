@@ -12,13 +12,13 @@ import resource
 import tempfile
 import time
 from collections.abc import Callable, Mapping
+from contextlib import closing
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from drill_twin.ros.core.stop_request import StopRequest
-from drill_twin.ros.demo.processes import Child, processes
-from drill_twin.ros.demo.stall_detector import STARTING_TIME, StallDetector
+from drill_twin.ros.demo.processes import STARTING_TIME, Child, processes
 
 if TYPE_CHECKING:
     from drill_twin.ros.demo.demo_observer import DemoObserver
@@ -61,20 +61,16 @@ def run_load(options: LoadOptions) -> tuple[list[NodeLoad], Mapping[str, str]]:
     Raises:
         DrillTwinError: They do not start, or (RunError) do not end well.
     """
-    from drill_twin.ros.deployment.discovery import DomainClaim, domain_of_environment, prepare
+    from drill_twin.ros.deployment import own_domain
 
-    claim = DomainClaim(domain_of_environment())
-    os.environ["ROS_DOMAIN_ID"] = str(claim.domain)
-    prepare()
-    try:
-        with tempfile.TemporaryDirectory(prefix="drill_twin_load_") as folder:
-            os.environ["ROS_LOG_DIR"] = folder
-            with processes(_commands(options, Path(folder)), dict(os.environ), Path(folder)) as children:
-                _observe_until(lambda observer: observer.time > _WARM_UP, children)
-                shares = _measure(children, options.seconds)
-                return shares, _observe_until(lambda observer: bool(observer.simulator), children)
-    finally:
-        claim.release()
+    with (
+        tempfile.TemporaryDirectory(prefix="drill_twin_load_") as folder,
+        own_domain(Path(folder)),
+        processes(_commands(options, Path(folder)), dict(os.environ), Path(folder)) as children,
+    ):
+        _observe_until(lambda observer: observer.time > _WARM_UP, children)
+        shares = _measure(children, options.seconds)
+        return shares, _observe_until(lambda observer: bool(observer.simulator), children)
 
 
 def _commands(options: LoadOptions, folder: Path) -> dict[str, Mapping[str, object]]:
@@ -91,22 +87,10 @@ def _commands(options: LoadOptions, folder: Path) -> dict[str, Mapping[str, obje
 def _observe_until(reached: Callable[[DemoObserver], bool], children: Mapping[str, Child]) -> Mapping[str, str]:
     """Observe the nodes until a state is reached, with a node that is gone during the measurement."""
     # Imported after the children were started: DDS threads do not survive a fork.
-    from drill_twin.ros.core.node_main import init_context
-    from drill_twin.ros.demo.demo_observer import DemoObserver
+    from drill_twin.ros.demo.demo_observer import observed
 
-    context = init_context([], StopRequest())
-    stall_detector = StallDetector()
-    try:
-        observer = DemoObserver(context, lambda _: None)
-        while not reached(observer):
-            observer.spin_once(0.1)
-            for child in children.values():
-                child.check_alive()
-            stall_detector.check(observer.time, compiling=bool(observer.compiling))
-        observer.destroy_node()
-        return observer.simulator
-    finally:
-        context.try_shutdown()
+    with closing(observed(children, StopRequest(), lambda _: None)) as turns:
+        return next(observer.simulator for observer in turns if reached(observer))
 
 
 def _measure(children: Mapping[str, Child], seconds: float) -> list[NodeLoad]:

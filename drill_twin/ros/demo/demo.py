@@ -9,16 +9,15 @@ from __future__ import annotations
 import argparse
 import os
 from collections.abc import Mapping, Sequence
+from contextlib import closing
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from drill_twin.core.errors import RunError
+from drill_twin.core.errors import BagError, RunError
 from drill_twin.core.files.output import RESULTS, make_folder, new_folder
 from drill_twin.ros.core.stop_request import StopRequest
-from drill_twin.ros.demo.processes import Child, processes
-from drill_twin.ros.demo.result import check_bag, draw_report
-from drill_twin.ros.demo.stall_detector import STARTING_TIME, StallDetector
+from drill_twin.ros.demo.processes import STARTING_TIME, Child, processes
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -48,7 +47,7 @@ def run_demo(options: DemoOptions, stop: StopRequest) -> None:
     """
     from rich.console import Console
 
-    from drill_twin.ros.deployment.discovery import DomainClaim, domain_of_environment, prepare
+    from drill_twin.ros.deployment import own_domain
     from drill_twin.scene import load_scene
 
     console = Console(highlight=False)
@@ -57,18 +56,14 @@ def run_demo(options: DemoOptions, stop: StopRequest) -> None:
     if older := new_folder(options.out, replace=options.replace, results=(*RESULTS, "log")):
         console.print(f"the older result is now {older}")
     make_folder(options.out / "log")
-    claim = DomainClaim(domain_of_environment())
-    os.environ["ROS_DOMAIN_ID"] = str(claim.domain)
-    os.environ["ROS_LOG_DIR"] = str((options.out / "log").absolute())
-    prepare()
-    try:
+    with own_domain((options.out / "log").absolute()) as domain:
         console.print(
             f"{scene.name}: {duration:g} s, {options.pace}; in another terminal, with ROS sourced: "
-            f"[bold]ROS_DOMAIN_ID={claim.domain} ros2 topic list[/]"
+            f"[bold]ROS_DOMAIN_ID={domain} ros2 topic list[/]"
         )
-        _run_nodes(options, duration, console, stop)
-    finally:
-        claim.release()
+        environment = dict(os.environ, PYTHONUNBUFFERED="1")
+        with processes(_commands(options, duration), environment, options.out / "log") as children:
+            _observe(children, duration, console, stop)
     if stop:
         raise RunError(
             f"stopped before it was over; the nodes ended in order, the bag so far is {options.out / 'bag_0'}"
@@ -94,13 +89,6 @@ def _commands(options: DemoOptions, duration: float) -> dict[str, Mapping[str, o
     }
 
 
-def _run_nodes(options: DemoOptions, duration: float, console: Console, stop: StopRequest) -> None:
-    """Run the nodes until the simulator is done."""
-    environment = dict(os.environ, PYTHONUNBUFFERED="1")
-    with processes(_commands(options, duration), environment, options.out / "log") as children:
-        _observe(children, duration, console, stop)
-
-
 def _observe(children: Mapping[str, Child], duration: float, console: Console, stop: StopRequest) -> None:
     """Show the progress of the run until the simulator ends.
 
@@ -110,10 +98,8 @@ def _observe(children: Mapping[str, Child], duration: float, console: Console, s
     # Imported after the children were started: DDS threads do not survive a fork.
     from rich.progress import BarColumn, Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
 
-    from drill_twin.ros.core.node_main import init_context
-    from drill_twin.ros.demo.demo_observer import DemoObserver
+    from drill_twin.ros.demo.demo_observer import observed
 
-    context = init_context([], stop)
     columns = (
         SpinnerColumn(),
         TextColumn("{task.description}"),
@@ -121,16 +107,13 @@ def _observe(children: Mapping[str, Child], duration: float, console: Console, s
         TextColumn("{task.completed:5.1f} of {task.total:g} s"),
         TimeElapsedColumn(),
     )
-    try:
-        with Progress(*columns, console=console, transient=True) as progress:
-            observer = DemoObserver(context, progress.console.print)
-            task = progress.add_task("compiling and connecting", total=duration)
-            stall_detector = StallDetector()
-            while not stop and children["simulator"].exit_code is None:
-                observer.spin_once(0.1)
-                for child in children.values():
-                    child.check_alive()
-                stall_detector.check(observer.time, compiling=bool(observer.compiling))
+    with Progress(*columns, console=console, transient=True) as progress:
+        task = progress.add_task("compiling and connecting", total=duration)
+        with closing(observed(children, stop, progress.console.print)) as turns:
+            for observer in turns:
+                if stop or children["simulator"].exit_code is not None:
+                    observer.drain(0.3)
+                    return
                 if observer.compiling:
                     progress.update(task, description=observer.compiling)
                 if observer.time > 0.0:
@@ -138,11 +121,46 @@ def _observe(children: Mapping[str, Child], duration: float, console: Console, s
                     progress.update(
                         task, completed=observer.time, description=f"{observer.motion or 'drilling'}{factor}"
                     )
-            children["simulator"].check_alive()
-            observer.drain(0.3)
-            observer.destroy_node()
-    finally:
-        context.try_shutdown()
+
+
+# --- the result -------------------------------------------------------------------------------------------------------
+
+
+def check_bag(folder: Path) -> None:
+    """Check that the bag is complete and holds every topic that each run has.
+
+    Raises:
+        RunError: It is damaged, or a topic has no message.
+    """
+    from drill_twin.io.bag.reader import Bag
+    from drill_twin.io.messages.topics import OF_EVERY_RUN
+
+    try:
+        bag = Bag(folder)
+    except BagError as error:
+        raise RunError(str(error)) from error
+    missing = [name for name in OF_EVERY_RUN if name not in bag.topics or not bag.topics[name].count]
+    if missing:
+        raise RunError(f"{folder}: expected every topic of the contract, found no message on {', '.join(missing)}")
+    if bag.truncated:
+        raise RunError(f"{folder}: expected a whole bag, found {'; '.join(bag.damage)}")
+
+
+def draw_report(out: Path, console: Console) -> None:
+    """Write the report of the bag in a folder, and print its findings."""
+    import json
+
+    from drill_twin.core.table import Table
+    from drill_twin.report import build_report
+    from drill_twin.report.text import findings
+
+    with console.status("drawing the report"):
+        build_report(out / "bag_0", out)
+    summary = json.loads((out / "summary.json").read_text("utf-8"))
+    console.print(Table((), findings(summary)))
+    console.print(
+        f"[bold]{out / 'report.html'}[/]  (bag: {out / 'bag_0'}, figures: {out}/*.png, {out / 'summary.json'})"
+    )
 
 
 # --- the command ------------------------------------------------------------------------------------------------------

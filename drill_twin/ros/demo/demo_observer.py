@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Generator, Mapping
 from typing import ClassVar
 
 from rclpy.context import Context
@@ -13,6 +13,9 @@ from drill_twin.io.messages.stamps import seconds
 from drill_twin.io.messages.topics import CLOCK_TOPIC, DIAGNOSTICS, WHIRL_MOTION, WHIRL_ONSET
 from drill_twin.io.messages.whirl_encode import STRING_LEVEL, OnsetMessage, SubjectMotion
 from drill_twin.ros.core.node import TwinNode
+from drill_twin.ros.core.node_main import init_context
+from drill_twin.ros.core.stop_request import StopRequest
+from drill_twin.ros.demo.processes import Child, StallDetector
 
 
 class DemoObserver(TwinNode):
@@ -71,3 +74,25 @@ class DemoObserver(TwinNode):
             ):
                 self._problems.add(problem)
                 self._on_change(problem)
+
+
+def observed(
+    children: Mapping[str, Child], stop: StopRequest, on_change: Callable[[str], None]
+) -> Generator[DemoObserver, None, None]:
+    """Observe running nodes; yields what has been seen so far, after each message or 0.1 s without one.
+
+    Raises:
+        RunError: A node ended with an error, or simulated time stands still.
+    """
+    context = init_context([], stop)
+    stall_detector = StallDetector()
+    try:
+        observer = DemoObserver(context, on_change)
+        while True:
+            observer.spin_once(0.1)
+            for child in children.values():
+                child.check_alive()
+            stall_detector.check(observer.time, compiling=bool(observer.compiling))
+            yield observer
+    finally:
+        context.try_shutdown()

@@ -26,10 +26,9 @@ from drill_twin.io.messages.topics import (
     TOPICS,
     WOB_COMMAND,
 )
-from drill_twin.ros.core.topics.node_topics import NOT_NAMED_YET
-from drill_twin.ros.core.topics.qos_check import full_name, unmet
-from drill_twin.ros.core.topics.rclpy_topics import message_class, quality
-from drill_twin.ros.doctor.check import Check, Verdict
+from drill_twin.ros.core.graph import NOT_NAMED_YET, full_name, unmet
+from drill_twin.ros.core.topics import message_class, quality
+from drill_twin.ros.doctor.installation import Check, Verdict
 
 NODES, TOPIC_SECTION, CLOCKS = "nodes", "topics", "clocks"
 NAME = "doctor"

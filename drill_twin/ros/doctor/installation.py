@@ -13,6 +13,8 @@ import subprocess
 import sys
 import webbrowser
 from collections.abc import Iterator
+from dataclasses import dataclass
+from enum import StrEnum
 from importlib.metadata import PackageNotFoundError, version
 from importlib.util import find_spec
 from pathlib import Path
@@ -20,7 +22,6 @@ from pathlib import Path
 from drill_twin.core import __version__
 from drill_twin.core.errors import DrillTwinError
 from drill_twin.core.process import child_environment
-from drill_twin.ros.doctor.check import Check, Verdict
 
 INSTALLED, ROS, MACHINE = "installed", "ROS 2", "machine"
 DISTRO = "jazzy"
@@ -29,6 +30,27 @@ _LEAST_SHARED_MEMORY = 64 * 2**20  # bytes
 _PROBE_TIME = 60.0  # s
 _TIME_ERROR = 5  # of adjtimex(2): the clock is not synchronised
 _TIMEX_BYTES = 512  # more than struct timex has on any machine
+
+
+class Verdict(StrEnum):
+    """Verdicts, by weight: a problem makes the exit code 1."""
+
+    OK = "ok"
+    NOTE = "note"
+    PROBLEM = "problem"
+
+
+@dataclass(frozen=True)
+class Check:
+    """One check: what was looked at, what was found, and what to do."""
+
+    section: str
+    """Heading under which it is printed."""
+    name: str
+    found: str
+    verdict: Verdict = Verdict.OK
+    remedy: str = ""
+    """Remedy; empty where there is nothing."""
 
 
 def installation() -> Iterator[Check]:
@@ -207,7 +229,7 @@ def _known_middleware(found: str) -> Check:
 
 
 def _domain() -> Iterator[Check]:
-    from drill_twin.ros.deployment.discovery import HIGHEST_DOMAIN, domain_of_environment
+    from drill_twin.ros.deployment import HIGHEST_DOMAIN, domain_of_environment
 
     try:
         domain = domain_of_environment()
@@ -238,7 +260,7 @@ def _discovery() -> Iterator[Check]:
         if (file := given.get(name)) and not Path(file).is_file():
             yield Check(ROS, "DDS profile", f"{name}={file} is no file", Verdict.PROBLEM, f"unset {name}")
     if given.get("ROS_SECURITY_STRATEGY", "").lower() == "enforce":
-        from drill_twin.ros.deployment.security import refuse_unsecured
+        from drill_twin.ros.deployment import refuse_unsecured
 
         try:
             refuse_unsecured()

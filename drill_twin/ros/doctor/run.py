@@ -5,8 +5,7 @@ from __future__ import annotations
 
 from drill_twin.core.errors import DrillTwinError
 from drill_twin.ros.core.stop_request import StopRequest
-from drill_twin.ros.doctor.check import Check, Verdict
-from drill_twin.ros.doctor.installation import ROS, installation, ros_installation, ros_present
+from drill_twin.ros.doctor.installation import ROS, Check, Verdict, installation, ros_installation, ros_present
 
 
 def examine(seconds: float) -> list[Check]:
@@ -26,7 +25,7 @@ def _examine_domain(seconds: float) -> list[Check]:
     from rclpy.node import Node
 
     from drill_twin.ros.core.node_main import init_context
-    from drill_twin.ros.deployment.security import readable_refusal
+    from drill_twin.ros.deployment import readable_refusal
     from drill_twin.ros.doctor.graph import NAME, graph_checks, observe
 
     context = init_context([], StopRequest())

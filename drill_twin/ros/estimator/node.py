@@ -11,6 +11,7 @@ from functools import partial
 from typing import ClassVar, TypeVar
 
 import numpy as np
+from rclpy.lifecycle import LifecycleState, TransitionCallbackReturn
 
 from drill_twin.api.estimator import Estimator as Following
 from drill_twin.core.errors import RunError, RunStopped
@@ -31,7 +32,7 @@ from drill_twin.io.messages.topics import (
     TWIN_SCENE,
 )
 from drill_twin.io.scene_geometry import readings_topic
-from drill_twin.ros.core.node import TwinNode
+from drill_twin.ros.core.node import DONE, TwinNode
 from drill_twin.ros.core.scene_parameters import scene_of
 from drill_twin.ros.estimator.messages import (
     EstimateEncoder,
@@ -46,6 +47,7 @@ from drill_twin.runs import compile_kernel
 from drill_twin.studies.estimation import Estimate
 
 _DEPTH = 1000  # messages that wait while another thread has the processor
+_LOOK = 0.05  # s between two looks at what the thread has computed
 _BEHIND = 10  # windows that wait before the oldest is left out
 
 Result = TypeVar("Result")
@@ -59,8 +61,8 @@ class Estimator(TwinNode):
     PARAMETERS: ClassVar = PARAMETERS
     ON_CHANGE: ClassVar = (RIG_COMMAND,)
 
-    def on_start(self) -> None:
-        """Create the topics, and begin to make the ensemble on a thread of its own.
+    def on_configure(self, _: LifecycleState) -> TransitionCallbackReturn:
+        """Create topics and the timer of the windows, and begin to make the ensemble on a thread of its own.
 
         Raises:
             DrillTwinError: Scene, numbers or channels cannot be taken.
@@ -85,14 +87,21 @@ class Estimator(TwinNode):
             self.topics.subscribe(readings_topic(sub), partial(self._on_readings, sub), depth=_DEPTH)
         if self.settings.set_points == "command":
             self.topics.subscribe(RIG_COMMAND, self._on_command, depth=_DEPTH)
+        self.every(_LOOK, self._look_for_results)
+        return DONE
+
+    def on_cleanup(self, _: LifecycleState) -> TransitionCallbackReturn:
+        """End a compilation, or the window that is being computed."""
+        self._closing = True
+        self._thread.shutdown(cancel_futures=True)
+        return DONE
 
     def not_ready(self) -> str:
         """Reason while the ensemble is being made."""
         return "" if self._following is not None else self._making
 
-    def step(self) -> None:
-        """Take what has arrived, publish what has been found, and begin the next window."""
-        super().step()
+    def _look_for_results(self) -> None:
+        """Publish what has been found, and begin the next window."""
         if self._made is not None and self._made.done():
             self._begin(self._made.result())
             self._made = None
@@ -106,13 +115,8 @@ class Estimator(TwinNode):
         if self._step is None and self._following.intake.waiting:
             self._step = self._thread.submit(self._stoppable, self._following.step)
 
-    def on_stop(self) -> None:
-        """End a compilation, or the window that is being computed."""
-        self._closing = True
-        self._thread.shutdown(cancel_futures=True)
-
     def _stoppable(self, function: Callable[[], Result]) -> Result:
-        """Call a function on the thread; `on_stop` ends what it computes."""
+        """Call a function on the thread; `on_cleanup` ends what it computes."""
 
         def check() -> None:
             if self._closing:
@@ -122,7 +126,7 @@ class Estimator(TwinNode):
             return function()
 
     def _make(self) -> Following:
-        """Make the ensemble; its kernels are compiled by a child process, which `on_stop` ends at once."""
+        """Make the ensemble; its kernels are compiled by a child process, which `on_cleanup` ends at once."""
         scene = scene_of(self.settings)
         compile_kernel(scene, scene.numerics.frame_period, self._on_compilation)
         return make_estimator(self.settings)

@@ -6,6 +6,7 @@ from __future__ import annotations
 from types import SimpleNamespace
 
 from drill_twin.api.estimator import Estimator
+from drill_twin.ros.core.node import AUTOSTART
 from drill_twin.ros.core.parameters import Parameter, ParameterError
 from drill_twin.ros.core.scene_parameters import OVERRIDES, SCENE, pairs_of, scene_of
 from drill_twin.studies.estimation import EstimatorOptions
@@ -38,6 +39,7 @@ PARAMETERS = (
     Parameter("horizon", 4.0, "time ahead for which the chance of whirl is computed; 0: it is not", "s", 0.0, 60.0),
     Parameter("show", True, "publish the member nearest to the rig under estimate/"),
     Parameter("seed", 1, "seed of the draws", "", 0, 2**31 - 1),
+    AUTOSTART,
 )  # fmt: skip
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Set-points of the gateway on `/rig/command`, while a client has control, and the safe one after it has lost it."""
+"""Set-points of the gateway on `/rig/command`: who has control decides, and the safe one follows its loss."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from drill_twin.gateway.quantities import TwinQuantities
 from drill_twin.io.messages.rig_messages import CommandEncoder
 from drill_twin.io.messages.topics import RIG_COMMAND
 from drill_twin.ros.core.node import TwinNode
-from drill_twin.ros.rig_driver.set_point_transition import SetPointTransition
+from drill_twin.ros.rig_driver.plan import SetPointTransition
 from drill_twin.scene.set_points.command import Command
 
 

@@ -14,7 +14,7 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar
 
-from rclpy.context import Context
+from rclpy.lifecycle import LifecycleState, TransitionCallbackReturn
 from std_srvs.srv import Trigger
 
 from drill_twin.core.errors import DrillTwinError, MessageError, missing
@@ -25,10 +25,10 @@ from drill_twin.gateway.signals import Signals, read_signals, signals_path
 from drill_twin.io.messages.decode import read_string
 from drill_twin.io.messages.diagnostics import Level, Status
 from drill_twin.io.messages.topics import RIG_STATE, TOPICS, TWIN_SCENE
-from drill_twin.ros.core.node import TwinNode
-from drill_twin.ros.core.pacing import Tick
+from drill_twin.ros.core.node import DONE, TwinNode
 from drill_twin.ros.core.parameters import ParameterError
 from drill_twin.ros.gateway.commands import CommandOutput
+from drill_twin.ros.gateway.control_desk import ControlDesk
 from drill_twin.ros.gateway.parameters import PARAMETERS
 from drill_twin.ros.gateway.rig import RigLink
 from drill_twin.ros.simulator.command_limits import limits_for
@@ -50,8 +50,11 @@ class Gateway(TwinNode):
     PURPOSE: ClassVar = "Connects the twin with rig software by OPC UA, with the signals of D-WIS. Needs asyncua."
     PARAMETERS: ClassVar = PARAMETERS
 
-    def __init__(self, context: Context) -> None:
-        super().__init__(context)
+    _server: OpcUaServer | None = None
+    _rig: RigLink | None = None
+
+    def on_configure(self, _: LifecycleState) -> TransitionCallbackReturn:
+        """Start server and client; create subscriptions to the topics of the signals, services and timers."""
         if not self.settings.keys and not is_loopback(self.settings.host):
             raise ParameterError(
                 f"parameter host: expected an address of this host only, as keys is not set, found "
@@ -61,26 +64,32 @@ class Gateway(TwinNode):
         self._quantities = TwinQuantities(time.monotonic)
         self._output = CommandOutput(self, self._quantities)
         self._control = Control(self._signals.command, self.settings.heartbeat_timeout, self._on_targets)
-        self._due, self._control_due = Tick(1.0 / self.settings.rate), Tick(_CONTROL_PERIOD)
-        self._told_control: tuple[Permission, str] | None = None
-        self._unread = self._denied = ""
-        self._server: OpcUaServer | None = None
-        self._rig: RigLink | None = None
-
-    def on_start(self) -> None:
-        """Start server and client, and subscribe to the topics of the signals."""
+        self._desk = ControlDesk(self, self._output, self._control)
+        self._unread = ""
         keys = _read_keys(self.settings.keys)
         self._server = _make_server(self.settings, self._signals, self._control, keys)
         if self.settings.rig_url:
-            self._rig = RigLink(self, self._output, self._signals, keys)
+            self._rig = self._desk.rig = RigLink(self, self._output, self._signals, keys)
         topics = {QUANTITIES[signal.quantity].topic for signal in self._signals.show}
         for topic in topics | ({RIG_STATE} if self._signals.command or self._rig else set()):
             depth = 1 if TOPICS[topic].latched else _DEPTH
             self.topics.subscribe_raw(topic, partial(self._on_message, topic), depth=depth)
         self.topics.subscribe_scenes(self._on_scene)
-        self.create_service(Trigger, "~/grant_control", self._on_grant)
-        self.create_service(Trigger, "~/withdraw_control", self._on_withdraw)
+        self.create_service(Trigger, "~/grant_control", self._desk.grant)
+        self.create_service(Trigger, "~/withdraw_control", self._desk.withdraw)
+        self.every(1.0 / self.settings.rate, self._show)
+        self.every(_CONTROL_PERIOD, self._work)
         self.get_logger().info(f"{len(self._signals.show)} signals at {self._server.url}")
+        return DONE
+
+    def on_cleanup(self, _: LifecycleState) -> TransitionCallbackReturn:
+        """End server and client."""
+        if self._rig is not None:
+            self._rig.close()
+        if self._server is not None:
+            self._server.close()
+        self._rig = self._server = None
+        return DONE
 
     def _on_message(self, topic: str, raw: bytes, _: Mapping[str, Any]) -> None:
         try:
@@ -103,17 +112,19 @@ class Gateway(TwinNode):
             self._rig.limits = of
 
     def step(self) -> None:
-        """Take messages, decide about control, and show the values once they are due."""
+        """Process many messages at a time."""
         time.sleep(_TURN)
-        self.spin_once(0.0)
-        if self._server is None:
-            return
-        if self._control_due.due():
-            self._work_control(self._server)
-            if self._rig is not None:
-                self._rig.work()
-        if self._due.due():
+        self.spin_all()
+
+    def _show(self) -> None:
+        if self._server is not None:
             self._server.show(self._samples())
+
+    def _work(self) -> None:
+        if self._server is not None:
+            self._desk.work(self._server)
+        if self._rig is not None:
+            self._rig.work()
 
     # --- twin -> OPC UA -------------------------------------------------------------------------------------------
 
@@ -138,61 +149,6 @@ class Gateway(TwinNode):
     def _on_targets(self) -> None:
         """Publish the targets at once; called in the server's thread."""
         self._output.send(self._control.values)
-
-    def _work_control(self, server: OpcUaServer) -> None:
-        if self._control.check_heartbeat():
-            self._output.go_safe()
-            self.publish_diagnostics()
-        if self._control.permission is Permission.PENDING and self.settings.grant != "ask":
-            self._decide(granted=self.settings.grant == "always")
-        held = self._output.is_safe or (self._rig is not None and self._rig.follows)
-        if self._control.permission is Permission.UNSET and self._output.command is not None and not held:
-            self._output.end()
-        now = (self._control.permission, self._control.holder)
-        if now != self._told_control:
-            self._told_control = now
-            server.show_control(*now)
-        self._output.repeat()
-
-    def _decide(self, *, granted: bool) -> str:
-        """Grant or deny what is requested; returns the reason of a denial."""
-        others = ", ".join(self._output.others())
-        if self._rig is not None and self._rig.follows:
-            others = "the rig"
-        reason = f"{others} commands" if others else "" if granted else "the parameter grant is never"
-        self._denied = f"control denied: {reason}" if reason else ""
-        if reason:
-            self._control.deny(reason)
-        elif self._control.grant():
-            self._output.begin()
-            self.get_logger().info(f"{self._control.holder} has control")
-        return reason
-
-    def _on_grant(self, request: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
-        del request
-        pending = self._control.permission is Permission.PENDING
-        response.message = self._decide(granted=True) if pending else "nobody requests control"
-        response.success = not response.message
-        return response
-
-    def _on_withdraw(self, request: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
-        """Take control away; the last set-point stays in force until another source commands."""
-        del request
-        response.success = self._control.deny("withdrawn") or self._output.command is not None
-        if self._rig is not None:
-            self._rig.stop_following()
-        self._output.end()
-        self._denied = "control was withdrawn" if response.success else ""
-        return response
-
-    # --- end and health -------------------------------------------------------------------------------------------
-
-    def on_stop(self) -> None:
-        """End server and client."""
-        if self._rig is not None:
-            self._rig.close()
-        if self._server is not None:
-            self._server.close()
 
     def health(self) -> Status:
         """Clients, control, and the signals that have no value or an old one."""
@@ -233,8 +189,8 @@ class Gateway(TwinNode):
             return Level.WARN, f"{self._control.user.name} requests control: call ~/grant_control"
         if self._server is not None and (refusal := self._server.sessions.refusal):
             return Level.WARN, f"refused: {refusal}"
-        if self._denied and self._control.permission is Permission.DENIED:
-            return Level.WARN, self._denied
+        if self._desk.denied and self._control.permission is Permission.DENIED:
+            return Level.WARN, self._desk.denied
         if self._unread:
             text, self._unread = f"a message could not be read: {self._unread}", ""
             return Level.WARN, text

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Parameters of the gateway."""
 
+from drill_twin.ros.core.node import AUTOSTART
 from drill_twin.ros.core.parameters import Parameter
 
 PARAMETERS = (
@@ -42,4 +43,5 @@ PARAMETERS = (
     Parameter("rig_user", "", 'user on it, whose password is in the file rig_password in keys; "": anonymous'),
     Parameter("rig_rate", 10.0, "readings of it a second", "Hz", 0.1, 50.0),
     Parameter("stale_after", 1.0, "age at which a value of the twin is marked uncertain", "s", 0.1, 3600.0),
+    AUTOSTART,
 )

@@ -12,19 +12,16 @@ import time
 from types import SimpleNamespace
 from typing import ClassVar
 
-from rclpy.context import Context
+from rclpy.lifecycle import LifecycleState, TransitionCallbackReturn
 
 from drill_twin.io.messages.diagnostics import Level, Status
 from drill_twin.io.messages.rig_messages import CommandEncoder
-from drill_twin.io.messages.stamps import seconds
+from drill_twin.io.messages.stamps import NANOSECONDS, seconds
 from drill_twin.io.messages.topics import CLOCK_TOPIC, RIG_COMMAND
-from drill_twin.ros.core.node import TwinNode
-from drill_twin.ros.core.pacing import Pacer
-from drill_twin.ros.core.scene_parameters import scene_of
-from drill_twin.ros.core.stop_request import StopRequest
+from drill_twin.ros.core.node import DONE, TwinNode
+from drill_twin.ros.core.startup_barrier import StartupBarrier
 from drill_twin.ros.rig_driver.parameters import PARAMETERS
-from drill_twin.ros.rig_driver.set_point_transition import Plan, SetPointTransition
-from drill_twin.scene.blocks.numerics import frame_period_ns
+from drill_twin.ros.rig_driver.plan import SetPointPlan
 from drill_twin.scene.set_points.command import Command
 
 _QUIET = 0.1  # s
@@ -38,120 +35,109 @@ class RigDriver(TwinNode):
     PURPOSE: ClassVar = "Plays weight on bit and top-drive speed, planned or measured, into the simulator."
     PARAMETERS: ClassVar = PARAMETERS
 
-    def __init__(self, context: Context) -> None:
-        super().__init__(context)
+    def on_configure(self, _: LifecycleState) -> TransitionCallbackReturn:
+        """Load the schedule; create publishers, the subscription to the clock, and the wait for other nodes."""
+        self._plan = SetPointPlan(self.settings)
         self._encoder = CommandEncoder(self.get_fully_qualified_name())
-        self._clock_stamp: int | None = None
-        self._sent_stamp = -1
-        self._repeat_due = 0.0
-        self._sent = 0
+        self._clock_stamp: int | None = None  # ns
         self._last: Command | None = None
-
-    def on_start(self) -> None:
-        """Load the schedule and create the topics."""
-        from drill_twin.scene.set_points import Schedule
-
-        scene = scene_of(self.settings)
-        self._schedule = Schedule.from_scene(scene)
-        self._plan: Plan = self._schedule.at
-        self._planned = (self.settings.weight_on_bit, self.settings.rotation)
-        self._period = frame_period_ns(self.settings.frame_rate or scene.numerics.frame_rate)
-        self._pacer = Pacer(seconds(self._period))
-        self._plays = scene.name
-        if self._schedule.record is not None and scene.rig.table is not None:
-            self._plays = str(scene.rig.table.file)
-            self.get_logger().info(self._schedule.record.report)
+        self._sent, self._sent_stamp, self._sent_at = 0, -1, math.inf
+        if self._plan.report:
+            self.get_logger().info(self._plan.report)
         self.topics.advertise(RIG_COMMAND)
         if self.settings.follow == "clock":
             self.topics.subscribe(CLOCK_TOPIC, self._on_clock, depth=1, latched=True)
+            self.every(1.0, self._repeat)
+        else:
+            self.every(seconds(self._plan.period), self._on_wall)
+        self._barrier = StartupBarrier(self, self.settings.wait_for, self.settings.wait_timeout, self._joins_a_run)
+        self._drives = False
+        return DONE
 
-    def run(self, stop: StopRequest) -> None:
-        """Wait for the other nodes, then send: a reader that is not connected yet would miss the first set-points."""
-        self.barrier.wait_for(self.settings.wait_for, self.settings.wait_timeout, stop, self._joins_a_run)
-        self.drain(_QUIET)  # a late joiner receives old latched times first
-        self.get_logger().info(f"driving: {self._plays}, by the {self.settings.follow}")
-        super().run(stop)
+    def on_cleanup(self, _: LifecycleState) -> TransitionCallbackReturn:
+        """Wait until the last set-point has been received."""
+        if self._sent:
+            self.publish_diagnostics()
+            self.topics.flush(1.0)
+        return DONE
+
+    def step(self) -> None:
+        """Wait for the other nodes first: a reader that is not connected yet would miss the first set-points."""
+        if not self._drives and self._barrier.passed():
+            self.drain(_QUIET)  # a late joiner receives old latched times first
+            self.get_logger().info(f"driving: {self._plan.plays}, by the {self.settings.follow}")
+            self._drives, self._begun = True, time.monotonic()
+            if self._clock_stamp is not None:
+                self._send(self._clock_stamp)
+        self.spin_once(0.05)
+
+    def not_ready(self) -> str:
+        """Reason why it does not drive yet; empty when it does."""
+        return "" if self._drives else "it waits for other nodes"
 
     def _joins_a_run(self) -> bool:
         """True where simulated time has begun and the set-points are received: this driver came back during a run."""
-        received = self.topics.publishers[RIG_COMMAND].get_subscription_count()
-        return bool(self._clock_stamp and received)
-
-    def step(self) -> None:
-        """Send the set-points for the next frame, once they are due."""
-        if self.settings.follow == "wall":
-            self.spin_once(0.0)
-            self._clock_stamp = 0 if self._clock_stamp is None else self._clock_stamp + self._period
-            self._send(self._clock_stamp + self._period)
-            self._pacer.wait()
-            return
-        if self._clock_stamp is not None:
-            stuck = time.monotonic() > self._repeat_due
-            if stuck or self._sent_stamp != self._clock_stamp + self._period:
-                self._send(self._clock_stamp + self._period)
-        self.spin_once(0.05)
-
-    @property
-    def finished(self) -> bool:
-        """True once the schedule is over, if `at_end` is stop."""
-        return self.settings.at_end == "stop" and self._time >= self._schedule.duration
-
-    @property
-    def _time(self) -> float:
-        return seconds(self._clock_stamp or 0)
+        return bool(self._clock_stamp and self.topics.publishers[RIG_COMMAND].get_subscription_count())
 
     def _on_clock(self, stamp: int) -> None:
         self.samples.take(CLOCK_TOPIC)
         if stamp < (self._clock_stamp or 0):  # the simulator was reset
             self._sent_stamp = -1
-            self._plan = self._schedule.at  # as a launch with these set-points: a transition belongs to the run before
-        self._clock_stamp = stamp  # `step` sends once all messages are taken: of several, only the last counts
+            self._plan.begin_again()
+        self._clock_stamp = stamp
+        if self._sent_stamp != stamp + self._plan.period:
+            self._send(stamp)
 
-    def _send(self, stamp: int) -> None:
-        command = self._plan(seconds(stamp))
+    def _repeat(self) -> None:
+        if self._clock_stamp is not None and time.monotonic() - self._sent_at > _REPEAT:
+            self._send(self._clock_stamp)
+
+    def _on_wall(self) -> None:
+        if self._drives:
+            self._clock_stamp = (
+                int((time.monotonic() - self._begun) * NANOSECONDS) // self._plan.period * self._plan.period
+            )
+            self._send(self._clock_stamp)
+
+    def _send(self, clock: int) -> None:
+        """Send the set-points for the end of the frame that begins at this time [ns]."""
+        if not self._drives:
+            return
+        stamp = clock + self._plan.period
+        command = self._plan.at(seconds(stamp))
         self.topics.publish(RIG_COMMAND, self._encoder.command(stamp, command))
-        self._sent_stamp, self._last = stamp, command
-        self._repeat_due = time.monotonic() + _REPEAT
+        self._last, self._sent_stamp, self._sent_at = command, stamp, time.monotonic()
         self._sent += 1
 
-    # --- live set-points ------------------------------------------------------------------------------------------
+    @property
+    def finished(self) -> bool:
+        """True once the schedule is over, if `at_end` is stop."""
+        return self.settings.at_end == "stop" and self._drives and self._time >= self._plan.duration
+
+    @property
+    def _time(self) -> float:
+        return seconds(self._clock_stamp or 0)
 
     def check_change(self, settings: SimpleNamespace) -> None:
-        """Refuse a set-point that is not valid in the scene."""
-        if (settings.weight_on_bit, settings.rotation) != self._planned:
-            scene_of(settings)
+        """Refuse a live set-point that is not valid in the scene."""
+        if self.configured:
+            self._plan.check(settings)
 
     def on_change(self) -> None:
         """Start the transition to the new set-points."""
-        from drill_twin.scene.set_points import Schedule
-
-        wanted = (self.settings.weight_on_bit, self.settings.rotation)
-        if wanted == self._planned:
-            return
-        self._planned = wanted
-        self._schedule = Schedule.from_scene(scene_of(self.settings))
-        self._plan = self._schedule.at
-        if self._last is not None:
-            self._plan = SetPointTransition(self._last, self._schedule.at, self._time, self.settings.change_time)
-        self.get_logger().info(f"from {self._time:.2f} s: weight on bit {wanted[0]!r}, speed {wanted[1]!r}")
-
-    # --- end and health -------------------------------------------------------------------------------------------
-
-    def on_stop(self) -> None:
-        """Wait until the last set-point has been received."""
-        if self._sent:
-            self.publish_diagnostics()
-            self.topics.flush(1.0)
+        wanted = self.settings.weight_on_bit, self.settings.rotation
+        if self.configured and self._plan.change(self.settings, self._last, self._time):
+            self.get_logger().info(f"from {self._time:.2f} s: weight on bit {wanted[0]!r}, speed {wanted[1]!r}")
 
     def health(self) -> Status:
         """Set-points in force, and other drivers."""
         command = self._last or Command(0.0, 0.0)
-        over = self._time >= self._schedule.duration
+        over = self._time >= self._plan.duration
         drivers = self.topics.publisher_nodes(RIG_COMMAND)
         values = {
-            "plays": self._plays,
+            "plays": self._plan.plays,
             "time": f"{self._time:.3f}",
-            "schedule_ends": f"{self._schedule.duration:.3f}",
+            "schedule_ends": f"{self._plan.duration:.3f}",
             "weight_on_bit": f"{command.weight_on_bit:g}",
             "speed_rev_s": f"{command.rotation / math.tau:g}",
             "commands_sent": str(self._sent),

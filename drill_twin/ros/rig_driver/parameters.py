@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Parameters of the rig driver."""
 
+from drill_twin.ros.core.node import AUTOSTART
 from drill_twin.ros.core.parameters import Parameter
 from drill_twin.ros.core.scene_parameters import OVERRIDES, SCENE
 
@@ -46,4 +47,5 @@ PARAMETERS = (
         choices=("hold", "stop"),
         live=True,
     ),
+    AUTOSTART,
 )

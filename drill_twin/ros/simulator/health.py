@@ -6,21 +6,36 @@ from __future__ import annotations
 import math
 from types import SimpleNamespace
 
-from drill_twin.io.messages.diagnostics import Level
-from drill_twin.io.messages.topics import RIG_COMMAND
+from drill_twin.io.messages.diagnostics import Level, Status
+from drill_twin.io.messages.topics import RIG_COMMAND, STRING_POSES
+from drill_twin.ros.core.node import TwinNode
+from drill_twin.ros.core.topics import relative
+from drill_twin.ros.simulator.run_control import RunControl
 from drill_twin.ros.simulator.simulation import SimulatorRun
 
 _RECENT = 10.0  # s; for so long a single stall is told
 _SHARE = 0.01  # of the simulated time; more given up is told until the end
 
 
-def diagnostic_values(settings: SimpleNamespace, simulation: SimulatorRun) -> dict[str, str]:
-    """Named values for the diagnostics; begins a new window of the timing.
+def health(node: TwinNode, simulation: SimulatorRun, control: RunControl) -> Status:
+    """Status of the simulator: pace, cost and set-points; begins a new window of the timing.
 
     Args:
-        settings: Settings of the node.
+        node: The simulator.
         simulation: The run.
+        control: Its control.
     """
+    values = {"state": control.state_text, **_values(node.settings, simulation)}
+    if len(publishers := node.topics.publisher_nodes(STRING_POSES)) > 1:
+        topic = node.resolve_topic_name(relative(STRING_POSES))
+        text = f"more than one simulator publishes {topic}: {', '.join(publishers)}"
+        return Status(node.NAME, Level.ERROR, text, values)
+    if not node.active or control.paused:
+        return Status(node.NAME, Level.OK, f"{control.state_text} at {simulation.time_text}", values)
+    return Status(node.NAME, *_verdict(node.settings, simulation), values)
+
+
+def _values(settings: SimpleNamespace, simulation: SimulatorRun) -> dict[str, str]:
     arbiter, pacer, written = simulation.commands.arbiter, simulation.pacer, simulation.checkpoints.written
     return {
         "scene": settings.scene,
@@ -40,13 +55,8 @@ def diagnostic_values(settings: SimpleNamespace, simulation: SimulatorRun) -> di
     }
 
 
-def verdict(settings: SimpleNamespace, simulation: SimulatorRun) -> tuple[Level, str]:
-    """Level and sentence, the most severe first.
-
-    Args:
-        settings: Settings of the node.
-        simulation: The run.
-    """
+def _verdict(settings: SimpleNamespace, simulation: SimulatorRun) -> tuple[Level, str]:
+    """Level and sentence, the most severe first."""
     loop, arbiter, trouble = simulation.loop, simulation.commands.arbiter, simulation.checkpoints.trouble
     waiting = simulation.waits_for_command
     if loop.rejected_steps.stopped:

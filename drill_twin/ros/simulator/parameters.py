@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from drill_twin.ros.core.node import AUTOSTART
 from drill_twin.ros.core.parameters import Parameter
 from drill_twin.ros.core.scene_parameters import OVERRIDES, SCENE
 
@@ -30,9 +31,7 @@ PARAMETERS = (
         "put before the names of the frames of messages and tf, for twins that share a tf tree",
         such_as="rig2/",
     ),
-    Parameter(
-        "autostart", True, "whether to configure and activate itself; else a lifecycle manager does (ros2 lifecycle)"
-    ),
+    AUTOSTART,
     Parameter("wait_for_command", True, "whether simulated time stands still until the first good command"),
     Parameter(
         "command_timeout", 1.0, "wall time without a command that counts as silence", "s", 0.05, 3600.0, live=True

@@ -1,57 +1,81 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Control of a run by services: pause, resume, step, reset, checkpoints; each action returns a sentence."""
+"""Control of a run, and its services: pause, resume, step, reset, checkpoints.
+
+Our own services are `std_srvs/Trigger`, so any tool calls them. ROS has no service with a number among its common
+types; how many frames a step takes is therefore the parameter `step_frames`, which shows its value and its range.
+Where the package `simulation_interfaces` is installed, the services that simulators of ROS have in common call the same
+control: a stopped run is a paused one at time zero. What is unsupported (spawning, worlds, part of a reset) is answered
+as such.
+"""
 
 from __future__ import annotations
 
+import importlib
 from collections.abc import Callable
 from pathlib import Path
-from types import SimpleNamespace
+from typing import Any
+
+from std_srvs.srv import Trigger
 
 from drill_twin.core.errors import CheckpointError, DrillTwinError
+from drill_twin.ros.core.node import TwinNode
 from drill_twin.ros.simulator.simulation import SimulatorRun
-from drill_twin.ros.simulator.simulation_interfaces import PAUSED, PLAYING, STOPPED
+
+# simulation_interfaces/Result and SimulationState, by number: their names have changed between versions.
+UNSUPPORTED, OK, INCORRECT_STATE, FAILED = 0, 1, 3, 4
+ALREADY = 101  # SetSimulationState: in the wanted state already
+STOPPED, PLAYING, PAUSED, QUITTING = 0, 1, 2, 3
+_WHOLE = (0, 255)  # scopes of ResetSimulation: default and all
+_RESET, _PAUSE, _SINGLE, _MULTIPLE = 10, 14, 15, 16  # SimulatorFeatures
+
+SERVICES = {
+    "get_simulation_state": "GetSimulationState",
+    "set_simulation_state": "SetSimulationState",
+    "step_simulation": "StepSimulation",
+    "reset_simulation": "ResetSimulation",
+    "get_simulator_features": "GetSimulatorFeatures",
+}
+"""Names under the node and types."""
 
 Action = Callable[[], str]
 """Returns a sentence on what it did; raises a DrillTwinError where it cannot."""
 
 
 class RunControl:
-    """Control of one simulation.
+    """Control of one simulation: the one way to let time stand still, whoever asks for it.
 
     Attributes:
-        active: True while the lifecycle node is active.
         paused: True while the run is paused.
-        over: True once the node is to end.
     """
 
-    def __init__(self, simulation: SimulatorRun, settings: SimpleNamespace, node_name: str) -> None:
-        """Start inactive and not paused.
+    def __init__(self, simulation: SimulatorRun, node: TwinNode) -> None:
+        """Start not paused.
 
         Args:
             simulation: The run.
-            settings: Settings of the node.
-            node_name: Full name of the node, for hints.
+            node: The simulator.
         """
-        self._simulation, self._settings, self._node_name = simulation, settings, node_name
-        self.active = self.paused = self.over = False
+        self._simulation, self._node, self._settings = simulation, node, node.settings
+        self._node_name = node.get_fully_qualified_name()
+        self.paused = False
 
     @property
     def runs(self) -> bool:
         """True while the next frame may be computed."""
-        return self.active and not self.paused and not self.over and not self._simulation.waits_for_command
+        return self._node.active and not self.paused and not self._simulation.waits_for_command
 
     @property
     def state(self) -> int:
         """State by the numbers of simulation_interfaces: stopped is paused before the first frame."""
-        if self.active and not self.paused:
+        if self._node.active and not self.paused:
             return PLAYING
         return PAUSED if self._simulation.loop.frames else STOPPED
 
     @property
     def state_text(self) -> str:
         """The state in a word: running, waiting (for commands), paused or inactive."""
-        if not self.active or self.paused:
-            return "paused" if self.active else "inactive"
+        if not self._node.active or self.paused:
+            return "paused" if self._node.active else "inactive"
         # In lockstep a run waits within every frame; it stands still once commands have stopped coming.
         commands = self._simulation.commands.arbiter
         waits = self._simulation.waits_for_command and (commands.silent or not commands.heard)
@@ -64,7 +88,7 @@ class RunControl:
 
     def quit(self) -> None:
         """End the node."""
-        self.over = True
+        self._node.end()
 
     def pause(self) -> str:
         """Stop simulated time."""
@@ -130,3 +154,98 @@ class RunControl:
             "expected a file for the checkpoint, found none; "
             f"ros2 param set {self._node_name} saved_checkpoint FILE.npz"
         )
+
+
+# --- services --------------------------------------------------------------------------------------------------------
+
+
+class Answers:
+    """An answer for each service; requests and responses are those of the package."""
+
+    def __init__(self, run: RunControl) -> None:
+        self._run = run
+
+    def get_simulation_state(self, request: Any, response: Any) -> Any:
+        """Stopped, playing or paused."""
+        del request
+        response.state.state = self._run.state
+        return _said(response, OK)
+
+    def set_simulation_state(self, request: Any, response: Any) -> Any:
+        """Play, pause, stop (pause at time zero) or quit."""
+        wanted = request.state.state
+        if wanted == self._run.state:
+            return _said(response, ALREADY)
+        if wanted == QUITTING:
+            self._run.quit()
+            return _said(response, OK)
+        actions: dict[int, tuple[Action, ...]] = {
+            PLAYING: (self._run.resume,),
+            PAUSED: (self._run.pause,),
+            STOPPED: (self._run.pause, self._run.reset),
+        }
+        if wanted not in actions:
+            return _said(response, UNSUPPORTED, f"expected a state from 0 to 3, found {wanted}")
+        return _done(response, *actions[wanted])
+
+    def step_simulation(self, request: Any, response: Any) -> Any:
+        """So many frames on; the answer comes when they are out."""
+        if self._run.state == PLAYING:
+            return _said(response, INCORRECT_STATE, "expected a paused run to step, found one that plays")
+        return _done(response, lambda: self._run.take_frames(int(request.steps)))
+
+    def reset_simulation(self, request: Any, response: Any) -> Any:
+        """Begin again; time and state belong together."""
+        if getattr(request, "scope", 0) not in _WHOLE:
+            return _said(response, UNSUPPORTED, f"expected scope 0 or 255, all of it, found {request.scope}")
+        return _done(response, self._run.reset)
+
+    def get_simulator_features(self, request: Any, response: Any) -> Any:
+        """Supported features of the package."""
+        del request
+        response.features.features = [_RESET, _PAUSE, _SINGLE, _MULTIPLE]
+        response.features.custom_info = "drill_twin: a step is one published frame"
+        return response
+
+
+def _said(response: Any, result: int, text: str = "") -> Any:
+    response.result.result, response.result.error_message = result, text
+    return response
+
+
+def _done(response: Any, *actions: Action) -> Any:
+    try:
+        for action in actions:
+            action()
+    except DrillTwinError as error:
+        return _said(response, FAILED, str(error))
+    return _said(response, OK)
+
+
+def offer(node: TwinNode, run: RunControl) -> None:
+    """Offer the services of a run: one for each action, and those of `simulation_interfaces` where it is installed."""
+    for name, action in run.actions().items():
+        node.create_service(Trigger, f"~/{name}", _answering(node, action))
+    try:
+        kinds = importlib.import_module("simulation_interfaces.srv")
+    except ImportError:
+        return
+    answers = Answers(run)
+    for name, kind in SERVICES.items():
+        node.create_service(getattr(kinds, kind), f"~/{name}", getattr(answers, name))
+
+
+def _answering(node: TwinNode, action: Action) -> Callable[[Trigger.Request, Trigger.Response], Trigger.Response]:
+    def answer(request: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
+        del request
+        try:
+            response.message = action()
+            response.success = True
+            node.get_logger().info(response.message)
+        except DrillTwinError as error:
+            response.message = str(error)
+            response.success = False
+            node.get_logger().warning(response.message)
+        return response
+
+    return answer

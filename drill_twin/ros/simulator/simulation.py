@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import os
+import threading
 from datetime import UTC, datetime
 from pathlib import Path
 
@@ -13,43 +14,71 @@ from drill_twin.core.errors import CheckpointError, RunError, StoppedError
 from drill_twin.dynamics.twin.checkpoint import Checkpoint, save_failure
 from drill_twin.io.messages.encode import encode_string
 from drill_twin.io.messages.stamps import stamp_ns
-from drill_twin.io.messages.topics import CLOCK_TOPIC, COMMANDER
+from drill_twin.io.messages.topics import COMMANDER
 from drill_twin.ros.core.node import TwinNode
 from drill_twin.ros.core.pacing import Pacer, Tick
-from drill_twin.ros.simulator.checkpoint_writer import CheckpointWriter
-from drill_twin.ros.simulator.command_subscriptions import CommandSubscriptions
+from drill_twin.ros.simulator.command_input import CommandInput
 from drill_twin.ros.simulator.tf_publisher import TfPublisher, tf_message
-from drill_twin.runs.loop import RunLoop, topics_of
+from drill_twin.runs.loop import RunLoop
 from drill_twin.scene import Scene
 from drill_twin.scene.blocks.numerics import frame_period
 from drill_twin.scene.set_points.command import Command
 
+_LOOK = 0.01  # s between two looks at what has come, where there is no wait
 _BURST = 200  # frames; as fast as possible must not be faster than the readers
 
 
+class CheckpointWriter:
+    """Writes one checkpoint at a time, in a thread: a slow disk delays no frame, and one due meanwhile is left out."""
+
+    def __init__(self) -> None:
+        self._writing: threading.Thread | None = None
+        self.written: float | None = None
+        """Simulated time of the last one that is on the disk [s]."""
+        self.trouble = ""
+        """Reason why the last one could not be written; empty when it could."""
+
+    def start(self, checkpoint: Checkpoint, path: str) -> None:
+        """Start to write one, unless one is being written."""
+        if self._writing is not None and self._writing.is_alive():
+            return
+        self._writing = threading.Thread(target=self._write, args=(checkpoint, path), name="checkpoint")
+        self._writing.start()
+
+    def finish(self) -> None:
+        """Wait until it is written."""
+        if self._writing is not None:
+            self._writing.join()
+
+    def _write(self, checkpoint: Checkpoint, path: str) -> None:
+        try:
+            checkpoint.save(path)
+        except CheckpointError as error:
+            self.trouble = str(error)
+            return
+        self.written, self.trouble = checkpoint.time, ""
+
+
 class SimulatorRun:
-    """The run loop of a node, its command topics, its pace and its checkpoints.
+    """The run loop of a node, its commands, its pace and its checkpoints.
 
     Attributes:
         loop: The run loop with the twin; its sink is DDS.
-        commands: The command topics.
+        commands: The commands.
         pacer: Holds frames to wall time.
         checkpoints: Writes checkpoints in the background.
         started: True once the first frame was computed.
     """
 
     def __init__(self, node: TwinNode, scene: Scene, frame_rate: float) -> None:
-        """Create the topics and build the twin, whose kernels have been compiled.
+        """Build the twin, whose kernels have been compiled.
 
         Args:
-            node: The simulator node.
+            node: The simulator node, with its publishers.
             scene: The scene.
             frame_rate: Frames per simulated second [Hz].
         """
         self._node = node
-        for topic in (*topics_of(scene), COMMANDER):
-            # The clock is latched, so that a driver which returns during a run learns the time at once.
-            node.topics.advertise(topic, latched=True if topic == CLOCK_TOPIC else None)
         period = frame_period(frame_rate)
         self.loop = RunLoop(
             scene,
@@ -58,8 +87,8 @@ class SimulatorRun:
             pace=node.settings.pace,
             frame_prefix=node.settings.frame_prefix,
         )
-        self.commands = CommandSubscriptions(node, scene, self.loop.first, lambda: self.loop.twin.time)
-        self.pacer = Pacer(period)
+        self.commands = CommandInput(node, scene, self.loop.first, lambda: self.loop.twin.time)
+        self.pacer, self._look = Pacer(period), Tick(_LOOK)
         self.checkpoints = CheckpointWriter()
         self.started = False
         self._commander: str | None = None  # as last told
@@ -121,12 +150,16 @@ class SimulatorRun:
             self.checkpoints.start(self.checkpoint(), self._node.settings.checkpoint)
 
     def keep_pace(self) -> None:
-        """Wait until the next frame is due."""
+        """Process what comes until the next frame is due."""
         pace = self._node.settings.pace
         if pace == "realtime":
-            self.pacer.wait()
-        elif pace == "fast" and self.loop.frames % _BURST == 0:
-            self._node.topics.flush(1.0)
+            if not self.pacer.wait(self._node.spin_once):
+                self._node.spin_all()
+        elif pace == "fast":
+            if self.loop.frames % _BURST == 0:
+                self._node.topics.flush(1.0)
+            if self._look.due():
+                self._node.spin_all()
 
     def stand_still(self, *, paused: bool) -> None:
         """Let wall time pass without a frame; it counts in the real-time factor unless it is a pause."""
@@ -167,6 +200,8 @@ class SimulatorRun:
     def close(self) -> None:
         """Write the last checkpoint, and report how the run went."""
         self.checkpoints.finish()
+        if self._tf is not None:
+            self._tf.destroy()
         if not self.loop.frames and not self.loop.rejected_steps.stopped:
             return
         node = self._node
@@ -178,12 +213,6 @@ class SimulatorRun:
         node.publish_diagnostics()
         node.topics.flush()
         node.get_logger().info(f"{self.loop.twin.time:.2f} s simulated, {self.loop.timing.text()}")
-
-    def destroy(self) -> None:
-        """Destroy the topics that are not of the contract."""
-        self.checkpoints.finish()
-        if self._tf is not None:
-            self._tf.destroy()
 
     def _markers_due(self) -> bool:
         """In lockstep by simulated time, so that runs are alike; else by wall time, as markers are for viewers."""

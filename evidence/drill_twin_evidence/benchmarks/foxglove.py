@@ -31,7 +31,7 @@ _PROTOCOL = Subprotocol("foxglove.sdk.v1")
 
 def main(seconds: float = 15.0) -> None:
     """Measure, and print the result."""
-    from drill_twin.ros.deployment.discovery import DomainClaim, prepare
+    from drill_twin.ros.deployment import DomainClaim, prepare
 
     claim = DomainClaim()
     os.environ["ROS_DOMAIN_ID"] = str(claim.domain)

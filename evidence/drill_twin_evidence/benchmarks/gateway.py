@@ -19,7 +19,6 @@ import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -32,7 +31,7 @@ _PASSWORD = "bench and bench"  # noqa: S105 - of this benchmark only
 def main(seconds: float = 20.0) -> None:
     """Measure, and print the result."""
     from drill_twin.gateway.opc_ua.keys import CERTIFICATE, TRUSTED, make_keys
-    from drill_twin.ros.deployment.discovery import DomainClaim, prepare
+    from drill_twin.ros.deployment import DomainClaim, prepare
 
     claim = DomainClaim()
     os.environ["ROS_DOMAIN_ID"] = str(claim.domain)
@@ -63,6 +62,7 @@ def node(name: str, *given: str) -> subprocess.Popen[bytes]:
 
 
 def _measure(gateway: int, url: str, folder: Path, seconds: float) -> None:
+    from rclpy.experimental.events_executor import EventsExecutor
     from rclpy.node import Node
     from sensor_msgs.msg import JointState
     from std_msgs.msg import Float64
@@ -70,23 +70,18 @@ def _measure(gateway: int, url: str, folder: Path, seconds: float) -> None:
     from drill_twin.io.messages.decode import JointStateReader
     from drill_twin.ros.core.node_main import init_context
     from drill_twin.ros.core.stop_request import StopRequest
-    from drill_twin.ros.core.topics.raw_subscriptions import ManualCallbackGroup, RawSubscriptions
 
     context = init_context([], StopRequest())
     node = Node("bench", context=context)
     arrived: dict[float, float] = {}
-    taken = RawSubscriptions(node, context)
+    taken = EventsExecutor(context=context)
+    taken.add_node(node)
     reader = JointStateReader()
-    group = ManualCallbackGroup()
 
-    def on_command(raw: bytes, info: Mapping[str, Any]) -> None:
-        del info
+    def on_command(raw: bytes) -> None:
         arrived.setdefault(float(reader.read(bytes(raw)).effort[1]), time.monotonic())
 
-    subscription = node.create_subscription(
-        JointState, "rig/command", lambda _: None, 100, raw=True, callback_group=group
-    )
-    taken.add(subscription, on_command)
+    node.create_subscription(JointState, "rig/command", on_command, 100, raw=True)
     for topic, value in (("rig/wob_command", 40.0), ("rig/rps_command", 2.0)):
         publisher = node.create_publisher(Float64, topic, 10)
         deadline = time.monotonic() + 60.0

@@ -75,7 +75,7 @@ FAULTS = (
           "runs/test_run_timing.py"),
     Fault("ignored limit: the largest speed of the parameters", "ros/simulator/command_limits.py",
           "speed = max_speed or _largest", "speed = _largest", "ros/test_command_arbiter.py"),
-    Fault("quality of service: a latched topic is volatile", "ros/core/topics/rclpy_topics.py",
+    Fault("quality of service: a latched topic is volatile", "ros/core/topics.py",
           "keep = topic.latched if latched is None else latched", "keep = bool(latched)",
           "ros/test_record_and_replay.py", "joins_late"),
     Fault("stale kernel: the hash misses modules imported from a package", "core/compile/source_hash.py",

@@ -1,18 +1,20 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Discovery of the nodes: on this host only, and fast, unless the environment says otherwise.
+"""Deployment of the nodes: discovery on this host only, and fast, unless the environment says otherwise; security.
 
 Without the Fast DDS profile of this package a node that joins later is discovered after up to 3 s, with it within
-0.5 s. Variables that the user has set keep their values.
+0.5 s. Variables that the user has set keep their values. The Fast DDS of the wheels is built without security plugins
+(SROS2); with a whole ROS 2 Jazzy they are there. What is required and not there is refused.
 """
 
 from __future__ import annotations
 
 import os
 import socket
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 from drill_twin.core.errors import DrillTwinError
-from drill_twin.ros.deployment.security import refuse_unsecured
 from drill_twin.scene.paths import config_dir
 
 HIGHEST_DOMAIN = 101
@@ -95,3 +97,59 @@ class DomainClaim:
     def release(self) -> None:
         """End the claim."""
         self._socket.close()
+
+
+@contextmanager
+def own_domain(logs: Path) -> Iterator[int]:
+    """Context in which the nodes started here, and their logs, are in a domain of their own; yields its number.
+
+    Raises:
+        DrillTwinError: The domain of the environment, or every domain, is in use; the required security is not there.
+    """
+    claim = DomainClaim(domain_of_environment())
+    os.environ["ROS_DOMAIN_ID"], os.environ["ROS_LOG_DIR"] = str(claim.domain), str(logs)
+    prepare()
+    try:
+        yield claim.domain
+    finally:
+        claim.release()
+
+
+def refuse_unsecured() -> None:
+    """Refuse to start if `ROS_SECURITY_STRATEGY=Enforce` is set but would have no effect.
+
+    Raises:
+        DrillTwinError: ROS 2 would start without security, or has no keys.
+    """
+    if os.environ.get("ROS_SECURITY_STRATEGY", "").lower() != "enforce":
+        return
+    enabled, keys = os.environ.get("ROS_SECURITY_ENABLE", ""), os.environ.get("ROS_SECURITY_KEYSTORE", "")
+    if enabled.lower() != "true":
+        raise DrillTwinError(
+            "ROS_SECURITY_STRATEGY=Enforce: expected ROS_SECURITY_ENABLE=true beside it, found "
+            f"{enabled or 'none'}, with which ROS 2 would start unsecured; set it, or unset ROS_SECURITY_STRATEGY"
+        )
+    if not os.path.isdir(keys):  # noqa: PTH112 - a path of the environment, used once
+        raise DrillTwinError(
+            f"ROS_SECURITY_STRATEGY=Enforce: expected the folder of the keys in ROS_SECURITY_KEYSTORE, found "
+            f"{keys or 'none'}; make one with ros2 security create_keystore"
+        )
+
+
+@contextmanager
+def readable_refusal() -> Iterator[None]:
+    """Turn the errors with which rclpy refuses to create a node into one line.
+
+    Raises:
+        DrillTwinError: rclpy refused to create it.
+    """
+    try:
+        yield
+    except RuntimeError as error:  # rclpy's RCLError is one
+        text = " ".join(str(error).partition(", at ")[0].split())
+        if "security" not in text:
+            raise DrillTwinError(f"expected ROS to make this node, found: {text}") from error
+        raise DrillTwinError(
+            f"expected a Fast DDS with security, found: {text.removeprefix('error creating node: ')}; that of the "
+            "wheels has none: use a whole ROS 2 Jazzy, or unset ROS_SECURITY_ENABLE to run unsecured"
+        ) from error

@@ -1,11 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Subscriptions to the command topics: decode messages, check their stamps, hand them to the arbiter."""
+"""Messages of the command topics: checked for their stamps and their publishers, and handed to the arbiter."""
 
 from __future__ import annotations
 
 import math
+import time
+from collections import deque
 from collections.abc import Callable, Mapping
-from functools import partial
 from types import SimpleNamespace
 from typing import Any
 
@@ -13,26 +14,52 @@ from drill_twin.core.errors import MessageError
 from drill_twin.io.messages.decode import JointStateReader
 from drill_twin.io.messages.rig_messages import read_command
 from drill_twin.io.messages.stamps import stamp_ns
-from drill_twin.io.messages.topics import RIG_COMMAND, RPS_COMMAND, WOB_COMMAND
+from drill_twin.io.messages.topics import RIG_COMMAND
 from drill_twin.ros.core.node import TwinNode
 from drill_twin.ros.simulator.command_arbiter import CommandArbiter, Silence
 from drill_twin.ros.simulator.command_limits import limits_for
-from drill_twin.ros.simulator.publisher_check import PublisherCheck
 from drill_twin.scene import Scene
 from drill_twin.scene.set_points.command import Command
 
 _AHEAD = 1_000_000_000  # ns; a command stamped later than this is not for the frames to come
+_WINDOW = 5.0  # s
+_TURNS = 2
 
 
-class CommandSubscriptions:
-    """Command topics of a simulator, and the arbiter of what they bring.
+class PublisherCheck:
+    """Sequence numbers of the messages of one topic, by which more than one publisher is noticed.
+
+    DDS does not tell a Python subscriber who sent a message, but each publisher counts its own: the numbers of one only
+    grow, those of two that send in turn go back again and again. They go back once when a publisher was started anew.
+    """
+
+    def __init__(self, clock: Callable[[], float] = time.monotonic) -> None:
+        self._clock = clock
+        self._last = -1
+        self._turns: deque[float] = deque(maxlen=_TURNS)
+
+    def take(self, number: int) -> bool:
+        """Take the number of the next message; returns True where it is the first to show that several send."""
+        before, back, self._last = self.several_send, number <= self._last, number
+        if back:
+            self._turns.append(self._clock())
+        return back and not before and self.several_send
+
+    @property
+    def several_send(self) -> bool:
+        """True while the numbers went back more than once in the last seconds."""
+        return len(self._turns) == _TURNS and self._clock() - self._turns[0] < _WINDOW
+
+
+class CommandInput:
+    """Callbacks of the command topics of a simulator, and the arbiter of what they bring.
 
     Attributes:
         arbiter: Checks the commands and holds the set-point.
     """
 
     def __init__(self, node: TwinNode, scene: Scene, first: Command, now: Callable[[], float]) -> None:
-        """Create the arbiter; `subscribe` creates the subscriptions.
+        """Create the arbiter.
 
         Args:
             node: The simulator.
@@ -45,12 +72,6 @@ class CommandSubscriptions:
         self._went_back = False
         self._publishers = PublisherCheck()
         self.arbiter = CommandArbiter(*self._rules(), first)
-
-    def subscribe(self) -> None:
-        """Create the subscriptions."""
-        self._node.topics.subscribe_raw(RIG_COMMAND, self._on_command)
-        for topic, deliver in ((WOB_COMMAND, CommandArbiter.weight_on_bit), (RPS_COMMAND, CommandArbiter.speed)):
-            self._node.topics.subscribe(topic, partial(self._on_single, deliver), malformed=self._malformed)
 
     def apply_settings(self) -> None:
         """Apply the limits in the node's settings."""
@@ -85,7 +106,8 @@ class CommandSubscriptions:
             ramp_time=settings.safe_ramp_time,
         )
 
-    def _on_command(self, raw: bytes, info: Mapping[str, Any]) -> None:
+    def on_command(self, raw: bytes, info: Mapping[str, Any]) -> None:
+        """Take a message of `/rig/command`."""
         try:
             state = self._read_command(raw)
             command = read_command(state, absent_weight=0.0 if self._scene.rig.moves_block else None)
@@ -108,8 +130,14 @@ class CommandSubscriptions:
         if ours and self._publishers.take(info["publication_sequence_number"]):
             self._node.publish_diagnostics()
 
-    def _malformed(self, reason: str) -> None:
-        self.arbiter.malformed(reason)  # of now: a reset makes another
+    def on_weight_on_bit(self, value: float) -> None:
+        """Take a value of `/rig/wob_command` [N]."""
+        self.arbiter.weight_on_bit(value)
 
-    def _on_single(self, deliver: Callable[[CommandArbiter, float], None], value: float) -> None:
-        deliver(self.arbiter, value)
+    def on_speed(self, value: float) -> None:
+        """Take a value of `/rig/rps_command` [rev/s]."""
+        self.arbiter.speed(value)
+
+    def malformed(self, reason: str) -> None:
+        """Count a message that holds no value."""
+        self.arbiter.malformed(reason)  # of now: a reset makes another

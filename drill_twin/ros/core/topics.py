@@ -1,0 +1,251 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Publishers and subscriptions of a node, by topic of the contract; messages are CDR bytes, decoded by their row."""
+
+from __future__ import annotations
+
+import difflib
+import importlib
+import inspect
+import time
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from typing import Any
+
+from rclpy.duration import Duration
+from rclpy.exceptions import InvalidParameterTypeException
+from rclpy.node import Node
+from rclpy.publisher import Publisher
+from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSPolicyKind, QoSProfile, ReliabilityPolicy
+from rclpy.qos_overriding_options import InvalidQosOverridesError, QoSOverridingOptions
+from rclpy.subscription import Subscription
+
+from drill_twin.core.errors import MessageError
+from drill_twin.io.messages.readers import reader_of
+from drill_twin.io.messages.topics import DIAGNOSTICS, RPS_COMMAND, TOPICS, TWIN_SCENE, WOB_COMMAND, Topic
+from drill_twin.ros.core.graph import full_name, incompatible_publisher
+from drill_twin.ros.core.parameters import ParameterError, given_parameters
+from drill_twin.ros.core.queues import DropCounter, SceneGate
+
+_SEVERAL_PUBLISHERS = (DIAGNOSTICS, WOB_COMMAND, RPS_COMMAND)  # their sequence numbers cannot be told apart
+_QOS_OVERRIDES = "qos_overrides."
+_OVERRIDABLE = QoSOverridingOptions(
+    (QoSPolicyKind.HISTORY, QoSPolicyKind.DEPTH, QoSPolicyKind.RELIABILITY, QoSPolicyKind.DURABILITY)
+)
+_BYTES_AND_INFO = inspect.Signature([inspect.Parameter(name, inspect.Parameter.POSITIONAL_ONLY) for name in "ab"])
+
+Received = Callable[[bytes, Mapping[str, Any]], object]
+"""Callback of a subscription: the CDR bytes, and rclpy's information on the message, such as its times."""
+Kept = Callable[[Callable[[], object]], None]
+"""Calls a function; keeps an error that it raises until the executor has returned."""
+
+
+def relative(topic: str, namespace: str = "") -> str:
+    """Topic name relative to the node's namespace, so that two twins can share a domain; `/diagnostics` is global.
+
+    A namespace given as "/rig2" stands in place of the node's.
+    """
+    if topic == DIAGNOSTICS:
+        return topic
+    return namespace + topic if namespace else topic.lstrip("/")
+
+
+def message_class(topic: Topic) -> Any:
+    """Message class of a topic in rclpy, which has no common base class."""
+    package, _, name = topic.type_name.split("/")
+    return getattr(importlib.import_module(f"{package}.msg"), name)
+
+
+def quality(topic: Topic, *, depth: int = 0, latched: bool | None = None) -> QoSProfile:
+    """Quality of service of a topic; depth 0 and latched None stand for those of the contract."""
+    keep = topic.latched if latched is None else latched
+    return QoSProfile(
+        reliability=ReliabilityPolicy.RELIABLE,
+        history=HistoryPolicy.KEEP_LAST,
+        depth=depth or topic.depth,
+        durability=DurabilityPolicy.TRANSIENT_LOCAL if keep else DurabilityPolicy.VOLATILE,
+    )
+
+
+class NodeTopics:
+    """Topics of the contract that a node publishes and subscribes to.
+
+    Quality of service can be given as to every ROS 2 node, by parameters `qos_overrides./topic.publisher.depth`.
+    """
+
+    def __init__(self, node: Node, unreadable: Callable[[str], object], kept: Kept) -> None:
+        """Connect the topics to their node.
+
+        Args:
+            node: The node.
+            unreadable: Called with the topic of a message that could not be decoded or used.
+            kept: Calls the callbacks of messages.
+        """
+        self.publishers: dict[str, Publisher] = {}
+        """Publishers by topic of the contract."""
+        self.prefix = ""
+        """Namespace of the topics that are advertised from now on, as "/rig2"; empty: the node's."""
+        self.muted = False
+        """True while messages are dropped, but for latched ones: the node is inactive."""
+        self.taken = 0
+        """Messages taken."""
+        self._node, self._unreadable, self._kept = node, unreadable, kept
+        self._gates: list[SceneGate] = []
+        self._inputs: list[tuple[Subscription, str, str]] = []  # with the type, and the name to count drops by
+        self._drops = DropCounter()
+
+    def advertise(self, topic: str, *, latched: bool | None = None) -> Publisher:
+        """Create the publisher of a topic; it is given bytes."""
+        row = TOPICS[topic]
+        offered = quality(row, depth=row.publisher_depth, latched=latched)
+        with _readable_overrides(topic):
+            publisher = self._node.create_publisher(
+                message_class(row), relative(topic, self.prefix), offered, qos_overriding_options=_OVERRIDABLE
+            )
+        self.publishers[topic] = publisher
+        return publisher
+
+    def publish(self, topic: str, raw: bytes) -> None:
+        """Publish a message on an advertised topic."""
+        self.publishers[topic].publish(raw)
+
+    def withdraw(self, topic: str) -> None:
+        """Destroy the publisher of a topic."""
+        self._node.destroy_publisher(self.publishers.pop(topic))
+
+    def subscribe(
+        self,
+        topic: str,
+        received: Callable[[Any], object],
+        *,
+        depth: int = 0,
+        latched: bool | None = None,
+        malformed: Callable[[str], object] | None = None,
+    ) -> Subscription:
+        """Create the subscription to a topic.
+
+        Args:
+            topic: The topic.
+            received: Called with each message, decoded as the topic's row says; may raise MessageError as well.
+            depth: Messages that wait; 0: those of the contract.
+            latched: Whether earlier messages are asked for; None: as the contract says.
+            malformed: Called with the reason why a message could not be used, in place of counting it.
+        """
+        read = reader_of(topic)
+
+        def decoded(raw: bytes, _: Mapping[str, Any]) -> None:
+            try:
+                received(read(raw))
+            except MessageError as error:
+                self._unreadable(topic) if malformed is None else malformed(str(error))
+
+        return self.subscribe_raw(topic, decoded, depth=depth, latched=latched)
+
+    def subscribe_scenes(self, received: Callable[[bytes], object]) -> Subscription:
+        """Create the subscription to `/twin/scene`; the callback receives the bytes when the gate lets them pass."""
+        gate = SceneGate(received)
+        self._gates.append(gate)
+        return self.subscribe_raw(TWIN_SCENE, lambda raw, _: gate.take(raw), depth=1)
+
+    def pass_on_scenes(self) -> None:
+        """Pass on the scenes that wait, if their turn has come."""
+        for gate in self._gates:
+            gate.work()
+
+    @property
+    def scenes_put_off(self) -> int:
+        """Number of scenes that were replaced by a newer one before their turn."""
+        return sum(gate.put_off for gate in self._gates)
+
+    def subscribe_raw(
+        self, topic: str, received: Received, *, depth: int = 0, latched: bool | None = None
+    ) -> Subscription:
+        """Create the subscription to a topic; the callback receives bytes, and what rclpy knows of the message."""
+        row = TOPICS[topic]
+        keeps = row.latched if latched is None else latched
+        counted = topic if topic not in _SEVERAL_PUBLISHERS and depth != 1 and not row.latched else ""
+
+        def take(*given: Any) -> None:
+            raw, info = given if len(given) > 1 else given[0]  # rclpy 7.1.6 hands over both as one argument
+            self.taken += 1
+            self._drops.take(counted, info)
+            if keeps or not self.muted:
+                self._kept(lambda: received(bytes(raw), info))
+
+        setattr(take, "__signature__", _BYTES_AND_INFO)  # noqa: B010 - by it rclpy knows what to hand over
+        with _readable_overrides(topic):
+            subscription = self._node.create_subscription(
+                message_class(row),
+                relative(topic),
+                take,
+                quality(row, depth=depth, latched=latched),
+                qos_overriding_options=_OVERRIDABLE,
+                raw=True,
+            )
+        self._inputs.append((subscription, row.type_name, counted))
+        return subscription
+
+    def destroy_all_but(self, kept: str) -> None:
+        """Destroy all subscriptions, and all publishers but that of one topic."""
+        for subscription, _, _ in self._inputs:
+            self._node.destroy_subscription(subscription)
+        self._inputs.clear()
+        self._gates.clear()
+        for topic in set(self.publishers) - {kept}:
+            self.withdraw(topic)
+
+    def flush(self, seconds: float = 5.0) -> None:
+        """Wait until every reader has acknowledged all that was published, at most this long [s]."""
+        deadline = time.monotonic() + seconds
+        for publisher in self.publishers.values():
+            left = max(deadline - time.monotonic(), 0.0)
+            publisher.wait_for_all_acked(Duration(seconds=left))
+
+    @property
+    def dropped(self) -> Mapping[str, int]:
+        """Messages that were dropped unread from a full queue, by topic, as of the last `queue_report`."""
+        return self._drops.dropped
+
+    def queue_report(self) -> dict[str, str]:
+        """Fill and drops of the queues since the last report, for the diagnostics."""
+        counted = {topic: subscription for subscription, _, topic in self._inputs if topic}
+        self._drops.confirm_gaps(lambda topic: counted[topic].get_publisher_count() if topic in counted else 0)
+        return self._drops.values()
+
+    def publisher_nodes(self, topic: str) -> list[str]:
+        """Full names of the nodes that publish a topic, one entry a publisher."""
+        found = self._node.get_publishers_info_by_topic(self._node.resolve_topic_name(relative(topic)))
+        return sorted(map(full_name, found))
+
+    def incompatible_publisher(self) -> str:
+        """First publisher that no subscription of this node can be connected to; empty when there is none."""
+        return incompatible_publisher(self._node, [(read, kind) for read, kind, _ in self._inputs])
+
+
+@contextmanager
+def _readable_overrides(topic: str) -> Iterator[None]:
+    """Turn rclpy's errors about an override into one line.
+
+    Raises:
+        ParameterError: The value is not one of that policy.
+    """
+    try:
+        yield
+    except (InvalidQosOverridesError, InvalidParameterTypeException, RuntimeError, ValueError) as error:
+        raise ParameterError(
+            f"qos_overrides of {topic}: expected history keep_last or keep_all, a depth, reliability reliable or "
+            f"best_effort, durability volatile or transient_local; found {error}"
+        ) from error
+
+
+def refuse_unused_overrides(node: Node) -> None:
+    """Refuse overrides of topics that this node does not have: rclpy ignores misspelled ones silently.
+
+    Raises:
+        ParameterError: An override names no topic of this node.
+    """
+    known = [f"{_QOS_OVERRIDES}{name}" for name in node.get_parameters_by_prefix(_QOS_OVERRIDES.removesuffix("."))]
+    for name in given_parameters(node):
+        if name.startswith(_QOS_OVERRIDES) and name not in known:
+            near = difflib.get_close_matches(name, known, n=1)
+            hint = f"did you mean {near[0]}?" if near else "ros2 param list shows them"
+            raise ParameterError(f"parameter {name}: this node has none of that name; {hint}")

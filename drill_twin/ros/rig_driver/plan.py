@@ -1,0 +1,93 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Set-points that a driver plays: those of its parameters, and the transition to others during a run without a jump."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from types import SimpleNamespace
+
+from drill_twin.ros.core.scene_parameters import scene_of
+from drill_twin.scene.blocks.numerics import frame_period_ns
+from drill_twin.scene.set_points import Schedule
+from drill_twin.scene.set_points.command import Command
+
+Plan = Callable[[float], Command]
+"""Simulated time [s] -> set-points."""
+
+
+@dataclass(frozen=True)
+class SetPointTransition:
+    """Plan that is reached by a cubic step with zero slope at both ends (the STEP of the schedules)."""
+
+    before: Command
+    """Set-points in force before."""
+    after: Plan
+    """Plan that holds afterwards."""
+    start: float
+    """Simulated time at the start of the transition [s]."""
+    duration: float
+    """Duration of the transition [s]."""
+
+    def __call__(self, time: float) -> Command:
+        """Set-points at a time [s]."""
+        passed = (time - self.start) / self.duration if self.duration > 0.0 else 1.0
+        if passed >= 1.0:
+            return self.after(time)
+        share = max(passed, 0.0) ** 2 * (3.0 - 2.0 * max(passed, 0.0))
+        return self.before.mixed(self.after(time), share)
+
+
+class SetPointPlan:
+    """Set-points over simulated time: the scene's schedule, or a table of measured ones.
+
+    Raises:
+        DrillTwinError: The parameters are of no scene, or their set-points are not valid in it.
+    """
+
+    def __init__(self, settings: SimpleNamespace) -> None:
+        scene = scene_of(settings)
+        self._schedule = Schedule.from_scene(scene)
+        self._plan: Plan = self._schedule.at
+        self._planned = _planned(settings)
+        self.period = frame_period_ns(settings.frame_rate or scene.numerics.frame_rate)
+        """Simulated time from set-point to set-point [ns]."""
+        self.plays = scene.name
+        """Name of the scene, or the file of the table."""
+        self.report = ""
+        """Report on the table, where there is one."""
+        if self._schedule.record is not None and scene.rig.table is not None:
+            self.plays, self.report = str(scene.rig.table.file), self._schedule.record.report
+
+    @property
+    def duration(self) -> float:
+        """Simulated time at which the schedule is over [s]."""
+        return self._schedule.duration
+
+    def at(self, time: float) -> Command:
+        """Set-points at a time [s]."""
+        return self._plan(time)
+
+    def begin_again(self) -> None:
+        """Play as a launch with these set-points would: a transition belongs to the run before."""
+        self._plan = self._schedule.at
+
+    def check(self, settings: SimpleNamespace) -> None:
+        """Refuse set-points that are not valid in the scene, by raising a DrillTwinError."""
+        if _planned(settings) != self._planned:
+            scene_of(settings)
+
+    def change(self, settings: SimpleNamespace, before: Command | None, time: float) -> bool:
+        """Go over to the set-points of the settings, from those in force at a time [s]; False if they are the same."""
+        if _planned(settings) == self._planned:
+            return False
+        self._planned = _planned(settings)
+        self._schedule = Schedule.from_scene(scene_of(settings))
+        self._plan = self._schedule.at
+        if before is not None:
+            self._plan = SetPointTransition(before, self._schedule.at, time, settings.change_time)
+        return True
+
+
+def _planned(settings: SimpleNamespace) -> tuple[str, str]:
+    return settings.weight_on_bit, settings.rotation
