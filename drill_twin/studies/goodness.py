@@ -43,7 +43,7 @@ class Goodness:
         independent: Number of independent samples of the residual.
         chi_square: Mean square of the residual over its predicted variance: 1 for predictions as good as they say.
         inside: Share of the samples inside the predicted band of 90 %.
-        limit: Chi-square that one in 1,000 right models exceeds.
+        limit: Chi-square that one in 1,000 right models exceeds; NaN where it is not judged.
     """
 
     samples: int
@@ -57,8 +57,8 @@ class Goodness:
 
     @property
     def ratio(self) -> float:
-        """Rms residual over the noise."""
-        return self.residual / self.noise if self.noise > 0.0 else math.inf if self.residual > 0.0 else 1.0
+        """Rms residual over the noise; NaN where the samples are too few to tell it, or have none."""
+        return self.residual / self.noise if self.noise > 0.0 else math.nan
 
     @property
     def explained(self) -> bool:

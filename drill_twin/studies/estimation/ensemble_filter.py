@@ -213,7 +213,7 @@ class EnsembleFilter:
         deviation = np.concatenate((self._errors.deviation, self._phase.errors.deviation))
         self._resample(predicted, measured, deviation)
         self._weigh_distance(applied([*found, *lateral], predicted), measured, deviation)
-        goodness = self._innovations.goodness
+        goodness = self._innovations.judged()
         factor = widening(goodness)
         return Estimate(
             time=self.time,

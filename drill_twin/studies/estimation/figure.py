@@ -46,7 +46,6 @@ def estimate_figure(found: Sequence[Estimate], record: Record) -> Figure:
             panels[-2].plot(time, [one.misfit.get(name, np.nan) for one in found], label=name.replace("_", " "))
             of = [one.goodness[name] for one in found]
             panels[-1].semilogy(time, [one.chi_square for one in of], label=name.replace("_", " "))
-        panels[-1].semilogy(time, [one.limit for one in of], color=VERMILION, linestyle="--", label="limit of chance")
         panels[-2].set_ylabel("misfit [-]")
         panels[-2].set_title("rms of measured less predicted, over the largest value", fontsize=9.5)
         panels[-1].set_ylabel("chi-square [-]")

@@ -6,6 +6,7 @@ from __future__ import annotations
 import math
 from collections import deque
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -15,6 +16,10 @@ from drill_twin.studies.goodness import Goodness, goodness, limit_of_windows, no
 
 WINDOWS = 20
 """Windows that are judged together."""
+_FEWEST = 10
+"""Windows before the first judgement: numbers are still being found."""
+_LASTING = 3
+"""Windows in a row from which a chi-square above its limit counts; a single window is the other alarm's."""
 
 
 class _Window(NamedTuple):
@@ -37,6 +42,7 @@ class Innovations:
         self._channels = list(channels)
         self._windows: deque[_Window] = deque(maxlen=WINDOWS)
         self._stated: Array = np.zeros(len(channels))
+        self._above = np.zeros(len(channels), dtype=int)  # windows in a row with a chi-square above its limit
         self.misfit: Array = np.full(len(channels), np.nan)
         self.normalised: Array = np.full(len(channels), np.nan)
 
@@ -56,15 +62,17 @@ class Innovations:
         self.misfit = _rms(square / np.maximum(scale, np.finfo(float).tiny)[:, None] ** 2)
         self.normalised = _rms(square / (window.spread**2 + stated[:, None] ** 2))
 
-    @property
-    def goodness(self) -> Mapping[str, Goodness]:
-        """Goodness of each channel over the last windows, against the stated errors."""
+    def judged(self) -> Mapping[str, Goodness]:
+        """Goodness of each channel over the last windows, against the stated errors; once for each window."""
         measured, mean, spread = (np.concatenate(parts, axis=1) for parts in zip(*self._windows, strict=True))
-        limit = limit_of_windows(len(self._windows))
-        return {
-            name: goodness(measured[k], mean[k], spread[k], noise_of(measured[k]), float(self._stated[k]), limit)
-            for k, name in enumerate(self._channels)
-        }
+        count = len(self._windows)
+        limit = limit_of_windows(count) if count >= _FEWEST else math.nan
+        found = {}
+        for k, name in enumerate(self._channels):
+            of = goodness(measured[k], mean[k], spread[k], noise_of(measured[k]), float(self._stated[k]), limit)
+            self._above[k] = 0 if of.explained else self._above[k] + 1
+            found[name] = of if self._above[k] >= _LASTING else replace(of, limit=math.nan)
+        return found
 
 
 def widening(found: Mapping[str, Goodness]) -> float:

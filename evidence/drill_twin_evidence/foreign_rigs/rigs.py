@@ -151,4 +151,5 @@ def trial(name: str, seed: int, noise: float = 0.01) -> Trial:
         truth[DECAY] = decay
     fine = round(0.01 / STEP)
     places: Array = 0.01 * np.arange(1.0, len(bit) // fine + 1.0)
-    return Trial(Record(f"{name}, seed {seed}", series), truth, (places, bit[fine - 1 :: fine]), mechanics, present)
+    record = Record(f"{name}, seed {seed}", series, instant=frozenset() if rig.averaged else frozenset(series))
+    return Trial(record, truth, (places, bit[fine - 1 :: fine]), mechanics, present)

@@ -16,6 +16,7 @@ from typing_extensions import TypedDict
 
 import drill_twin as dt
 from drill_twin.core.files.json_files import JsonLines
+from drill_twin.core.rig_channels import INSTANT
 from drill_twin.core.table import Table
 from drill_twin.studies.maps.window import proportion_text
 from drill_twin_evidence.foreign_rigs.own_law import own_widths
@@ -44,10 +45,9 @@ def fitted(name: str, seed: int) -> Row:
     """Fit of the scene to a rig; widths are over those of a fit with the rig's own law."""
     of = trial(name, seed)
     ranges = dict(RANGES) | {"wob": (LOADS[0] * INDICATED, LOADS[1] * INDICATED)}
-    over = OVERRIDES if RIGS[name].averaged else dict(OVERRIDES) | {"numerics.frame_rate": 50.0}
     found = dt.fit(
-        of.record, SCENE, ranges, overrides=over, start=1.0, end=SECONDS - 0.2, rate=10.0, members=32, rounds=20,
-        seed=seed,
+        of.record, SCENE, ranges, overrides=_overrides(name), start=1.0, end=SECONDS - 0.2, rate=10.0, members=32,
+        rounds=20, seed=seed,
     )  # fmt: skip
     bands = {key: (found.quantile(key, 0.05), found.quantile(key, 0.95)) for key in ranges}
     low, high = bands.pop("wob")
@@ -68,7 +68,8 @@ def followed(name: str, seed: int) -> Row:
     of = trial(name, seed)
     ranges = dict(RANGES) | {LOAD: LOADS}
     options = dt.EstimatorOptions(members=32, horizon=0.0, seed=seed)
-    estimator = dt.Estimator(SCENE, ranges, overrides=OVERRIDES, options=options)
+    channels = [f"{channel}{'' if RIGS[name].averaged else INSTANT}" for channel in ("torque", "hookload")]
+    estimator = dt.Estimator(SCENE, ranges, channels=channels, overrides=_overrides(name), options=options)
     found = list(estimator.follow(of.record))
     bands = {key: (band.low, band.high) for key, band in found[-1].numbers.items()}
     late = [one for one in found if one.time > _SETTLED]
@@ -79,6 +80,11 @@ def followed(name: str, seed: int) -> Row:
     held[BIT] = bool(np.mean((low - margin <= true) & (true <= high + margin)) >= 0.8)
     wide = {key: (bands[key][1] - bands[key][0]) / (ranges[key][1] - ranges[key][0]) for key in of.truth}
     return Row(rig=name, seed=seed, way="estimate", held=held, wide=wide, told=found[-1].alarm)
+
+
+def _overrides(name: str) -> Mapping[str, float | str]:
+    """Changes to the scene; instants need frames that are short against the time from sample to sample."""
+    return OVERRIDES if RIGS[name].averaged else dict(OVERRIDES) | {"numerics.frame_rate": 50.0}
 
 
 def lines(rows: Iterable[Row]) -> list[str]:
