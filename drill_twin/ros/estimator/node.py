@@ -47,7 +47,6 @@ from drill_twin.runs import compile_kernel
 from drill_twin.studies.estimation import Estimate
 
 _DEPTH = 1000  # messages that wait while another thread has the processor
-_LOOK = 0.05  # s between two looks at what the thread has computed
 _BEHIND = 10  # windows that wait before the oldest is left out
 
 Result = TypeVar("Result")
@@ -62,7 +61,7 @@ class Estimator(TwinNode):
     ON_CHANGE: ClassVar = (RIG_COMMAND,)
 
     def on_configure(self, _: LifecycleState) -> TransitionCallbackReturn:
-        """Create topics and the timer of the windows, and begin to make the ensemble on a thread of its own.
+        """Create topics, and begin to make the ensemble on a thread of its own.
 
         Raises:
             DrillTwinError: Scene, numbers or channels cannot be taken.
@@ -87,7 +86,6 @@ class Estimator(TwinNode):
             self.topics.subscribe(readings_topic(sub), partial(self._on_readings, sub), depth=_DEPTH)
         if self.settings.set_points == "command":
             self.topics.subscribe(RIG_COMMAND, self._on_command, depth=_DEPTH)
-        self.every(_LOOK, self._look_for_results)
         return DONE
 
     def on_cleanup(self, _: LifecycleState) -> TransitionCallbackReturn:
@@ -100,8 +98,9 @@ class Estimator(TwinNode):
         """Reason while the ensemble is being made."""
         return "" if self._following is not None else self._making
 
-    def _look_for_results(self) -> None:
-        """Publish what has been found, and begin the next window."""
+    def step(self) -> None:
+        """Take what has arrived, publish what has been found, and begin the next window."""
+        super().step()
         if self._made is not None and self._made.done():
             self._begin(self._made.result())
             self._made = None
