@@ -152,7 +152,8 @@ def topic_table(*, optional: bool = True) -> Table:
 
 def rig_table() -> Table:
     """Table of the topics for rig software: publisher, quality of service, stamp and frame."""
-    from drill_twin.io.messages.topics import CLOCK_TOPIC, FLOAT64, FRAME_ID, IMU, OF_SUBS, STRING, TOPICS
+    from drill_twin.io.messages.topic_row import FLOAT64, IMU, STRING
+    from drill_twin.io.messages.topics import CLOCK_TOPIC, FRAME_ID, OF_SUBS, TOPICS
 
     unstamped = (FLOAT64, STRING)
     rows = []

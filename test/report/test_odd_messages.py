@@ -14,12 +14,10 @@ from drill_twin.io.bag.writer import BagWriter
 from drill_twin.io.messages.cdr import JointStateTemplate, PoseArrayTemplate
 from drill_twin.io.messages.diagnostics import Level, Status, encode_diagnostics
 from drill_twin.io.messages.encode import encode_string
+from drill_twin.io.messages.topic_row import DIAGNOSTIC_ARRAY, JOINT_STATE, POSE_ARRAY
 from drill_twin.io.messages.topics import (
-    DIAGNOSTIC_ARRAY,
     DIAGNOSTICS,
-    JOINT_STATE,
     MARKS_STATE,
-    POSE_ARRAY,
     RIG_COMMAND,
     RIG_STATE,
     STRING_POSES,

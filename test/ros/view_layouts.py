@@ -9,7 +9,8 @@ from xml.etree import ElementTree as ET
 import yaml
 
 from drill_twin.io.messages.drawing.transforms import hole_transform
-from drill_twin.io.messages.topics import FRAME_ID, JOINT_STATE, MARKER_ARRAY, POSE_ARRAY, TOPICS
+from drill_twin.io.messages.topic_row import JOINT_STATE, MARKER_ARRAY, POSE_ARRAY
+from drill_twin.io.messages.topics import FRAME_ID, TOPICS
 
 VIEWS = Path(__file__).resolve().parents[2] / "config" / "views"
 # What RViz of Jazzy reads: classes of its plugins, the type a display subscribes to, and the names of its properties.

@@ -9,7 +9,8 @@ from typing import Any
 
 import yaml
 
-from drill_twin.io.messages.topics import TOPICS, Topic
+from drill_twin.io.messages.topic_row import Topic
+from drill_twin.io.messages.topics import TOPICS
 from drill_twin.io.messages.type_store import definition, type_hash
 
 _FOREVER = {"sec": 9223372036, "nsec": 854775807}

@@ -14,8 +14,8 @@ from drill_twin.io.bag.metadata import RecordedTopic
 from drill_twin.io.bag.reading.bag_file import BagFile
 from drill_twin.io.bag.reading.files import open_files
 from drill_twin.io.messages.decode import read_string
+from drill_twin.io.messages.topic_row import DIAGNOSTIC_ARRAY
 from drill_twin.io.messages.topics import (
-    DIAGNOSTIC_ARRAY,
     DIAGNOSTICS,
     GENERIC,
     MARKS_STATE,

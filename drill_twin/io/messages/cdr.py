@@ -19,7 +19,8 @@ from numpy.typing import ArrayLike, DTypeLike, NDArray
 from drill_twin.core.arrays import Array
 from drill_twin.core.errors import MessageError
 from drill_twin.io.messages.stamps import NANOSECONDS, TIME, header, pack_stamp, time_message
-from drill_twin.io.messages.topics import CLOCK, FLOAT64, FRAME_ID, JOINT_STATE, POSE_ARRAY
+from drill_twin.io.messages.topic_row import CLOCK, FLOAT64, JOINT_STATE, POSE_ARRAY
+from drill_twin.io.messages.topics import FRAME_ID
 from drill_twin.io.messages.type_store import message, serialize
 
 _SENTINEL_STAMP = 1_588_742_087 * NANOSECONDS + 489_743_267

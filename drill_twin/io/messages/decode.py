@@ -13,7 +13,8 @@ from drill_twin.core.arrays import Array, Bytes
 from drill_twin.core.errors import MessageError
 from drill_twin.io.messages.cdr import JointStateTemplate
 from drill_twin.io.messages.stamps import NANOSECONDS, header_stamp, unpack_stamp
-from drill_twin.io.messages.topics import CLOCK, FLOAT64, FRAME_ID, JOINT_STATE, POSE_ARRAY, STRING
+from drill_twin.io.messages.topic_row import CLOCK, FLOAT64, JOINT_STATE, POSE_ARRAY, STRING
+from drill_twin.io.messages.topics import FRAME_ID
 from drill_twin.io.messages.type_store import CDR_LITTLE_ENDIAN, SPARE_BYTES, deserialize
 
 _COUNT = struct.Struct("<I")

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from enum import IntEnum
 
 from drill_twin.io.messages.stamps import header, header_stamp
-from drill_twin.io.messages.topics import DIAGNOSTIC_ARRAY
+from drill_twin.io.messages.topic_row import DIAGNOSTIC_ARRAY
 from drill_twin.io.messages.type_store import deserialize, message, serialize
 
 

@@ -14,15 +14,8 @@ from drill_twin.io.messages.drawing.markers import MarkerArrayTemplate
 from drill_twin.io.messages.drawing.pose import orientation
 from drill_twin.io.messages.finite import check_rows
 from drill_twin.io.messages.stamps import stamps_ns
-from drill_twin.io.messages.topics import (
-    FLOAT64,
-    MARKS_STATE,
-    RIG_STATE,
-    STRING,
-    STRING_MARKERS,
-    STRING_POSES,
-    STRING_STRESS,
-)
+from drill_twin.io.messages.topic_row import FLOAT64, STRING
+from drill_twin.io.messages.topics import MARKS_STATE, RIG_STATE, STRING_MARKERS, STRING_POSES, STRING_STRESS
 from drill_twin.io.messages.type_store import message, serialize
 from drill_twin.physics.model.section_stress import SCALARS
 

@@ -10,18 +10,8 @@ from typing import Any
 from drill_twin.io.messages.decode import JointStateReader, read_clock, read_float64, read_pose_array, read_string
 from drill_twin.io.messages.diagnostics import decode_diagnostics
 from drill_twin.io.messages.sensor_messages import read_imu
-from drill_twin.io.messages.topics import (
-    CLOCK,
-    DIAGNOSTIC_ARRAY,
-    FLOAT64,
-    IMU,
-    JOINT_STATE,
-    POSE_ARRAY,
-    STRING,
-    TOPICS,
-    WHIRL_MOTION,
-    WHIRL_ONSET,
-)
+from drill_twin.io.messages.topic_row import CLOCK, DIAGNOSTIC_ARRAY, FLOAT64, IMU, JOINT_STATE, POSE_ARRAY, STRING
+from drill_twin.io.messages.topics import TOPICS, WHIRL_MOTION, WHIRL_ONSET
 from drill_twin.io.messages.type_store import deserialize
 from drill_twin.io.messages.whirl_encode import decode_motion, decode_onset
 

@@ -15,7 +15,8 @@ from drill_twin.io.messages.cdr import JointStateTemplate, Template, sentinel_he
 from drill_twin.io.messages.decode import JointState
 from drill_twin.io.messages.finite import check_finite
 from drill_twin.io.messages.stamps import header_stamp, stamp_ns
-from drill_twin.io.messages.topics import IMU, SURFACE_STATE, imu_topic, summary_topic
+from drill_twin.io.messages.topic_row import IMU
+from drill_twin.io.messages.topics import SURFACE_STATE, imu_topic, summary_topic
 from drill_twin.io.messages.type_store import deserialize, message
 
 _SURFACE_JOINTS = ("top_drive", "block")

@@ -4,17 +4,20 @@
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
-JOINT_STATE = "sensor_msgs/msg/JointState"
-IMU = "sensor_msgs/msg/Imu"
-POSE_ARRAY = "geometry_msgs/msg/PoseArray"
-MARKER_ARRAY = "visualization_msgs/msg/MarkerArray"
-DIAGNOSTIC_ARRAY = "diagnostic_msgs/msg/DiagnosticArray"
-FLOAT64 = "std_msgs/msg/Float64"
-STRING = "std_msgs/msg/String"
-CLOCK = "rosgraph_msgs/msg/Clock"
-TIME_REFERENCE = "sensor_msgs/msg/TimeReference"
+from drill_twin.io.messages.topic_row import (
+    CLOCK,
+    DIAGNOSTIC_ARRAY,
+    FLOAT64,
+    IMU,
+    JOINT_STATE,
+    MARKER_ARRAY,
+    POSE_ARRAY,
+    STRING,
+    TIME_REFERENCE,
+    Topic,
+)
 
 FRAME_ID = "hole"
 """Frame of every stamped message: origin at the top clamp on the hole axis, z up along the axis."""
@@ -47,34 +50,6 @@ TWIN_SUMMARY = "/twin/summary"
 REALTIME_FACTOR = "/twin/realtime_factor"
 DIAGNOSTICS = "/diagnostics"
 CLOCK_TOPIC = "/clock"
-
-
-@dataclass(frozen=True)
-class Topic:
-    """Row of the contract."""
-
-    name: str
-    """Topic name, absolute."""
-    type_name: str
-    """ROS type, as `sensor_msgs/msg/JointState`."""
-    publisher: str
-    """Publishing node."""
-    rate: str
-    """Condition or rate of publication."""
-    meaning: str
-    """Content, with units."""
-    latched: bool = False
-    """TRANSIENT_LOCAL: a late subscriber still receives the last message."""
-    depth: int = 10
-    """Depth of the history (KEEP_LAST) of subscriptions and of bags; all topics are RELIABLE."""
-    optional: bool = False
-    """Of a node or an effect that a run need not have."""
-
-    @property
-    def publisher_depth(self) -> int:
-        """Depth that the nodes offer: messages kept until every reader has them, 5 s at 200 Hz."""
-        return self.depth if self.latched else 1000
-
 
 _FULL_RATE = "every frame (100-200 Hz)"
 
@@ -248,7 +223,7 @@ _ROWS = (
         DIAGNOSTIC_ARRAY,
         "all nodes",
         "1 Hz",
-        "health of each node: real-time factor, step cost by effect, guard events, age of the command, refused input, "
+        "health of each node: real-time factor, cost of a step, guard events, age of the command, refused input, "
         "messages unread and dropped",
     ),
     Topic(

@@ -17,7 +17,8 @@ from drill_twin.io.messages.decode import JointState
 from drill_twin.io.messages.diagnostics import Level, Status, decode_diagnostics, encode_diagnostics
 from drill_twin.io.messages.finite import check_not_infinite
 from drill_twin.io.messages.stamps import NANOSECONDS, header, header_stamp, seconds, stamp_ns, time_message
-from drill_twin.io.messages.topics import FRAME_ID, TIME_REFERENCE, WHIRL_STATE
+from drill_twin.io.messages.topic_row import TIME_REFERENCE
+from drill_twin.io.messages.topics import FRAME_ID, WHIRL_STATE
 from drill_twin.io.messages.type_store import deserialize, message, serialize
 
 WHIRL_SCALARS = ("orbit_radius", "precession", "ratio", "confidence", "motion")

@@ -21,7 +21,8 @@ from rclpy.subscription import Subscription
 
 from drill_twin.core.errors import MessageError
 from drill_twin.io.messages.readers import reader_of
-from drill_twin.io.messages.topics import DIAGNOSTICS, RPS_COMMAND, TOPICS, TWIN_SCENE, WOB_COMMAND, Topic
+from drill_twin.io.messages.topic_row import Topic
+from drill_twin.io.messages.topics import DIAGNOSTICS, RPS_COMMAND, TOPICS, TWIN_SCENE, WOB_COMMAND
 from drill_twin.ros.core.graph import full_name, incompatible_publisher
 from drill_twin.ros.core.parameters import ParameterError, given_parameters
 from drill_twin.ros.core.queues import DropCounter, SceneGate

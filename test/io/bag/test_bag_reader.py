@@ -15,15 +15,8 @@ from drill_twin.io.bag.writer import BagWriter
 from drill_twin.io.messages.cdr import JointStateTemplate
 from drill_twin.io.messages.diagnostics import Level, Status, encode_diagnostics
 from drill_twin.io.messages.encode import encode_string
-from drill_twin.io.messages.topics import (
-    DIAGNOSTIC_ARRAY,
-    MARKS_STATE,
-    RIG_STATE,
-    STRING_POSES,
-    TOPICS,
-    TWIN_SCENE,
-    WHIRL_ONSET,
-)
+from drill_twin.io.messages.topic_row import DIAGNOSTIC_ARRAY
+from drill_twin.io.messages.topics import MARKS_STATE, RIG_STATE, STRING_POSES, TOPICS, TWIN_SCENE, WHIRL_ONSET
 from drill_twin.io.messages.type_store import definition, typestore
 
 

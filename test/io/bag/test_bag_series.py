@@ -10,7 +10,8 @@ from drill_twin.io.bag.series import CommandSeries, MarkSeries, PoseSeries, RigS
 from drill_twin.io.messages.cdr import JointStateTemplate, PoseArrayTemplate
 from drill_twin.io.messages.encode import MARK_AXES, TwinEncoder
 from drill_twin.io.messages.stamps import header
-from drill_twin.io.messages.topics import JOINT_STATE, MARKS_STATE, RIG_COMMAND, RIG_STATE, STRING_POSES, WHIRL_STATE
+from drill_twin.io.messages.topic_row import JOINT_STATE
+from drill_twin.io.messages.topics import MARKS_STATE, RIG_COMMAND, RIG_STATE, STRING_POSES, WHIRL_STATE
 from drill_twin.io.messages.type_store import message, serialize
 
 MARKS = ("mark_1", "mark_2", "mark_3", "mark_4")

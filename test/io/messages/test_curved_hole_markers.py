@@ -11,7 +11,8 @@ from drill_twin.io.messages.cdr import PoseArrayTemplate
 from drill_twin.io.messages.drawing.geometry import ExaggeratedGeometry, StringGeometry
 from drill_twin.io.messages.drawing.markers import MarkerArrayTemplate
 from drill_twin.io.messages.encode import encode_string
-from drill_twin.io.messages.topics import MARKER_ARRAY, STRING_POSES, TWIN_SCENE
+from drill_twin.io.messages.topic_row import MARKER_ARRAY
+from drill_twin.io.messages.topics import STRING_POSES, TWIN_SCENE
 from drill_twin.io.messages.type_store import deserialize
 from drill_twin.io.scene_geometry import hole_steps, string_steps
 from drill_twin.live.page_state import PageState

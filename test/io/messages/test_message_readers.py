@@ -13,7 +13,7 @@ from drill_twin.io.messages import decode
 from drill_twin.io.messages.cdr import JointStateTemplate, PoseArrayTemplate
 from drill_twin.io.messages.decode import JointStateReader, read_float64, read_joint_state, read_pose_array, read_string
 from drill_twin.io.messages.stamps import header
-from drill_twin.io.messages.topics import JOINT_STATE, POSE_ARRAY
+from drill_twin.io.messages.topic_row import JOINT_STATE, POSE_ARRAY
 from drill_twin.io.messages.type_store import message, serialize, typestore
 
 number = st.floats(allow_nan=True, allow_infinity=True, width=64)

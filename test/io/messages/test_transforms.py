@@ -10,7 +10,7 @@ from drill_twin.dynamics.twin.frame import Frames
 from drill_twin.io.messages.decode import read_joint_state, read_pose_array
 from drill_twin.io.messages.drawing.transforms import TF_TYPE, StringTransforms, TransformsTemplate, hole_transform
 from drill_twin.io.messages.encode import TwinEncoder
-from drill_twin.io.messages.topics import MARKER_ARRAY
+from drill_twin.io.messages.topic_row import MARKER_ARRAY
 from drill_twin.io.messages.type_store import deserialize
 
 STAMP = 12_340_000_000

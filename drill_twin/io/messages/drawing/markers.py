@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from drill_twin.core.arrays import Array
 from drill_twin.io.messages.cdr import Template, sentinel_header, sentinels
 from drill_twin.io.messages.drawing.geometry import ExaggeratedGeometry, StringGeometry
-from drill_twin.io.messages.topics import MARKER_ARRAY
+from drill_twin.io.messages.topic_row import MARKER_ARRAY
 from drill_twin.io.messages.type_store import message
 
 Colour = tuple[float, float, float, float]
