@@ -43,7 +43,7 @@ def made_up_frame(nodes: int = 51, time: float = 1.5, seed: int = 1, marks: int 
             centre=random.normal(size=(marks, 3)),
         ),
         rig=RigState(*random.normal(size=12).tolist()),
-        stats=StepStats(steps=10, iterations=20, cut_steps=0, loose_steps=0, wall_seconds=0.001),
+        stats=StepStats(steps=10, iterations=20, cut_steps=0, steps_above_tolerance=0, wall_seconds=0.001),
     )
 
 

@@ -46,7 +46,7 @@ class Cost:
     """Time steps taken."""
     cut_steps: int | None
     """Steps that had to be halved."""
-    loose_steps: int | None
+    steps_above_tolerance: int | None
     """Steps taken within ten tolerances instead of one."""
 
 
@@ -213,7 +213,7 @@ class Result(Plots):
     def cost(self) -> Cost:
         """Resolution of the run and the time it took."""
         summary = self.summary
-        counts = (summary[key] for key in ("steps", "cut_steps", "loose_steps"))
+        counts = (summary[key] for key in ("steps", "cut_steps", "steps_above_tolerance"))
         speeds = summary["realtime_factor"], summary["physics_speed"]
         return Cost(*speeds, summary["elements"], summary["step_s"], *counts)
 

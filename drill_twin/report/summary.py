@@ -59,8 +59,8 @@ def summarise(bag: Recording | Bag | str | Path) -> dict[str, Any]:
           bit (`drill_twin.report.quantities`).
         * `realtime_factor`: simulated over wall time; `physics_speed`: simulated time over the time spent computing
           the motion. None where not recorded.
-        * `steps`, `cut_steps`, `loose_steps`: time steps taken, how often one was halved, and how many were taken while
-          contacts with the wall still alternated between stick and slip; None where not recorded.
+        * `steps`, `cut_steps`, `steps_above_tolerance`: time steps taken, how often one was halved, and how many were
+          taken while contacts with the wall still alternated between stick and slip; None where not recorded.
         * `guard`: number of frames rejected and repeated with a smaller step, a sentence on each, and the reason if
           the run was stopped.
         * `energy`: the energy balance at the end [J], where the scene asks for it; `residual` as a share of `scale_J`.

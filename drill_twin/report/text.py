@@ -124,7 +124,7 @@ def provenance(summary: Summary) -> Iterator[Row]:
     yield "elements", _text(summary["elements"])
     yield "time step", number_text(summary["step_s"], "{:.3g} s")
     if summary["steps"] is not None:
-        cut, loose = _text(summary["cut_steps"]), _text(summary["loose_steps"])
+        cut, loose = _text(summary["cut_steps"]), _text(summary["steps_above_tolerance"])
         yield "steps", f"{summary['steps']}, {cut} cut steps, {loose} loose steps"
     yield "effects", ", ".join(summary["effects"])
     yield "seed", _text(summary["seed"])

@@ -53,7 +53,7 @@ class RunTiming:
         self._steps += stats.steps
         self._iterations += stats.iterations
         self._cut += stats.cut_steps
-        self._loose += stats.loose_steps
+        self._loose += stats.steps_above_tolerance
         self._slowest = max(self._slowest, computing / frames)
 
     def pause(self) -> None:
@@ -102,7 +102,7 @@ class RunTiming:
             "steps": str(self._steps),
             "iterations": str(self._iterations),
             "cut_steps": str(self._cut),
-            "loose_steps": str(self._loose),
+            "steps_above_tolerance": str(self._loose),
         }
 
     def text(self) -> str:

@@ -21,7 +21,7 @@ ROTATION, WHIRL = 2.0, -0.6  # rev/s, Hz
 BOW, ORBIT = 0.001, 0.030  # m
 BEGIN, END, RATE = 3.0, 12.0, 100.0  # s, s, Hz
 WEIGHT = 35.0  # N
-STEPS = {"steps": "6000", "cut_steps": "21", "loose_steps": "7"}
+STEPS = {"steps": "6000", "cut_steps": "21", "steps_above_tolerance": "7"}
 RUN = "run: {version: 9.9.9, seed: 7, elements: 10, step_s: 0.002, effects: [gravity, wall], pace: realtime}\n"
 
 Message = tuple[str, int, bytes]

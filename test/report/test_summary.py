@@ -117,7 +117,7 @@ def test_says_what_was_run(summary):
     assert summary["effects"] == ["gravity", "wall"]
     assert summary["pace"] == "realtime"
     assert (summary["realtime_factor"], summary["physics_speed"]) == (0.998, 12.5)
-    assert (summary["steps"], summary["cut_steps"], summary["loose_steps"]) == (6000, 21, 7)
+    assert (summary["steps"], summary["cut_steps"], summary["steps_above_tolerance"]) == (6000, 21, 7)
     assert dict(provenance(summary))["steps"] == "6000, 21 cut steps, 7 loose steps"
     assert summary["live"] == {"onset_s": None, "messages": 0, "differing": 0}
 
@@ -131,7 +131,7 @@ def test_real_run_agrees_with_what_was_found_live(bench_run):
     assert found["live"]["differing"] == 0
     assert found["realtime_factor"] > 0.0
     assert found["steps"] >= 300
-    assert 0 <= found["loose_steps"] <= found["steps"]
+    assert 0 <= found["steps_above_tolerance"] <= found["steps"]
     assert found["notes"] == []
 
 
@@ -166,7 +166,7 @@ def test_whirl_that_never_comes_is_none_not_nan(messages, write):
     found = summarise(write(before))
     assert found["onset_s"] is found["onset_mark"] is found["whirl_frequency_hz"] is found["precession_ratio"] is None
     assert [period["state"] for period in found["motion"]][-1] == "rotation about a fixed axis"
-    assert found["realtime_factor"] is found["steps"] is found["loose_steps"] is None
+    assert found["realtime_factor"] is found["steps"] is found["steps_above_tolerance"] is None
     json.loads(to_json(found), parse_constant=refuse)
 
 

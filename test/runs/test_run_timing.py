@@ -9,7 +9,7 @@ from drill_twin.dynamics.twin.frame import StepStats
 from drill_twin.runs import monitor
 from drill_twin.runs.monitor import RunTiming
 
-STATS = StepStats(steps=1, iterations=2, cut_steps=0, loose_steps=0, wall_seconds=0.001)
+STATS = StepStats(steps=1, iterations=2, cut_steps=0, steps_above_tolerance=0, wall_seconds=0.001)
 
 
 @pytest.fixture

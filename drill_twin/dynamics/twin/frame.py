@@ -73,13 +73,13 @@ class StepStats(NamedTuple):
     """Newton iterations in all steps."""
     cut_steps: int
     """Steps that were halved."""
-    loose_steps: int
+    steps_above_tolerance: int
     """Steps accepted at ten times the tolerance, as points on the wall alternated between stick and slip."""
     wall_seconds: float
     """Wall-clock time of the computation [s]."""
 
 
-COUNTS = ("steps", "cut_steps", "loose_steps")
+COUNTS = ("steps", "cut_steps", "steps_above_tolerance")
 """Fields of `StepStats` in diagnostics and summary."""
 
 

@@ -223,7 +223,7 @@ _ROWS = (
         DIAGNOSTIC_ARRAY,
         "all nodes",
         "1 Hz",
-        "health of each node: real-time factor, cost of a step, guard events, age of the command, refused input, "
+        "health of each node: real-time factor, time of a frame, guard events, age of the command, refused input, "
         "messages unread and dropped",
     ),
     Topic(

@@ -42,7 +42,7 @@ def _values(settings: SimpleNamespace, simulation: SimulatorRun) -> dict[str, st
         "pace": settings.pace,
         **simulation.loop.diagnostics(),
         "overruns": str(pacer.overruns),
-        "time_given_up": f"{pacer.lag_dropped:.3f}",
+        "lag_dropped": f"{pacer.lag_dropped:.3f}",
         "weight_on_bit": f"{arbiter.applied.weight_on_bit:g}",
         "speed_rev_s": f"{arbiter.applied.rotation / math.tau:g}",
         "command_age": f"{arbiter.age:.3f}",
@@ -79,12 +79,12 @@ def _verdict(settings: SimpleNamespace, simulation: SimulatorRun) -> tuple[Level
         return Level.WARN, f"no command for {arbiter.age:.1f} s; {waits}"
     if trouble:
         return Level.WARN, f"no checkpoint: {trouble}"
-    if not loop.rejected_steps.last and (late := _real_time_given_up(simulation)):
+    if not loop.rejected_steps.last and (late := _real_lag_dropped(simulation)):
         return Level.WARN, late
     return loop.verdict()
 
 
-def _real_time_given_up(simulation: SimulatorRun) -> str:
+def _real_lag_dropped(simulation: SimulatorRun) -> str:
     """Time given up, in a sentence; empty when there is none, or a single stall is long past."""
     pacer, timing = simulation.pacer, simulation.loop.timing
     if not pacer.dropped_lag_within(_RECENT) and pacer.lag_dropped <= _SHARE * timing.simulated:

@@ -121,9 +121,9 @@ def test_steps_taken_loosely_are_counted_and_told():
     frames = [twin.advance(schedule.at(0.01 * (k + 1)), 0.01) for k in range(200)]
     for frame in frames:
         cost.update(0.01, 0.0, frame.stats)
-    loose = sum(frame.stats.loose_steps for frame in frames)
+    loose = sum(frame.stats.steps_above_tolerance for frame in frames)
     assert 0 < loose < 0.1 * sum(frame.stats.steps for frame in frames)
-    assert cost.values()["loose_steps"] == str(loose)
+    assert cost.values()["steps_above_tolerance"] == str(loose)
 
 
 def test_what_is_wrong_is_told(make_frame):
