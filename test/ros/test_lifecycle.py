@@ -67,6 +67,7 @@ def test_every_node_is_configured_activated_rests_is_cleaned_up_and_configured_a
     given = {"recorder": {"bag": ""}, "replayer": {"bag": str(small_bag), "rate": 0.01}, "estimator": {"members": 4}}
     process = bench.start(node, autostart=False, **given.get(node, {}))
     bench.until(lambda: "waiting to be configured" in process.text)
+    bench.until(lambda: node in bench.node.get_node_names(), what="its name")
     assert not _publishes(bench, node)
     for begun in (1, 2):
         assert _set(bench, Transition.TRANSITION_CONFIGURE, node), process.text

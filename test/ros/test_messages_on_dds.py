@@ -8,7 +8,7 @@ from rclpy.serialization import deserialize_message
 from std_msgs.msg import Float64
 
 from drill_twin.io.bag.reader import Bag
-from drill_twin.io.messages.topics import MARKS_STATE, RPS_COMMAND, STRING_POSES, TOPICS, WOB_COMMAND
+from drill_twin.io.messages.topics import MARKS_STATE, RIG_COMMAND, RPS_COMMAND, STRING_POSES, TOPICS, WOB_COMMAND
 from drill_twin.io.messages.type_store import type_hash
 from drill_twin.ros.core.topics import message_class
 from drill_twin.scene import load_scene
@@ -53,18 +53,18 @@ def test_a_run_has_its_marks_where_the_scene_puts_them(small_bag):
     assert math.hypot(values["mark_3/x"], values["mark_3/y"]) == pytest.approx(0.00825, abs=0.005)
 
 
-def test_the_speed_command_is_in_revolutions(small_bag):
-    numbers = {
-        topic: [
-            deserialize_message(raw, message_class(TOPICS[topic])).data
-            for _, _, raw in Bag(small_bag).messages((topic,))
-        ]
-        for topic in (WOB_COMMAND, RPS_COMMAND)
-    }
+def test_the_set_points_of_the_driver_are_in_si_each_in_its_joint(small_bag):
+    command, *_ = (
+        deserialize_message(raw, message_class(TOPICS[RIG_COMMAND]))
+        for number, (_, _, raw) in enumerate(Bag(small_bag).messages((RIG_COMMAND,)))
+        if number == 49
+    )
     planned = Schedule.from_scene(load_scene("pa6_bench")).at(0.5)  # at the 50th of 100 frames a second
-    assert numbers[RPS_COMMAND][49] == pytest.approx(planned.rotation / math.tau)
-    assert numbers[WOB_COMMAND][49] == pytest.approx(planned.weight_on_bit)
+    assert command.velocity[command.name.index("top_drive")] == pytest.approx(planned.rotation)
+    assert command.effort[command.name.index("bit_axial")] == pytest.approx(planned.weight_on_bit)
+    assert command.header.frame_id == "/rig_driver"
     assert planned.weight_on_bit > 0.0
+    assert not list(Bag(small_bag).messages((WOB_COMMAND, RPS_COMMAND))), "a driver echoes nothing"
 
 
 def test_the_graph_has_the_types_of_the_contract(bench):

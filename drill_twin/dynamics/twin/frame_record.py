@@ -14,7 +14,7 @@ from drill_twin.physics.model.section_stress import SCALARS
 
 
 class FrameSeries(NamedTuple):
-    """Record of each of F frames, in the order of `drill_twin.dynamics.twin.frame_kernel.record_frame`."""
+    """Record of each of F frames, in the order in which `drill_twin.dynamics.twin.frame_kernel` writes it."""
 
     time: Array  # (F,) [s]
     command: Array  # (F, 3) set-points reached, as `Command.values`

@@ -7,6 +7,8 @@ import time
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import replace
+from itertools import count
+from pathlib import Path
 from typing import Any, ClassVar
 
 from rclpy.lifecycle import LifecycleState, TransitionCallbackReturn
@@ -59,7 +61,7 @@ class Recorder(TwinNode):
                 f"parameter topics: expected topics of {', '.join(TOPICS)}, found {', '.join(unknown)}"
             )
         bag = self._bag = BagWriter(
-            self.settings.bag or time.strftime("bags/%Y%m%d_%H%M%S_0"),
+            self.settings.bag or _new_folder(),
             topics=[self._described(topic) for topic in topics],
             custom_data={"namespace": self._namespace} if self._namespace else None,
             largest=self.settings.max_bagfile_size * 1e6,
@@ -179,3 +181,9 @@ class Recorder(TwinNode):
         level, text = self.samples.verdict()
         said = f"{values['messages']} messages recorded"
         return Status(self.NAME, level, f"{said}; {text}" if text else said, values)
+
+
+def _new_folder() -> str:
+    """Folder of this second; a recorder that is configured twice in it counts on."""
+    stem = time.strftime("bags/%Y%m%d_%H%M%S_")
+    return next(f"{stem}{number}" for number in count() if not Path(f"{stem}{number}").exists())

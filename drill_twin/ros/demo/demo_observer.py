@@ -88,11 +88,14 @@ def observed(
     stall_detector = StallDetector()
     try:
         observer = DemoObserver(context, on_change)
-        while True:
-            observer.spin_once(0.1)
-            for child in children.values():
-                child.check_alive()
-            stall_detector.check(observer.time, compiling=bool(observer.compiling))
-            yield observer
+        try:
+            while True:
+                observer.spin_once(0.1)
+                for child in children.values():
+                    child.check_alive()
+                stall_detector.check(observer.time, compiling=bool(observer.compiling))
+                yield observer
+        finally:
+            observer.close()  # its executor first: one that outlives its context ends in a segmentation fault
     finally:
         context.try_shutdown()

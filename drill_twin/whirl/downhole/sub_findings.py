@@ -87,7 +87,7 @@ class ImpactCounter:
 
 
 AT_REST = 0.15
-"""At rest: speed below this share of the mean (`whirl.motion.stick_slip`, STICKING)."""
+"""At rest: speed below this share of the mean (as in `whirl.motion.stick_slip`)."""
 VARIES = 0.2
 """Least standard deviation of the square of the speed over its mean for the check."""
 KNOWN = 0.1

@@ -4,7 +4,6 @@
 One set of effects a form, so that two kernels serve all; what a case does not call for has nothing to do.
 """
 
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -13,7 +12,6 @@ from rod_scenes import WALLED, rod_scene
 
 from drill_twin.dynamics.audit.energy_ledger import FIRST_EFFECT, WORK
 from drill_twin.dynamics.solver import kernel_codegen
-from drill_twin.dynamics.twin.checkpoint import Checkpoint
 from drill_twin.dynamics.twin.frame import EnergyBalance
 from drill_twin.dynamics.twin.twin import Twin
 from drill_twin.scene import Scene
@@ -148,16 +146,4 @@ def test_a_resumed_run_goes_on_with_its_books():
     other = Twin(twin.scene)
     other.restore(twin.checkpoint())
     one, two = (each.advance(Command(0.0, 0.0), 0.02).energy for each in (twin, other))
-    assert one == two
-
-
-def test_a_checkpoint_with_the_older_names_of_the_ledger_is_read(tmp_path):
-    twin = Twin(scene("lateral", {**KICK, **HEAVY, **DAMPED}, bit_end="free"))
-    twin.advance(Command(0.0, 0.0), 0.02)
-    arrays = twin.checkpoint()
-    for old, new in (("books", "entries"), ("course", "gauss"), ("loose", "constrained")):
-        arrays[f"effects.ledger.{old}"] = arrays.pop(f"effects.ledger.{new}")
-    replace(Checkpoint.of(twin, Command(0.0, 0.0)), arrays=arrays).save(tmp_path / "older.npz")
-    resumed = Checkpoint.load(tmp_path / "older.npz").twin()
-    one, two = (each.advance(Command(0.0, 0.0), 0.02).energy for each in (twin, resumed))
     assert one == two
