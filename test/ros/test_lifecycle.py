@@ -64,7 +64,12 @@ def test_a_scene_that_cannot_be_built_leaves_it_unconfigured(bench):
 
 @pytest.mark.parametrize("node", [node for node in NODES if node != "simulator"])
 def test_every_node_is_configured_activated_rests_is_cleaned_up_and_configured_again(bench, small_bag, node):
-    given = {"recorder": {"bag": ""}, "replayer": {"bag": str(small_bag), "rate": 0.01}, "estimator": {"members": 4}}
+    given = {
+        "recorder": {"bag": ""},
+        "replayer": {"bag": str(small_bag), "rate": 0.01},
+        "estimator": {"members": 4},
+        "rig_driver": {"at_end": "stop"},
+    }
     process = bench.start(node, autostart=False, **given.get(node, {}))
     bench.until(lambda: "waiting to be configured" in process.text)
     bench.until(lambda: node in bench.node.get_node_names(), what="its name")

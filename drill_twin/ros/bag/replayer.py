@@ -72,7 +72,6 @@ class Replayer(TwinNode):
         Parameter("loop", False, "whether to begin again at the end"),
         AUTOSTART,
     )
-    _over = False
 
     def on_configure(self, _: LifecycleState) -> TransitionCallbackReturn:
         """Open the bag and create its publishers."""

@@ -113,7 +113,7 @@ class TwinNode(LifecycleNodeMixin, Node):
 
     @property
     def finished(self) -> bool:
-        """True once the node has completed its task."""
+        """True once the node has completed its task; asked while it is configured."""
         return False
 
     def not_ready(self) -> str:
@@ -236,7 +236,7 @@ class TwinNode(LifecycleNodeMixin, Node):
 
     def run(self, stop: StopRequest) -> None:
         """Work until finished or asked to stop."""
-        while not (stop or self.ends or self.finished):
+        while not (stop or self.ends or (self.configured and self.finished)):
             if self.active:
                 self.step()
             else:
