@@ -12,8 +12,10 @@ of the others in `resource/executables/`.
 from __future__ import annotations
 
 import importlib
+import os
 import sys
 from collections.abc import Sequence
+from contextlib import suppress
 from typing import Any, NoReturn
 
 from drill_twin.core.errors import DrillTwinError, RunError, printable
@@ -88,7 +90,11 @@ def start(name: str, arguments: Sequence[str] | None = None) -> int:
 def end(code: int) -> NoReturn:
     """End the process with an exit code, which no later signal changes."""
     StopRequest.ignore_signals()
-    sys.exit(code)
+    for stream in (sys.stdout, sys.stderr):
+        with suppress(OSError, ValueError):  # closed, or its reader is gone
+            stream.flush()
+    # Without Python's own end: what is left of rclpy's EventsExecutor (7.1.6) now and then crashes in it.
+    os._exit(code)
 
 
 def _missing(error: ModuleNotFoundError) -> DrillTwinError:
