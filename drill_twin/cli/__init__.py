@@ -13,7 +13,7 @@ from collections.abc import Sequence
 
 from drill_twin.cli import interrupt
 from drill_twin.core.errors import printable, words_cut
-from drill_twin.core.process import error_text, open_closed_streams, refuse_too_little_memory
+from drill_twin.core.process import end_process, error_text, open_closed_streams, refuse_too_little_memory
 
 _LONGEST_MESSAGE = 3000
 
@@ -29,7 +29,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         code = 1
     interrupt.ignore()
-    sys.exit(code)
+    end_process(code)
 
 
 def run_command(arguments: Sequence[str]) -> int:

@@ -5,8 +5,10 @@ import os
 import resource
 import sys
 from collections.abc import Mapping
+from contextlib import suppress
 from pathlib import Path
 from types import FrameType
+from typing import NoReturn
 
 from drill_twin.core.errors import RunError
 
@@ -98,3 +100,17 @@ def error_text(error: Exception) -> str:
     names = [str(name) for name in (error.filename, error.filename2) if name is not None]
     place = f"{' and '.join(names)[:200]}: " if names else ""
     return f"{place}{error.strerror or error}; check path, rights and space"
+
+
+def end_process(code: int) -> NoReturn:
+    """End the process with an exit code, after all has been closed.
+
+    Where rclpy is loaded, without Python's own end: what is left of its EventsExecutor (7.1.6) now and then crashes
+    in it.
+    """
+    if "rclpy" not in sys.modules:
+        sys.exit(code)
+    for stream in (sys.stdout, sys.stderr):
+        with suppress(OSError, ValueError):  # closed, or its reader is gone
+            stream.flush()
+    os._exit(code)

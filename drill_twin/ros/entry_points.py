@@ -12,14 +12,12 @@ of the others in `resource/executables/`.
 from __future__ import annotations
 
 import importlib
-import os
 import sys
 from collections.abc import Sequence
-from contextlib import suppress
 from typing import Any, NoReturn
 
 from drill_twin.core.errors import DrillTwinError, RunError, printable
-from drill_twin.core.process import error_text, open_closed_streams, refuse_too_little_memory
+from drill_twin.core.process import end_process, error_text, open_closed_streams, refuse_too_little_memory
 from drill_twin.ros.core.stop_request import Stopped, StopRequest
 
 NODES = {
@@ -90,11 +88,7 @@ def start(name: str, arguments: Sequence[str] | None = None) -> int:
 def end(code: int) -> NoReturn:
     """End the process with an exit code, which no later signal changes."""
     StopRequest.ignore_signals()
-    for stream in (sys.stdout, sys.stderr):
-        with suppress(OSError, ValueError):  # closed, or its reader is gone
-            stream.flush()
-    # Without Python's own end: what is left of rclpy's EventsExecutor (7.1.6) now and then crashes in it.
-    os._exit(code)
+    end_process(code)
 
 
 def _missing(error: ModuleNotFoundError) -> DrillTwinError:

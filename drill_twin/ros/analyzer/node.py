@@ -90,7 +90,7 @@ class Analyzer(TwinNode):
 
     def _on_message(self, pipeline: WhirlPipeline, topic: str, raw: bytes, *_: object) -> None:
         runs, malformed = pipeline.runs, pipeline.malformed
-        self._publish(pipeline.take(topic, bytes(raw)))
+        self._publish(pipeline.take(topic, raw))
         if pipeline.malformed > malformed:
             self.samples.unreadable(topic)
         self._count_samples(pipeline)
