@@ -150,7 +150,7 @@ kills: setup-test
 	@DRILL_TWIN_KILLS=$(KILLS) $(PYTEST) test/ros/test_kills.py -q -s -m long
 
 faults-seeded: setup-test
-	@$(PYTHON) -m drill_twin_evidence.benchmarks.faults_seeded --page docs/faults_seeded.md
+	@$(PYTHON) -m drill_twin_evidence.benchmarks.faults_seeded --page evidence/docs/faults_seeded.md
 
 soak: setup-test
 	@DRILL_TWIN_SOAK=3600 $(PYTEST) test/ros/test_faults.py -q -s -m 'long' -k soak

@@ -34,7 +34,7 @@ setup(
         "lz4",
         "matplotlib",
         "mcap>=1.6,<1.7",  # io/bag/mcap_writer.py uses private names of its Writer
-        "numba>=0.63.1,<0.69",  # core/compile uses private names of it: docs/private_compiler.md
+        "numba>=0.63.1,<0.69",  # core/compile uses private names of it: evidence/docs/private_compiler.md
         "numpy>=1.26,<2.6",  # 1.26: what Ubuntu 24.04 gives ROS Jazzy; 2.6: what numba does not take yet
         "pint>=0.24.4",
         "plotly>=5.20",

@@ -17,7 +17,7 @@ import drill_twin  # noqa: E402
 project, author, copyright = "drill_twin", "The drill_twin contributors", "The drill_twin contributors, Apache-2.0"  # noqa: A001
 version = release = drill_twin.__version__
 
-extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.napoleon"]
+extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.mathjax", "sphinx.ext.napoleon"]
 exclude_patterns = ["examples", "_printed"]
 html_theme = "furo"
 html_title = f"drill_twin {release}"
@@ -27,7 +27,7 @@ html_copy_source = False
 
 # Markdown as GitHub reads it: headings are link targets.
 myst_heading_anchors = 4
-myst_enable_extensions = ["colon_fence", "deflist"]
+myst_enable_extensions = ["colon_fence", "deflist", "dollarmath"]
 
 # Docstrings are Google style; a word in single backquotes is code.
 default_role = "literal"

@@ -10,7 +10,7 @@ import pytest
 
 ROOT = Path(__file__).parents[2]
 ROW = re.compile(r"^\| `([\w.]+):([\w.]+)` \| `([^`]+)`.* \| `(test/[^`]+)` \|$", re.MULTILINE)
-ROWS = ROW.findall((ROOT / "docs" / "private_compiler.md").read_text("utf-8"))
+ROWS = ROW.findall((ROOT / "evidence" / "docs" / "private_compiler.md").read_text("utf-8"))
 
 
 def test_the_page_has_a_table():

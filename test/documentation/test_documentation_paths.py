@@ -14,6 +14,7 @@ PAGES = (
     ROOT / "CONTRIBUTING.md",
     ROOT / "QUALITY_DECLARATION.md",
     *sorted((ROOT / "docs").rglob("*.md")),
+    *sorted((ROOT / "evidence" / "docs").glob("*.md")),
 )
 NAMED = re.compile(r"\b(?<!/)((?:drill_twin|test|config|evidence)/[\w/.-]*\w)")
 LINKED = re.compile(r"\]\(([^)#\s:]*)(?:#([^)\s]*))?\)")

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""docs/analyzer.md names every state with the numbers that the code has, and holds the measured figures."""
+"""docs/analyzer.md names every state with the numbers that the code has; the measured figures are with the evidence."""
 
 import re
 from pathlib import Path
@@ -8,7 +8,8 @@ import pytest
 
 from drill_twin.whirl import BitMotion, Criteria, MotionState
 
-PAGE = (Path(__file__).parents[2] / "docs" / "analyzer.md").read_text("utf-8")
+ROOT = Path(__file__).parents[2]
+PAGE = (ROOT / "docs" / "analyzer.md").read_text("utf-8")
 ROWS = {line.split("|")[1].strip(): line for line in reversed(PAGE.splitlines()) if line.startswith("| ")}
 
 
@@ -30,7 +31,8 @@ def test_numbers_are_those_of_the_code():
 
 
 def test_measured_figures_are_there():
-    printed = PAGE.partition("<!-- score")[2].partition("<!-- end of score")[0]
+    page = (ROOT / "evidence" / "docs" / "detection.md").read_text("utf-8")
+    printed = page.partition("<!-- score")[2].partition("<!-- end of score")[0]
     assert re.search(r"\| kinematic signals \| \d+ \| \d+ \| \d+ of \d+ \(95 % interval", printed)
     assert re.search(r"\| macro-F1 \| \*\*0\.\d+\*\*", printed)
     assert re.search(r"24 h of four marks, \d+ onsets", printed)

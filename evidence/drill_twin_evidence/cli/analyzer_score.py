@@ -28,7 +28,7 @@ def analyzer_score(
 ) -> None:
     """Measure the analyzer: onset, false alarms and motion states, on kinematic signals and simulated runs.
 
-    Prints the tables of docs/analyzer.md; all of it takes a quarter of an hour on two processors.
+    Prints the tables of evidence/docs/detection.md; all of it takes a quarter of an hour on two processors.
     """
     from drill_twin.cli.emit import check_new, write_file
     from drill_twin.cli.show import print_json, shown_progress

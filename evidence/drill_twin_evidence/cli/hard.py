@@ -95,7 +95,7 @@ def _draw_map(path: Path) -> None:
 
     with shown_progress("half a minute of runs over step, stiffness of the wall and damping"):
         draw({what: stability_map(what) for what in ("wall", "damping_time")}, path)
-    remark(f"{path}: see docs/stability.md")
+    remark(f"{path}: see evidence/docs/random_scenes.md")
 
 
 def _check(workers: int) -> list[CaseResult]:

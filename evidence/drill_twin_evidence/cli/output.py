@@ -25,7 +25,7 @@ def write_page(
 ) -> None:
     """Write a page of results, and its data as JSON beside it.
 
-    The data of a page in `docs/` of the repository are part of the evidence: they go to `evidence/pages/`.
+    The data of a page in `evidence/docs/` go to `evidence/pages/`.
 
     Args:
         page: File of the page (.md).
@@ -51,5 +51,5 @@ def write_page(
 
 def _data_file(page: Path) -> Path:
     beside = page.with_suffix(".json")
-    in_docs = page.resolve().parent == EVIDENCE.parent / "docs"
+    in_docs = page.resolve().parent == EVIDENCE / "docs"
     return EVIDENCE / "pages" / beside.name if in_docs else beside

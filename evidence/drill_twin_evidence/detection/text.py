@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Scores as the Markdown tables of `docs/analyzer.md`."""
+"""Scores as the Markdown tables of `evidence/docs/detection.md`."""
 
 from __future__ import annotations
 

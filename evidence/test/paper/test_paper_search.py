@@ -229,7 +229,7 @@ def test_habits_need_no_search(tmp_path, monkeypatch):
 
 
 def test_the_page_has_the_counts_of_the_record_of_the_search():
-    docs = Path(__file__).parents[3] / "docs"
+    docs = Path(__file__).parents[2] / "docs"
     page = (docs / "paper_search.md").read_text("utf-8")
     with (docs / "paper_exclusion.csv").open(encoding="utf-8") as stream:
         pairs = list(csv.DictReader(stream))
@@ -247,7 +247,7 @@ def test_the_page_has_the_counts_of_the_record_of_the_search():
 
 def test_the_page_has_the_counts_of_the_search_by_runs_alone():
     root = Path(__file__).parents[3]
-    page = (root / "docs" / "paper_search.md").read_text("utf-8").partition("## The search repeated")[2]
+    page = (root / "evidence" / "docs" / "paper_search.md").read_text("utf-8").partition("## The search repeated")[2]
     data = json.loads((root / "evidence" / "pages" / "paper_search.json").read_text("utf-8"))
     least = np.array(list(data["least"].values()), float)[:, *np.array(PAIRS).T]
     strict, opened = least[STRICT] > 1.0, [int((row[least[STRICT] > 1.0] <= 1.0).sum()) for row in least]

@@ -59,7 +59,7 @@ REASONS = {
 SETS = [
     frozenset(on | ({"torsion"} if "stretch" in on else set()))
     for on in effect_sets.covering()
-    if not on & set(effect_sets.APART)  # numbers of scenes in docs/stability.md are of these sets
+    if not on & set(effect_sets.APART)  # numbers of scenes in evidence/docs/random_scenes.md are of these sets
 ]
 
 

@@ -146,12 +146,12 @@ def test_the_page_has_each_reference_and_the_number_nearest_to_its_tolerance(che
 
 def test_the_data_of_a_page_of_the_documentation_are_evidence(tmp_path, monkeypatch):
     monkeypatch.setattr(output, "EVIDENCE", tmp_path / "evidence")
-    for folder in ("docs", "evidence/pages"):
+    for folder in ("evidence/docs", "evidence/pages"):
         (tmp_path / folder).mkdir(parents=True)
-    for page, data in (("docs/hard.md", "evidence/pages/hard.json"), ("hard.md", "hard.json")):
+    for page, data in (("evidence/docs/hard.md", "evidence/pages/hard.json"), ("hard.md", "hard.json")):
         output.write_page(
             tmp_path / page, lambda line: f"by {line}\n", {}, command="hard", only="", flags={"--quick": True}
         )
         assert (tmp_path / page).read_text() == f"by drill-twin hard --quick --page {(tmp_path / page).as_posix()}\n"
         assert (tmp_path / data).read_text() == "{}\n"
-    assert not (tmp_path / "docs" / "hard.json").exists()
+    assert not (tmp_path / "evidence" / "docs" / "hard.json").exists()

@@ -160,7 +160,7 @@ def test_names_of_records():
 
 
 def test_without_the_inlined_compiler_all_is_compiled_by_numba(package):
-    """The way back in `docs/private_compiler.md`, if a new numba cannot be used as this one is."""
+    """The way back in `evidence/docs/private_compiler.md`, if a new numba cannot be used as this one is."""
     source = package / "drill_twin" / "core" / "compile" / "jit.py"
     text = source.read_text("utf-8")
     assert text.count("(function, InlinedCompiler") == 2

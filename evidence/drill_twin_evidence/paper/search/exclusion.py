@@ -193,7 +193,7 @@ def lead(found: Exclusion) -> str:
 
 
 def tables(found: Exclusion) -> Iterator[Table]:
-    """Tables of a search, as in `docs/paper_search.md`."""
+    """Tables of a search, as in `evidence/docs/paper_search.md`."""
     names, least = [f"{number.q} {number.name}" for number in NUMBERS], found.least
     counted = [(one.name, str(len(found.excluded(k))), str(len(PAIRS))) for k, one in enumerate(ASSUMPTIONS)]
     yield Table(("assumptions", "pairs excluded", "of"), counted, title="Pairs of numbers that no set meets")
