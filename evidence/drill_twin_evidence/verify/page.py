@@ -24,9 +24,9 @@ begins with *this twin*, and they show that two of its parts agree, not that eit
 errors of mesh, time step and evaluation, which each case states. `drill-twin verify` runs all cases on your machine and
 ends with exit code 1 if a row misses its tolerance; the tests in `evidence/test/verify` run the same cases.
 
-*Form* is the formulation: `spatial` with stretch and torsion, `lateral` without them ([design.md](../../docs/design.md)). Of each
-case and form, *of* is how many numbers were compared; the table has the one nearest to its tolerance, and each one that
-misses it. All of them are in `verification.json`, in the repository under `evidence/pages/`. Error and tolerance are
+*Form* is the formulation: `spatial` with stretch and torsion, `lateral` without them
+([design.md](../../docs/design.md)). Of each case and form, *of* is how many numbers were compared; the table has the
+one nearest to its tolerance, and each one that misses it. All of them are in `verification.json`, in the repository under `evidence/pages/`. Error and tolerance are
 relative to the expected number; with `abs` they are in its unit.
 
 {summary}
