@@ -26,8 +26,8 @@ ends with exit code 1 if a row misses its tolerance; the tests in `evidence/test
 
 *Form* is the formulation: `spatial` with stretch and torsion, `lateral` without them
 ([design.md](../../docs/design.md)). Of each case and form, *of* is how many numbers were compared; the table has the
-one nearest to its tolerance, and each one that misses it. All of them are in `verification.json`, in the repository under `evidence/pages/`. Error and tolerance are
-relative to the expected number; with `abs` they are in its unit.
+one nearest to its tolerance, and each one that misses it. All of them are in `verification.json`, in the repository
+under `evidence/pages/`. Error and tolerance are relative to the expected number; with `abs` they are in its unit.
 
 {summary}
 """
