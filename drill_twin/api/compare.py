@@ -22,13 +22,11 @@ from drill_twin.api.torque_drag import statics
 from drill_twin.core.arrays import Array, number_or_nan
 from drill_twin.core.errors import ArgumentError, RunError, SceneError
 from drill_twin.core.table import Column, Table
+from drill_twin.core.units.system import UnitSystem
 from drill_twin.dynamics.torque_drag.analysis import OperationLoads
-from drill_twin.report.load_text import KILO
 from drill_twin.report.string_forces import bending_stress_at
 from drill_twin.scene import Scene
 
-ALIASES = {"rpm": "rig.rotation.value"}
-"""Names of changes beside the short ones of every override."""
 _CHANGE = re.compile(r",\s*(?=[A-Za-z_][\w.]*=)")
 
 
@@ -55,8 +53,7 @@ def prepare(text: str, common: Mapping[str, str]) -> Scene | Result:
         BagError: No bag of this package.
     """
     base, *changes = _CHANGE.split(text)
-    pairs = (change.split("=", 1) for change in changes)
-    own = {ALIASES.get(key, key): value for key, value in pairs}
+    own = dict(change.split("=", 1) for change in changes)
     path = Path(base)
     if path.is_dir() or path.suffix in {".mcap", ".db3"}:
         if own:
@@ -100,31 +97,19 @@ class ComparedQuantity(NamedTuple):
     values: tuple[float | str, ...]
     """NaN or an empty text where a case does not have it."""
 
-    @property
-    def shown_unit(self) -> str:
-        """Unit with the prefix of `text`."""
-        return self._prefix[0] + self.unit
-
-    @property
-    def _prefix(self) -> tuple[str, float]:
-        largest = max((abs(value) for value in self.values if not isinstance(value, str)), default=0.0)
-        if self.unit == "Pa":
-            return "M", 1e6
-        return ("k", 1e3) if self.unit in {"N", "N m"} and largest >= KILO else ("", 1.0)
-
     def differs(self, tolerance: float) -> bool:
         """True if a case differs from the first by more than a share of the larger one; words: at all."""
         first = self.values[0]
         return any(_differ(first, other, tolerance) for other in self.values[1:])
 
-    def text(self, case: int) -> str:
-        """Value as text, with its difference from the first case."""
+    def text(self, case: int, units: UnitSystem) -> str:
+        """Value as text in the units of the reader, with its difference from the first case."""
         value, first = self.values[case], self.values[0]
         if isinstance(value, str) or isinstance(first, str):
             return str(value) or "none"
         if not math.isfinite(value):
             return "none"
-        shown = f"{value / self._prefix[1]:.4g}"
+        shown = f"{units.in_unit(self.unit)[0] * value:.4g}"
         if case == 0 or not math.isfinite(first) or first == 0.0:
             return shown
         return f"{shown} ({100.0 * (value - first) / abs(first):+.0f} %)"
@@ -180,9 +165,9 @@ def _run(case: Case) -> Iterator[tuple[tuple[str, str], float | str]]:
         )
     yield ("bit at the end", ""), summary["bit"] or ""
     if half.any():
-        speed = rig.bit_speed[half] / math.tau
-        yield ("speed of the bit, least", "rev/s"), _least(speed)
-        yield ("speed of the bit, largest", "rev/s"), -_least(-speed)
+        speed = rig.bit_speed[half]
+        yield ("speed of the bit, least", "rad/s"), _least(speed)
+        yield ("speed of the bit, largest", "rad/s"), -_least(-speed)
         yield ("time of the bit at rest", "%"), 100.0 * float(np.mean(np.abs(speed) < REST * abs(np.nanmean(speed))))
         for name, unit, series in (
             ("torque of the top drive", "N m", rig.top_drive_torque), ("weight on bit", "N", rig.bit_force),
@@ -209,8 +194,9 @@ def _least(values: Array) -> float:
 
 
 def page(
-    names: Sequence[str], found: Sequence[ComparedQuantity], tolerance: float, notes: Sequence[str], figure: Path
-) -> str:
+    names: Sequence[str], found: Sequence[ComparedQuantity], tolerance: float, notes: Sequence[str], figure: Path,
+    units: UnitSystem,
+) -> str:  # fmt: skip
     """HTML text; rows that differ are first.
 
     Args:
@@ -219,11 +205,14 @@ def page(
         tolerance: Share from which they differ.
         notes: Sentences above the table.
         figure: PNG file.
+        units: Of the tables.
     """
     ordered = sorted(found, key=lambda of: not of.differs(tolerance))
     differing = sum(of.differs(tolerance) for of in ordered)
     parts = (("What differs", ordered[:differing]), ("What does not", ordered[differing:]))
-    tables = "".join(f"<h2>{title}</h2><section>{_table(names, rows)}</section>" for title, rows in parts if rows)
+    tables = "".join(
+        f"<h2>{title}</h2><section>{_table(names, rows, units)}</section>" for title, rows in parts if rows
+    )
     picture = base64.b64encode(figure.read_bytes()).decode()
     style = files("drill_twin.report").joinpath("assets", "page.css").read_text("utf-8")
     return (
@@ -240,9 +229,9 @@ def page(
     )
 
 
-def _table(names: Sequence[str], rows: Sequence[ComparedQuantity]) -> str:
+def _table(names: Sequence[str], rows: Sequence[ComparedQuantity], units: UnitSystem) -> str:
     cells = (
-        (Column(of.name, of.shown_unit if of.unit else "").title, *(of.text(case) for case in range(len(names))))
+        (Column(of.name, units.in_unit(of.unit)[1]).title, *(of.text(case, units) for case in range(len(names))))
         for of in rows
     )
     return Table(("", *names), cells).html()

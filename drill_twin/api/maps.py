@@ -110,6 +110,11 @@ def split_range(name: str, text: str) -> tuple[float, float, str]:
     raise ArgumentError(f'{name}: expected a range such as "1..300 N", found "{str(text)[:60]}"')
 
 
+def in_rpm(text: str) -> str:
+    """Range of speeds in revolutions per minute, where the text names no unit."""
+    return text if split_range("rpm", text)[2] else f"{text} rpm"
+
+
 def range_in_si(name: str, text: str, dimension: Dimension, unit: str = "") -> Span:
     """Range of a quantity in SI.
 

@@ -19,6 +19,7 @@ from drill_twin.cli.options import (
     ReplaceOption,
     SceneOption,
     ToOption,
+    UnitsOption,
     folder_option,
 )
 from drill_twin.cli.show import findings_shown, marks_shown, remark, shown_progress
@@ -77,6 +78,7 @@ def analyze(
             help="Analyse the readings of this downhole sub instead of the marks; measured/NAME for that of a rig.",
         ),
     ] = None,
+    units: UnitsOption = "",
 ) -> None:
     """Find onset, frequencies and motion states of whirl in a bag, and stick-slip of the bit.
 
@@ -88,7 +90,7 @@ def analyze(
     if out is not None:
         check_new(out, replace=replace)
     with shown_progress("analysing the bag"):
-        selection = _selection(marks, begin, end, topics, clearance, outer_radius, namespace, sub)
+        selection = _selection(marks, begin, end, topics, clearance, outer_radius, namespace, sub, units)
         recording = _recording(bag, scene, selection)
         summary = summarise(recording)
         if states:
@@ -110,6 +112,7 @@ def report(
     end: ToOption = math.inf,
     namespace: NamespaceOption = "",
     states: StatesOption = False,
+    units: UnitsOption = "",
 ) -> None:
     """Draw the report of a bag: report.html, which needs no network, and its figures as PNG."""
     folder = out or default_folder(bag)
@@ -117,7 +120,7 @@ def report(
     if existing.exists() and not replace:
         raise BagError(f"{existing}: expected none yet, found one; choose another folder with --out, or --replace")
     with shown_progress("analysing the bag"):
-        recording = _recording(bag, scene, _selection([], begin, end, [], "", "", namespace))
+        recording = _recording(bag, scene, _selection([], begin, end, [], "", "", namespace, None, units))
     files = draw(recording, folder, states=states)
     figures = {name: str(path) for name, path in files.figures.items()}
     data = {"report": str(files.page), "summary": str(files.summary), "figures": figures}
@@ -163,6 +166,7 @@ def _selection(
     outer_radius: str,
     namespace: str,
     sub: str | None = None,
+    units: str = "",
 ) -> Selection:
     """The part of a bag that the options name.
 
@@ -186,4 +190,5 @@ def _selection(
         for option, text in (("--clearance", clearance), ("--rim", outer_radius))
     ]
     chosen = tuple(name.strip() for text in marks for name in text.split(",") if name.strip())
-    return Selection(chosen, begin, end, names, namespace or None, lengths[0], lengths[1] or 0.0, sub or "")
+    whose = namespace or None
+    return Selection(chosen, begin, end, names, whose, lengths[0], lengths[1] or 0.0, sub or "", units)

@@ -10,13 +10,14 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from drill_twin.cli.emit import emit, new_folder
-from drill_twin.cli.options import DurationOption, JsonOption, ReplaceOption, SetOption, overrides
+from drill_twin.cli.options import DurationOption, JsonOption, ReplaceOption, SetOption, UnitsOption, overrides
 from drill_twin.cli.show import shown_progress
 from drill_twin.core.errors import ArgumentError
 from drill_twin.core.table import Table
 
 if TYPE_CHECKING:
     from drill_twin.api.compare import ComparedQuantity
+    from drill_twin.core.units.system import UnitSystem
 
 
 def compare(
@@ -36,6 +37,7 @@ def compare(
     everything: Annotated[bool, typer.Option("--all", help="Show what does not differ too.")] = False,
     out: Annotated[Path, typer.Option("--out", metavar="DIR", help="New folder of the result.")] = Path("out/compare"),
     replace: ReplaceOption = False,
+    units: UnitsOption = "",
     json: JsonOption = False,
 ) -> None:
     """Run two or more cases and show the differences that matter to a bit run, in a table and on a page.
@@ -44,6 +46,7 @@ def compare(
     compare.html, compare.json and compare.png.
     """
     from drill_twin.api.compare import finish, page, prepare, quantities
+    from drill_twin.core.units.system import unit_system
     from drill_twin.report.comparison import draw_runs
     from drill_twin.report.figures.style import save
 
@@ -51,14 +54,14 @@ def compare(
         raise ArgumentError(
             f"expected two cases or more, found {len(cases)}: name a second scene, or the same with changes"
         )
-    common = overrides(change, duration=duration)
+    common = overrides(change, duration=duration, units=units)
     prepared = [prepare(text, common) for text in cases]
     new_folder(out, replace=replace)
     found = []
     with shown_progress("computing") as bar:
         for text, what in zip(cases, prepared, strict=True):
             found.append(finish(text, what, lambda time, text=text: bar.show(f"{text}: {time:.1f} s")))  # type: ignore[misc]
-    rows = quantities(found)
+    rows, shown = quantities(found), unit_system(units or found[0].result.recording.units.name)
     notes = [
         f"{case.name}: its motion is irregular; a run that differs in anything shares its statistics, not its path."
         for case in found
@@ -69,21 +72,28 @@ def compare(
         "cases": cases, "tolerance": tolerance, "differing": [row.name for row in differing], "notes": notes,
         "quantities": [{**row._asdict(), "differs": row.differs(tolerance)} for row in rows],
     }  # fmt: skip
-    picture = draw_runs([(case.name, case.result.recording) for case in found], "Runs over time")
+    picture = draw_runs([(case.name, case.result.recording) for case in found], "Runs over time", units=shown)
     save(picture, out / "compare.png")  # the page holds it
     agree = f"{len(rows) - len(differing)} quantities agree to {100 * tolerance:g} %; --all shows them"
     emit(
-        content, _shown(cases, rows, notes) if everything else _shown(cases, differing, [agree, *notes]), json=json,
+        content, json=json,
+        shown=_shown(cases, *((rows, notes) if everything else (differing, [agree, *notes])), shown),
         folder=out,
-        files={"compare.html": page(cases, rows, tolerance, notes, out / "compare.png"), "compare.json": content},
+        files={
+            "compare.html": page(cases, rows, tolerance, notes, out / "compare.png", shown), "compare.json": content,
+        },
         also=["compare.png"],
     )  # fmt: skip
 
 
-def _shown(cases: Sequence[str], rows: Sequence[ComparedQuantity], notes: Sequence[str]) -> Iterator[Table | str]:
+def _shown(
+    cases: Sequence[str], rows: Sequence[ComparedQuantity], notes: Sequence[str], units: UnitSystem
+) -> Iterator[Table | str]:
     letters = [chr(ord("A") + number) for number in range(len(cases))]
     yield from (f"{letter}: {text}" for letter, text in zip(letters, cases, strict=True))
     if rows:
-        cells = ((row.name, row.shown_unit, *(row.text(k) for k in range(len(cases)))) for row in rows)
+        cells = (
+            (row.name, units.in_unit(row.unit)[1], *(row.text(k, units) for k in range(len(cases)))) for row in rows
+        )
         yield Table(("", "", *letters), cells)
     yield from notes

@@ -12,12 +12,13 @@ import typer
 
 from drill_twin.cli.emit import emit
 from drill_twin.cli.fit import range_option
-from drill_twin.cli.options import JsonOption, SetOption, folder_option, overrides
+from drill_twin.cli.options import JsonOption, SetOption, UnitsOption, folder_option, overrides
 from drill_twin.cli.show import remark
 from drill_twin.core.errors import ArgumentError, RunError
 from drill_twin.core.table import Table
 
 if TYPE_CHECKING:
+    from drill_twin.scene import Scene
     from drill_twin.studies.estimation import Estimate
 
 FILES = ("estimate.json", "estimate.png")
@@ -55,6 +56,7 @@ def estimate(
     horizon: Annotated[float, typer.Option("--horizon", min=0.0, help="Seconds ahead of the chance of whirl.")] = 4.0,
     seed: Annotated[int, typer.Option("--seed", min=0, help="Of the draws.")] = 1,
     out: Annotated[Path | None, folder_option("Write estimate.json and estimate.png to this folder.")] = None,
+    units: UnitsOption = "",
     json: JsonOption = False,
 ) -> None:
     """Follow a record as the node `estimator` follows a rig: numbers, virtual sensors, chance of whirl, alarms."""
@@ -75,7 +77,9 @@ def estimate(
             f"--channel: expected a measured channel, {', '.join(CHANNELS)}, found {', '.join(names)} alone; "
             "set-points are only played"
         )
-    estimator = dt.Estimator(scene, ranges, channels=measured, subs=sub, overrides=overrides(change), options=options)
+    estimator = dt.Estimator(
+        scene, ranges, channels=measured, subs=sub, overrides=overrides(change, units=units), options=options
+    )
     over_time: list[Estimate] = []
     alarm, due = "", 0.0
     measurements = dt.read_record(record, channel, subs=sub)
@@ -90,26 +94,28 @@ def estimate(
     troubles = dict(estimator.intake.troubles)
     held = held_text(bool(sub))
     emit(
-        _plain(found) | {"troubles": troubles, "bands": held}, _shown(found, estimator.scene.name, held, troubles),
+        _plain(found) | {"troubles": troubles, "bands": held}, _shown(found, estimator.scene, held, troubles),
         json=json, folder=out,
         files={
             FILES[0]: lambda: {"estimates": [_plain(one) for one in over_time], "troubles": troubles},
-            FILES[1]: lambda: estimate_figure(over_time, measurements),
+            FILES[1]: lambda: estimate_figure(over_time, measurements, estimator.scene.unit_system),
         },
     )  # fmt: skip
 
 
-def _shown(found: Estimate, name: str, held: str, troubles: dict[str, int]) -> Iterator[Table | str]:
+def _shown(found: Estimate, scene: Scene, held: str, troubles: dict[str, int]) -> Iterator[Table | str]:
+    from drill_twin.studies.estimation.prediction import shown_unit
     from drill_twin.studies.goodness import table as goodness_table
 
     if found.alarm:
         yield found.alarm
-    rows = [
-        (name, f"{band.mean:.4g}", f"{band.deviation:.2g}", f"{band.low:.4g}", f"{band.high:.4g}")
-        for name, band in {**found.numbers, **found.sensors}.items()
-    ]
-    title = f"{name} at {found.time:g} s"
-    yield Table(("SI", "mean", "deviation", "low", "high"), rows, title=title, right=(1, 2, 3, 4))
+    rows = []
+    for name, band in {**found.numbers, **found.sensors}.items():
+        size, unit = shown_unit(name, scene.unit_system) if name in found.sensors else (1.0, "SI")
+        mean, low, high = (f"{size * value:.4g}" for value in (band.mean, band.low, band.high))
+        rows.append((f"{name} [{unit}]", mean, f"{size * band.deviation:.2g}", low, high))
+    title = f"{scene.name} at {found.time:g} s"
+    yield Table(("", "mean", "deviation", "low", "high"), rows, title=title, right=(1, 2, 3, 4))
     yield goodness_table(found.goodness)
     yield held
     yield _line(found)

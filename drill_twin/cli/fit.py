@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from drill_twin.cli.emit import emit
-from drill_twin.cli.options import JsonOption, SetOption, folder_option, overrides
+from drill_twin.cli.options import JsonOption, SetOption, UnitsOption, folder_option, overrides
 from drill_twin.cli.show import remark
 from drill_twin.core.errors import SceneError
 from drill_twin.core.table import Table
@@ -48,6 +48,7 @@ def fit(
     rounds: Annotated[int, typer.Option("--rounds", min=1, help="Rounds at most.")] = 12,
     seed: Annotated[int, typer.Option("--seed", min=0, help="Of the draws.")] = 1,
     out: Annotated[Path | None, folder_option("Write fit.json, fitted.yaml and fit.png to this folder.")] = None,
+    units: UnitsOption = "",
     json: JsonOption = False,
 ) -> None:
     """Numbers of a scene from a record, with intervals, correlations, and what the record does not determine."""
@@ -62,7 +63,7 @@ def fit(
 
     try:
         found = dt.fit(
-            record, scene, ranges, channels=channel, overrides=overrides(change), likelihood=likelihood,
+            record, scene, ranges, channels=channel, overrides=overrides(change, units=units), likelihood=likelihood,
             start=start, end=end or None, rate=rate, window=window, members=members, rounds=rounds, seed=seed,
             progress=told,
         )  # fmt: skip

@@ -14,9 +14,11 @@ import typer
 from drill_twin.cli.emit import emit
 from drill_twin.cli.options import (
     JsonOption,
+    RpmOption,
     SceneArgument,
     SetOption,
     TurnOption,
+    UnitsOption,
     WeightOption,
     WithoutOption,
     folder_option,
@@ -27,14 +29,17 @@ from drill_twin.core.files.output import make_folder
 from drill_twin.core.table import Table
 
 if TYPE_CHECKING:
+    from drill_twin.core.units.system import UnitSystem
     from drill_twin.dynamics.rotordynamics.campbell import Campbell
     from drill_twin.dynamics.rotordynamics.modes import ModeTable
+    from drill_twin.scene import Scene
 
 
 def modes(
     scene: SceneArgument,
     wob: WeightOption = "",
     rps: TurnOption = "",
+    rpm: RpmOption = "",
     change: SetOption = [],  # noqa: B006  typer makes a new list of it
     without: WithoutOption = [],  # noqa: B006
     count: Annotated[int, typer.Option("--count", min=1, max=100, help="Modes of each kind.")] = 6,
@@ -45,6 +50,7 @@ def modes(
         int, typer.Option("--map", metavar="N", min=0, max=500, help="Map of growth rates, N loads by N speeds.")
     ] = 0,
     out: Annotated[Path | None, folder_option("Write modes.json and the figures to this folder.")] = None,
+    units: UnitsOption = "",
     json: JsonOption = False,
 ) -> None:
     """Damped modes of the turning string under its final set-points: frequency, growth, shape.
@@ -65,7 +71,7 @@ def modes(
         shapes_figure,
     )
 
-    changes = overrides(change, wob=wob, rps=rps)
+    changes = overrides(change, wob=wob, rps=rps, rpm=rpm, units=units)
     own = rotordynamics.steady_scene(scene, changes, without)
     if out is not None:  # before the figures are computed
         make_folder(out)
@@ -84,25 +90,26 @@ def modes(
             growth_rates = rotordynamics.growth_map(own, weights=loads, speeds=speeds)
     result, named = modes_data(table), own.name
     arc = mesh(own, resolution_of(own)[0]).arc
-    figures = {"modes.png": lambda: shapes_figure(table, arc, named)}
+    figures = {"modes.png": lambda: shapes_figure(table, arc, named, own.unit_system)}
     if diagram is not None:
         result["campbell"] = campbell_data(diagram)
-        figures["campbell.png"] = lambda: campbell_figure(diagram, named)
+        figures["campbell.png"] = lambda: campbell_figure(diagram, named, own.unit_system)
     if growth_rates is not None:
         result["growth"] = growth_data(growth_rates)
-        figures["growth.png"] = lambda: growth_figure(growth_rates, named)
-    emit(result, _shown(table, diagram, named), json=json, folder=out, files={"modes.json": result, **figures})
+        figures["growth.png"] = lambda: growth_figure(growth_rates, named, own.unit_system)
+    emit(result, _shown(table, diagram, own), json=json, folder=out, files={"modes.json": result, **figures})
 
 
-def _shown(table: ModeTable, diagram: Campbell | None, name: str) -> Iterator[Table | str]:
-    yield _table(table, name)
+def _shown(table: ModeTable, diagram: Campbell | None, scene: Scene) -> Iterator[Table | str]:
+    units = scene.unit_system
+    yield _table(table, scene.name, units)
     yield from _sentences(table)
     if diagram is not None:
-        named = ", ".join(f"{speed / math.tau:.4g} rev/s (mode {mode + 1})" for mode, speed in diagram.critical)
+        named = ", ".join(f"{units.text(speed, 'rotation')} (mode {mode + 1})" for mode, speed in diagram.critical)
         yield f"critical speeds: {named or 'none up to the largest speed'}"
 
 
-def _table(table: ModeTable, name: str) -> Table:
+def _table(table: ModeTable, name: str, units: UnitSystem) -> Table:
     command = table.balance.command
     rows = []
     for mode in table.modes:
@@ -115,7 +122,7 @@ def _table(table: ModeTable, name: str) -> Table:
         ))  # fmt: skip
     place = "on the axis" if table.on_axis else "on the wall"
     title = (
-        f"{name}: {command.weight_on_bit:g} N, {command.rotation / math.tau:.4g} rev/s, string {place}. "
+        f"{name}: {units.set_point(command.weight_on_bit, command.rotation)}, string {place}. "
         "Frequency in Hz, growth in 1/s (above 0: unstable), +- their change on a mesh twice as fine, damping ratio."
     )
     columns = ("mode", "whirl", "frequency", "+-", "growth", "+-", "damping")

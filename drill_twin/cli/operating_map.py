@@ -20,6 +20,7 @@ from drill_twin.cli.options import (
     ReplaceOption,
     SceneArgument,
     SetOption,
+    UnitsOption,
     WorkersOption,
     folder_option,
     overrides,
@@ -39,7 +40,12 @@ FEWEST = 8
 def operating_map(
     scene: SceneArgument,
     wob: Annotated[str, typer.Option("--wob", metavar="RANGE", help='Weight on bit, as "1..300 N".')],
-    rps: Annotated[str, typer.Option("--rps", metavar="RANGE", help='Speed in rev/s, as "1..6.5", or with a unit.')],
+    rps: Annotated[
+        str, typer.Option("--rps", metavar="RANGE", help='Speed in rev/s, as "1..6.5", or with a unit.')
+    ] = "",
+    rpm: Annotated[
+        str, typer.Option("--rpm", metavar="RANGE", help='The same in revolutions per minute, as "60..180".')
+    ] = "",
     seeds: Annotated[
         int, typer.Option("--seeds", metavar="N", min=1, max=1000, help="Draws along the onset of whirl.")
     ] = 1,
@@ -82,6 +88,7 @@ def operating_map(
         Path | None, folder_option("Folder of the result; a map that was broken off goes on.", "out/map_SCENE")
     ] = None,
     replace: ReplaceOption = False,
+    units: UnitsOption = "",
     json: JsonOption = False,
 ) -> None:  # fmt: skip
     """Regimes of motion over weight on bit and speed, and windows in which the string stays calm.
@@ -90,11 +97,15 @@ def operating_map(
     draws of seeds and uncertain numbers, and the boundary at which an existing whirl dies; at last runs of the whole
     time asked check the windows. Writes map.json, map.csv, map.html and map.png.
     """
+    from drill_twin.api.maps import in_rpm
     from drill_twin.api.maps import operating_map as make
+    from drill_twin.core.units.system import typed_in_pounds
     from drill_twin.scene import load_scene
     from drill_twin.studies.maps.drawing import build_page, map_figure
 
-    changes = overrides(change, duration=duration)
+    if bool(rps) == bool(rpm):
+        raise SceneError("--rps, --rpm: expected one of them with a range such as 60..180, found both or none")
+    changes = overrides(change, duration=duration, units=units or ("field" if typed_in_pounds(wob) else ""))
     ranges = {}
     for pair in vary:
         key, equals, text = pair.partition("=")
@@ -109,12 +120,12 @@ def operating_map(
         runs_file.replace(folder / "runs.jsonl.old")
     with _shown_runs(runs, folder) as progress:
         found = make(
-            described, wob=wob, rps=rps, seeds=seeds, vary=ranges, runs=runs, hysteresis=not no_hysteresis,
-            growth=not no_growth, steps=steps, folder=folder, workers=workers, dask=dask,
+            described, wob=wob, rps=rps or in_rpm(rpm), seeds=seeds, vary=ranges, runs=runs,
+            hysteresis=not no_hysteresis, growth=not no_growth, steps=steps, folder=folder, workers=workers, dask=dask,
             calm_for=calm_for or None, progress=progress,
         )  # fmt: skip
     data = found.to_dict()
-    options = [f"--set {quote(f'{key}={value}')}" for key, value in changes.items() if key != "duration"]
+    options = [f"--set {quote(f'{key}={value}')}" for key, value in changes.items() if key not in {"duration", "units"}]
     emit(
         data, _shown(found, described), json=json, folder=folder, also=["runs.jsonl"],
         files={
@@ -162,7 +173,7 @@ def _shown(found: OperatingMap, scene: Scene) -> Iterator[str]:
 
     from drill_twin.studies.maps.regimes import REGIMES
 
-    turns = math.tau
+    units = scene.unit_system
     counts = Counter(found.regimes.ravel().tolist())
     yield f"{found.name}: {found.said_runs}"
     whole = found.regimes.size
@@ -174,22 +185,20 @@ def _shown(found: OperatingMap, scene: Scene) -> Iterator[str]:
     if not found.windows:
         yield "  no safe window: nowhere in these ranges do enough runs show that the string stays calm"
     for weight, speed in found.windows:
-        yield (
-            f"  safe window: {weight.low:.4g} to {weight.high:.4g} N at {speed.low / turns:.4g} to "
-            f"{speed.high / turns:.4g} rev/s"
-        )
+        at = units.span(speed.low, speed.high, "rotation")
+        yield f"  safe window: {units.span(weight.low, weight.high, 'force')} at {at}"
     yield from (f"    rests on: {sentence}" for sentence in found.basis)
     load, turn = scene.rig.weight_on_bit.value, scene.rig.rotation.value
     if found.contains(load, turn):
         margin = found.margin(load, turn)
         word = "margin to the boundary" if margin.share >= 0.0 else "beyond the boundary by"
         apart = [
-            f"{abs(value) / unit:.3g} {name}"
-            for value, unit, name in ((margin.weight, 1.0, "N"), (margin.speed, turns, "rev/s"))
+            units.text(abs(value), quantity, ".3g")
+            for value, quantity in ((margin.weight, "force"), (margin.speed, "rotation"))
             if math.isfinite(value)
         ]
         yield (
-            f"  set-point of the scene, {load:g} N at {turn / turns:.4g} rev/s: {found.regime(load, turn).value}"
+            f"  set-point of the scene, {units.set_point(load, turn)}: {found.regime(load, turn).value}"
             + (f"; {word} {' or '.join(apart)}" if apart else "")
         )
     yield from (f"  note: {note}" for note in found.notes)

@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
 import typer
 
@@ -37,6 +37,18 @@ WeightOption = Annotated[
 ]
 TurnOption = Annotated[
     str, typer.Option("--rps", metavar="SPEED", help='Top-drive speed, as "50 rpm"; a bare number is in rev/s.')
+]
+RpmOption = Annotated[
+    str, typer.Option("--rpm", metavar="SPEED", help="The same; a bare number is in revolutions per minute.")
+]
+UnitsOption = Annotated[
+    Literal["", "field", "si", "lab"],
+    typer.Option(
+        "--units",
+        metavar="field|si|lab",
+        help="Units of tables, figures and pages; JSON and CSV are in SI.",
+        show_default="the scene's",
+    ),
 ]
 DurationOption = Annotated[
     str, typer.Option("--duration", metavar="TIME", help='Simulated time, as "30 s"; a bare number is in s.')

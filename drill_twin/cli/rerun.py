@@ -14,6 +14,7 @@ from drill_twin.cli.options import (
     ReplaceOption,
     SceneOption,
     SetOption,
+    UnitsOption,
     folder_option,
     overrides,
 )
@@ -31,6 +32,7 @@ def rerun(
     scene: SceneOption = "",
     namespace: NamespaceOption = "",
     replace: ReplaceOption = False,
+    units: UnitsOption = "",
     json: JsonOption = False,
 ) -> None:
     """Run the commands of a bag again, with other numbers, and show both runs: a table, a figure, the new bag.
@@ -47,7 +49,7 @@ def rerun(
     with shown_progress("reading the bag") as bar:
         both = run_again(
             bag,
-            changes,
+            changes | overrides([], units=units),
             scene=scene or None,
             namespace=namespace or None,
             progress=lambda now, end: bar.show(f"computing: {now:.1f} of {end:g} s"),
@@ -72,8 +74,8 @@ def agreement(both: Rerun, changes: dict[str, str]) -> str:
     if both.identical:
         return f"{source}; all {both.same_frames} frames are the same, bit for bit"
     begin = f"; the first {both.same_frames} frames are the same" if both.same_frames else ""
-    difference = both.largest_difference
-    far = "" if difference != difference else f", the marks differ by {1e3 * difference:.3g} mm at most"  # noqa: PLR0124
+    difference, units = both.largest_difference, both.computed.recording.units
+    far = "" if difference != difference else f", the marks differ by {units.text(difference, 'offset')} at most"  # noqa: PLR0124
     because = "" if changes else (
         "; without --set that comes of commands that reached the simulator a frame late, of another version, processor "
         "or checkpoint, or of numbers that the scene of the bag does not have"

@@ -16,9 +16,11 @@ from drill_twin.cli.options import (
     DurationOption,
     JsonOption,
     ReplaceOption,
+    RpmOption,
     SceneArgument,
     SetOption,
     TurnOption,
+    UnitsOption,
     WeightOption,
     folder_option,
     overrides,
@@ -38,6 +40,7 @@ def run(
     scene: SceneArgument,
     wob: WeightOption = "",
     rps: TurnOption = "",
+    rpm: RpmOption = "",
     duration: DurationOption = "",
     accuracy: Annotated[
         str,
@@ -54,6 +57,7 @@ def run(
     out: Annotated[Path | None, folder_option("New folder of the result.", "out/SCENE")] = None,
     replace: ReplaceOption = False,
     with_report: Annotated[bool, typer.Option("--report", help="Draw the report too.")] = False,
+    units: UnitsOption = "",
     json: JsonOption = False,
 ) -> None:
     """Simulate a scene and analyse it: bag and summary.json in a new folder.
@@ -63,7 +67,9 @@ def run(
     from drill_twin.scene import load_scene
     from drill_twin.scene.set_points import Schedule
 
-    described = load_scene(scene, overrides=overrides(change, wob=wob, rps=rps, duration=duration, accuracy=accuracy))
+    described = load_scene(
+        scene, overrides=overrides(change, wob=wob, rps=rps, rpm=rpm, duration=duration, accuracy=accuracy, units=units)
+    )
     schedule = Schedule.from_scene(described)
     folder = out or Path("out") / folder_name(described.name)
     new_folder(folder, replace=replace)

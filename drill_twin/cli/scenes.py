@@ -31,7 +31,7 @@ def scenes(json: JsonOption = False) -> None:
     rows = (
         (
             name,
-            f"{scene.length:g} m",
+            scene.unit_system.text(scene.length, "length"),
             *_set_points(scene),
             f"{scene.rig.duration:g} s",
             _first_sentence(scene.description),
@@ -93,21 +93,20 @@ def _first_sentence(text: str) -> str:
 
 
 def _set_points(scene: Scene) -> tuple[str, str]:
-    force, turn = scene.rig.weight_on_bit, scene.rig.rotation
-    largest = f"{force.value / 1e3:g} kN" if abs(force.value) >= 1e3 else f"{force.value:g} N"
-    speed = f"{turn.value / math.tau:.3g} rev/s"
+    force, turn, units = scene.rig.weight_on_bit, scene.rig.rotation, scene.unit_system
+    largest, speed = units.text(force.value, "force"), units.text(turn.value, "rotation")
     return ("from a record" if force.shape == "table" else largest, "from a record" if turn.shape == "table" else speed)
 
 
 def _lines(scene: Scene) -> Iterator[tuple[str, str]]:
     force, turn = _set_points(scene)
-    string = scene.string
-    yield "string", f"{scene.length:g} m, {len(string.sections)} sections, bit end {string.bit_end}"
-    yield "marks", ", ".join(f"{mark.name} ({mark.distance_from_bit:g} m)" for mark in string.marks)
+    string, units = scene.string, scene.unit_system
+    yield "string", f"{units.text(scene.length, 'length')}, {len(string.sections)} sections, bit end {string.bit_end}"
+    yield "marks", ", ".join(f"{mark.name} ({units.text(mark.distance_from_bit, 'length')})" for mark in string.marks)
     tilt = math.degrees(scene.hole.top_inclination)
-    yield "hole", f"radius {scene.hole.radius * 1e3:g} mm, inclined by {tilt:g} degrees at the top"
+    yield "hole", f"radius {units.text(scene.hole.radius, 'offset')}, inclined by {tilt:g} degrees at the top"
     if block := scene.rig.block:
-        yield "block", "moved by the auto-driller" if block.auto_driller else f"{block.value:.3g} m/s"
+        yield "block", "moved by the auto-driller" if block.auto_driller else units.text(block.value, "rate")
     if not block or block.auto_driller:
         yield "weight on bit", force
     yield "rotation", turn
@@ -115,7 +114,7 @@ def _lines(scene: Scene) -> Iterator[tuple[str, str]]:
     yield "effects", ", ".join(scene.effect_names)
     friction = getattr(scene.effects, "wall_friction", None)
     if friction and friction.intervals:
-        cased = (f"{one.coefficient:g} from {one.top:g} to {one.bottom:g} m" for one in friction.intervals)
+        cased = (f"{one.coefficient:g} from {units.span(one.top, one.bottom, 'length')}" for one in friction.intervals)
         yield "friction", f"{friction.coefficient:g}; {', '.join(cased)}"
     if scene.sensors:
         surface = ["surface"] if scene.sensors.surface else []
@@ -175,7 +174,7 @@ def new(
         typer.Option(
             "--units",
             metavar="si|field",
-            help="Units of columns whose heading names none: m, mm, kg/m or ft, in, lb/ft.",
+            help="Units of tables and figures, and of columns whose heading names none: m, mm, kg/m or ft, in, lb/ft.",
             show_default=False,
         ),
     ] = "",
@@ -197,8 +196,9 @@ def new(
     )  # fmt: skip
     scene, data = plan.scene()
     write_file(out, "# SPDX-License-Identifier: Apache-2.0\n" + yaml_text(data))
+    long, sections = scene.unit_system.text(scene.length, "length"), len(scene.string.sections)
     remark(
-        f"{out}: {scene.length:g} m, {len(scene.string.sections)} sections, {len(scene.hole.survey)} stations. "
+        f"{out}: {long}, {sections} sections, {len(scene.hole.survey)} stations. "
         f"Next: drill-twin statics {out}; drill-twin run {out}"
     )
 

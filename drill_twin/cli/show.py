@@ -78,13 +78,14 @@ def _without_radii(rows: Iterable[tuple[str, str]]) -> list[tuple[str, str]]:
 
 
 def _marks(summary: Mapping[str, Any]) -> Iterable[tuple[str, str, str, str]]:
+    from drill_twin.report.load_text import units_of
     from drill_twin.report.text import radius_text
 
     for mark, value in summary["max_radius_m"].items():
         onset, motion = summary["mark_onset_s"].get(mark), summary["mark_motion"].get(mark)
         yield (
             mark,
-            radius_text(value, summary["clearance_m"].get(mark)),
+            radius_text(value, summary["clearance_m"].get(mark), units_of(summary)),
             "never" if onset is None else f"from {onset:.2f} s",
             motion[-1]["state"] if motion else "unknown",
         )

@@ -6,16 +6,18 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Literal
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from drill_twin.cli.emit import emit
 from drill_twin.cli.options import (
     JsonOption,
+    RpmOption,
     SceneArgument,
     SetOption,
     TurnOption,
+    UnitsOption,
     WeightOption,
     WithoutOption,
     folder_option,
@@ -27,20 +29,20 @@ from drill_twin.core.files.output import make_folder
 from drill_twin.core.table import Table
 
 if TYPE_CHECKING:
+    from drill_twin.core.units.system import UnitSystem
     from drill_twin.dynamics.torque_drag.analysis import Statics
-    from drill_twin.studies.statics import UnitSystem
 
 _NOTHING, _LARGEST_MARGIN = 1e-4, 1e3
 """Share of the largest number of a column below which it is the residual of a balance; largest margin that is shown."""
 SHAPES = ("straight", "snaking", "snaking, helix", "helix")
 """Words for `BucklingState`, those of the columns."""
-UnitsOption = Annotated[Literal["si", "field"], typer.Option("--units", help="Units of tables, CSV and figure.")]
 
 
 def statics(
     scene: SceneArgument,
     wob: WeightOption = "",
     rps: TurnOption = "",
+    rpm: RpmOption = "",
     change: SetOption = [],  # noqa: B006  typer makes a new list of it
     without: WithoutOption = [],  # noqa: B006
     trip_speed: Annotated[
@@ -49,30 +51,30 @@ def statics(
     feed: Annotated[
         str, typer.Option("--rop", metavar="SPEED", help='Rate of penetration when sliding and drilling, as "18 m/h".')
     ] = "18 m/h",
-    units: UnitsOption = "si",
+    units: UnitsOption = "",
     out: Annotated[Path | None, folder_option("Write statics.json, statics.csv and statics.png there.")] = None,
     json: JsonOption = False,
 ) -> None:
     """Torque, drag and buckling without a run: tripping, rotating off bottom, sliding, drilling.
 
     The string of the scene in balance in its hole, with friction in the direction of the operation; beside it the
-    soft string. JSON is in SI.
+    soft string. JSON and CSV are in SI.
     """
     from drill_twin.api.torque_drag import statics as computed
-    from drill_twin.studies.statics import depth_table, statics_data, tracks, unit_system
+    from drill_twin.studies.statics import depth_table, statics_data, tracks
 
     speeds = {option: _speed(option, text) for option, text in (("--trip-speed", trip_speed), ("--rop", feed))}
     if out is not None:
         make_folder(out)
     with shown_progress("computing"):
         found = computed(
-            scene, overrides(change, wob=wob, rps=rps), without=without,
+            scene, overrides(change, wob=wob, rps=rps, rpm=rpm, units=units), without=without,
             trip_speed=speeds["--trip-speed"], feed=speeds["--rop"],
         )  # fmt: skip
-    shown, data = unit_system(units, found.scene.length), statics_data(found)
+    shown, data = found.scene.unit_system, statics_data(found)
     emit(
         data, _shown(found, shown), json=json, folder=out,
-        files={"statics.json": data, "statics.csv": lambda: depth_table(found, shown).csv(),
+        files={"statics.json": data, "statics.csv": lambda: depth_table(found).csv(),
                "statics.png": lambda: tracks(found, shown)},
     )  # fmt: skip
 
@@ -92,8 +94,8 @@ def _weight(found: Statics, units: UnitSystem) -> str:
     weight = found.scene.rig.weight_on_bit
     if weight.at != "top" or not any(of.operation.is_on_bottom for of in found.operations):
         return ""
-    own, bit = (units.show(value, "force") for value in (weight.value, found.operations[-1].operation.weight_on_bit))
-    return f"; {own:.4g} {units.force} at the top are {bit:.4g} {units.force} at the bit"
+    own, bit = (units.text(value, "force") for value in (weight.value, found.operations[-1].operation.weight_on_bit))
+    return f"; {own} at the top are {bit} at the bit"
 
 
 def _shown(found: Statics, units: UnitSystem) -> Iterator[Table]:

@@ -11,7 +11,7 @@ from typing import Annotated
 import typer
 
 from drill_twin.cli.interrupt import stop_request
-from drill_twin.cli.options import NamespaceOption
+from drill_twin.cli.options import NamespaceOption, UnitsOption
 from drill_twin.cli.show import remark, shown_progress
 from drill_twin.core.errors import DrillTwinError
 
@@ -43,6 +43,7 @@ def watch(
     ] = [],  # noqa: B006
     browser: Annotated[bool, typer.Option(help="Open the browser.")] = True,
     namespace: NamespaceOption = "",
+    units: UnitsOption = "",
     foxglove: Annotated[
         int | None,
         typer.Option(
@@ -57,11 +58,12 @@ def watch(
     if bag is not None and foxglove is not None:
         raise DrillTwinError("expected --foxglove without a bag, found both; Foxglove opens the bag itself")
     if bag is not None:
-        _play(bag, host, port, allow_host, namespace or None, limit, browser=browser)
+        _play(bag, host, port, allow_host, namespace or None, limit, units, browser=browser)
         return
     from drill_twin.ros.entry_points import start
 
     names = [word for name in allow_host for word in ("--allow-host", name)]
+    names += ["--units", units] if units else []
     names += [word for text in limit for word in ("--limit", text)]
     arguments = ["--host", host, "--port", str(port), *names, *([] if browser else ["--no-browser"])]
     if foxglove is not None:
@@ -72,8 +74,16 @@ def watch(
 
 
 def _play(
-    bag: Path, host: str, port: int, allowed: list[str], namespace: str | None, limits: list[str], *, browser: bool
-) -> None:
+    bag: Path,
+    host: str,
+    port: int,
+    allowed: list[str],
+    namespace: str | None,
+    limits: list[str],
+    units: str,
+    *,
+    browser: bool,
+) -> None:  # fmt: skip
     from drill_twin.io.bag.reading.files import bag_path
     from drill_twin.live.limits import parse_limit
     from drill_twin.live.player import Player
@@ -82,6 +92,7 @@ def _play(
     parsed = [parse_limit(text) for text in limits]
     with shown_progress("reading the bag"):
         player = Player(bag_path(bag), namespace)
+    player.state.units = units
     for one in parsed:
         player.state.take(one)
     for text in player.damage:

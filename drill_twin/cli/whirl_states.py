@@ -13,9 +13,11 @@ import typer
 from drill_twin.cli.emit import emit
 from drill_twin.cli.options import (
     JsonOption,
+    RpmOption,
     SceneArgument,
     SetOption,
     TurnOption,
+    UnitsOption,
     WeightOption,
     WithoutOption,
     folder_option,
@@ -38,6 +40,7 @@ def whirl_states(
     scene: SceneArgument,
     wob: WeightOption = "",
     rps: TurnOption = "",
+    rpm: RpmOption = "",
     change: SetOption = [],  # noqa: B006  typer makes a new list of it
     without: WithoutOption = [],  # noqa: B006
     starts: Annotated[
@@ -56,6 +59,7 @@ def whirl_states(
         int, typer.Option("--simulate", metavar="N", min=0, help="With --over: N runs in time beside the branches.")
     ] = 0,
     out: Annotated[Path | None, folder_option("Write the results and their figures to this folder.")] = None,
+    units: UnitsOption = "",
     json: JsonOption = False,
 ) -> None:
     """Steady whirls that can exist at the final set-points: frequency, ratio to the rotation, stability.
@@ -68,7 +72,7 @@ def whirl_states(
     from drill_twin.api import rotordynamics
     from drill_twin.studies.whirl_states import state_data, states_figure
 
-    own = rotordynamics.steady_scene(scene, overrides(change, wob=wob, rps=rps), without)
+    own = rotordynamics.steady_scene(scene, overrides(change, wob=wob, rps=rps, rpm=rpm, units=units), without)
     if over:
         _follow(own, over, starts, simulate, out, json=json)
         return
@@ -86,7 +90,7 @@ def _shown(
     own: Scene, found: Sequence[WhirlState], locked: Sequence[WhirlState], shares: Sequence[float | None]
 ) -> Iterator[Table | str]:
     if states := (*found, *locked):
-        yield _table(states, shares, own.name)
+        yield _table(states, shares, own)
     for state in states:
         if state.lost_at:
             where = f"{state.kind} at {state.frequency:+.4f} Hz: not found again on {state.lost_at} elements"
@@ -108,7 +112,7 @@ def _none_found(scene: Scene) -> str:
     return f"{text}. Its parts roll on the wall at {rolling} of the rotation, so it cannot roll as a whole"
 
 
-def _table(states: Sequence[WhirlState], modulated: Sequence[float | None], name: str) -> Table:
+def _table(states: Sequence[WhirlState], modulated: Sequence[float | None], scene: Scene) -> Table:
     command = states[0].whirl.command
     rows = [
         (
@@ -121,10 +125,10 @@ def _table(states: Sequence[WhirlState], modulated: Sequence[float | None], name
     ]  # fmt: skip
     finest = sorted({state.elements for state in states})
     title = (
-        f"{name}: steady whirl at {command.weight_on_bit:g} N, {command.rotation / math.tau:.4g} rev/s. Frequency in "
-        "Hz, ratio to the rotation; growth of the fastest disturbance in 1/s, +- its larger change on the last two "
-        "meshes, each twice as fine as the one before (stable ?: its sign is not determined), its frequency in the "
-        "turning frame in Hz; share of the length on the wall; modulation by bow "
+        f"{scene.name}: steady whirl at {scene.unit_system.set_point(command.weight_on_bit, command.rotation)}. "
+        "Frequency in Hz, ratio to the rotation; growth of the fastest disturbance in 1/s, +- its larger change on the "
+        "last two meshes, each twice as fine as the one before (stable ?: its sign is not determined), its "
+        "frequency in the turning frame in Hz; share of the length on the wall; modulation by bow "
         f"and eccentricity to first order, over the clearance. On {' or '.join(map(str, finest))} elements. Locked: "
         "the bent string turns with the rotation."
     )
@@ -135,18 +139,19 @@ def _table(states: Sequence[WhirlState], modulated: Sequence[float | None], name
 def _follow(scene: Scene, over: str, starts: int, simulate: int, out: Path | None, *, json: bool) -> None:
     """Branches over a number: table or JSON, and the figure."""
     from drill_twin.api import rotordynamics
-    from drill_twin.studies.whirl_states import LABELS, branch_data, branches_figure, run_data
+    from drill_twin.studies.whirl_states import branch_data, branches_figure, run_data, shown_parameter
 
     key, low, high = _range(over)
-    label, unit = LABELS.get(key, (key, 1.0))
+    typed = math.tau if key == "speed" else 1.0
     with shown_progress("following"):
-        found = rotordynamics.branches(scene, over=key, low=low * unit, high=high * unit, random_starts=starts)
-    runs = _simulated(scene, key, low * unit, high * unit, simulate)
+        found = rotordynamics.branches(scene, over=key, low=low * typed, high=high * typed, random_starts=starts)
+    runs = _simulated(scene, key, low * typed, high * typed, simulate)
+    label, unit = shown_parameter(key, scene.unit_system)
     data = {"branches": [branch_data(one) for one in found], "simulated": [run_data(value, run) for value, run in runs]}
     files: dict[str, Any] = {"branches.json": data}
     if found:
         dots = [(value, run.frequency, run.ratio, run.is_steady) for value, run in runs]
-        files["branches.png"] = lambda: branches_figure(found, scene.name, dots)
+        files["branches.png"] = lambda: branches_figure(found, scene.name, scene.unit_system, dots)
     emit(data, _shown_branches(scene, found, runs, label, unit), json=json, folder=out, files=files)
 
 

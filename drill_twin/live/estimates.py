@@ -7,6 +7,7 @@ import math
 from typing import Any
 
 from drill_twin.core.errors import MessageError
+from drill_twin.core.units.system import QUANTITIES
 from drill_twin.io.messages.decode import JointState
 from drill_twin.io.messages.diagnostics import Level
 from drill_twin.live.plain import number, short
@@ -17,14 +18,6 @@ _LONGEST_NAME = 60
 _ENDS = ("/low", "/high")
 _LIKELY = 0.5
 """Chance of whirl from which the page warns."""
-_QUANTITIES = {
-    "N": ("force", 1.0),
-    "rad/s": ("rotation", 1.0 / math.tau),
-    "N m": ("torque", 1.0),
-    "m": ("offset", 1.0),
-    "Pa": ("stress", 1.0),
-}
-"""Quantity of the page (`units.js`) by the unit of an estimate, and the factor to the page's own unit."""
 
 
 def shown_estimates(state: JointState) -> dict[str, Any]:
@@ -51,7 +44,8 @@ def shown_estimates(state: JointState) -> dict[str, Any]:
 
 def _row(name: str, values: dict[str, float]) -> dict[str, Any]:
     unit = "m" if name.endswith(("/x", "/y")) else SENSORS.get(name, "")
-    quantity, factor = _QUANTITIES.get(unit, ("", 1.0))
+    quantity = "offset" if unit == "m" else QUANTITIES.get(unit, "")  # radii and places across the hole
+    factor = 1.0 / math.tau if quantity == "rotation" else 1.0  # to the page's own unit
     mean, low, high = (number(factor * values[name + end]) for end in ("", *_ENDS))
     shown = short(name, _LONGEST_NAME)
     band = {"mean": mean, "low": low, "high": high}

@@ -73,6 +73,8 @@ class PageState:
         self._read = {topic: reader_of(topic) for topic in INPUTS}
         self.skipped = SkippedMessages()
         """Messages that could not be used."""
+        self.units = ""
+        """System of units that the reader asked for; empty: the scene's."""
         self._clear()
 
     def clear(self) -> None:
@@ -213,6 +215,7 @@ class PageState:
             picture = {
                 "time": self._time,
                 "scene": self._scene,
+                "units": self.units,
                 "nodes": self._nodes,
                 "marks": [dict(mark) for mark in self._marks.values()],
                 "trail": trail,

@@ -18,6 +18,7 @@ def shown_scene(scene: Scene) -> dict[str, Any]:
     marks = scene.string.marks
     return {
         "name": scene.name,
+        "units": scene.unit_system.name,
         "length": scene.length,
         "hole": scene.hole.radius,
         "well": well_geometry(scene, _STATIONS),

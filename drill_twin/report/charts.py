@@ -186,12 +186,13 @@ def view_data(recording: Recording) -> str:
     centre = recording.centre_lines()[::every]
     height = recording.marks.position[::every, :, 2]
     paths = np.stack((centre.real / radius, centre.imag / radius, height / length), axis=-1)
-    onset = recording.summary.onset
+    onset, well = recording.summary.onset, well_geometry(recording.scene)
     data: dict[str, Any] = {
         "full": _FULL,
+        "units": {of: [recording.units.show(1.0, of), getattr(recording.units, of)] for of in ("length", "offset")},
         "radius": radius,
         "length": length,
-        "well": well_geometry(recording.scene),
+        "well": well | {"names": [_in_units(name, recording) for name in well["names"]]},
         "pipe": contact_radius(recording.scene, np.clip(length + shapes[-1, :, 2], 0.0, length)).tolist(),
         "shapes": {
             "time": _times(recording.poses.time[times]),
@@ -206,6 +207,11 @@ def view_data(recording: Recording) -> str:
         "onset": onset.time_s if onset else None,
     }
     return json.dumps(data, allow_nan=False, separators=(",", ":"))
+
+
+def _in_units(name: str, recording: Recording) -> str:
+    """Heading of an axis in m or mm, in the units of the reader."""
+    return name.replace("[m]", f"[{recording.units.length}]").replace("[mm]", f"[{recording.units.offset}]")
 
 
 def plotly_packed() -> str:

@@ -3,32 +3,32 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from typing import Any
 
+from drill_twin.core.units.system import UnitSystem, unit_system
 from drill_twin.whirl.motion.stick_slip_index import TIME_BASE
 
 Summary = Mapping[str, Any]
 Row = tuple[str, str]
 
-KILO = 5000.0
-"""Force [N], torque [N m] or force per length [N/m] from which the unit has a k before it."""
 _STRETCHES = 5
 """Most periods of stick-slip with a row of their own."""
 
 
 def load_rows(summary: Summary) -> Iterator[Row]:
     """Rows on weight on bit, hookload, torque and drag."""
-    for name, key, unit in (
-        ("weight on bit", "weight_on_bit_n", "N"),
-        ("hookload", "hookload_n", "N"),
-        ("drag", "drag_n", "N"),
-        ("torque of the top drive", "top_drive_torque_nm", "N m"),
-        ("torque on the bit", "bit_torque_nm", "N m"),
+    units = units_of(summary)
+    for name, key, quantity in (
+        ("weight on bit", "weight_on_bit_n", "force"),
+        ("hookload", "hookload_n", "force"),
+        ("drag", "drag_n", "force"),
+        ("torque of the top drive", "top_drive_torque_nm", "torque"),
+        ("torque on the bit", "bit_torque_nm", "torque"),
     ):
         if found := summary["loads"].get(key):
-            (mean, least, most), shown = in_kilo([found[of] for of in ("mean", "min", "max")], unit)
-            yield name, f"{mean:.4g} {shown} on average, {least:.4g} to {most:.4g} {shown}"
+            mean, over = units.text(found["mean"], quantity), units.span(found["min"], found["max"], quantity)
+            yield name, f"{mean} on average, {over}"
 
 
 def fatigue_rows(summary: Summary) -> Iterator[Row]:
@@ -36,7 +36,8 @@ def fatigue_rows(summary: Summary) -> Iterator[Row]:
     for name, found in (summary.get("fatigue") or {}).items():
         life = found["seconds_to_damage_1"]
         words = (
-            f"at most {1e-6 * found['largest_stress_pa']:.4g} MPa ({found['share_of_yield']:.0%} of yield), "
+            f"at most {units_of(summary).text(found['largest_stress_pa'], 'stress')} "
+            f"({found['share_of_yield']:.0%} of yield), "
             f"{found['cycles']:g} cycles, {number_text(found['cycles_per_second'], '{:.3g}')} a second at the end"
         )
         yield f"stress at {name}", words
@@ -89,25 +90,19 @@ def sub_rows(summary: Summary) -> Iterator[Row]:
         ""
         if found["largest_impact"] is None
         else (
-            f" ({found['impact_rate_hz']:.2f} a second), acceleration {found['mean_impact']:.3g} m/s^2 on average, "
-            f"{found['largest_impact']:.3g} m/s^2 at most"
+            f" ({found['impact_rate_hz']:.2f} a second), acceleration "
+            f"{units_of(summary).text(found['mean_impact'], 'acceleration', '.3g')} on average, "
+            f"{units_of(summary).text(found['largest_impact'], 'acceleration', '.3g')} at most"
         )
     )
     yield "impacts on the wall", f"{found['impacts']}{largest}"
 
 
-def in_kilo(values: Sequence[float], unit: str) -> tuple[Sequence[float], str]:
-    """Values and their unit; with a k before it where the largest reaches `KILO`."""
-    if max(map(abs, values)) < KILO:
-        return values, unit
-    return [1e-3 * value for value in values], f"k{unit}"
+def units_of(summary: Summary) -> UnitSystem:
+    """Units in which people read a summary."""
+    return unit_system(summary["units"])
 
 
 def number_text(value: float | None, form: str) -> str:
     """Number in a format, as "{:.2f} Hz"; "unknown" for None."""
     return "unknown" if value is None else form.format(value)
-
-
-def millimetres(value: float) -> str:
-    """Length [m] as text in mm."""
-    return f"{1e3 * value:.1f} mm" if abs(value) >= 1e-3 else f"{1e3 * value:.2g} mm"

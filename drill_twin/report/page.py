@@ -16,7 +16,7 @@ from drill_twin.core.table import Column, Table
 from drill_twin.io.messages.drawing.geometry import default_exaggeration
 from drill_twin.report.charts import plotly_packed, view_data
 from drill_twin.report.figures import CAPTIONS, OVER_TIME, left_out
-from drill_twin.report.load_text import load_rows, millimetres
+from drill_twin.report.load_text import load_rows, units_of
 from drill_twin.report.recording import Recording
 from drill_twin.report.string_curve import deviated
 from drill_twin.report.text import (
@@ -119,7 +119,7 @@ def _cards(summary: Mapping[str, Any]) -> str:
     return (
         '<div class="cards">'
         + _motion_cards(summary, card)
-        + f"<div><b>{millimetres(radii[widest]) if widest else 'none'}</b><span>largest radius, {widest}</span></div>"
+        + card(units_of(summary).text(radii[widest], "offset") if widest else None, "{}", f"largest radius, {widest}")
         + index
         + card(summary["realtime_factor"], "{:.2g}", "real-time factor", "unknown")
         + "</div>"

@@ -12,6 +12,7 @@ import numpy as np
 from drill_twin.core.arrays import Array
 from drill_twin.core.compile.jit import as_python
 from drill_twin.core.errors import DrillTwinError
+from drill_twin.core.units.system import UnitSystem
 from drill_twin.dynamics.discretisation.discretise import axial_weight, discretise, tubes_of
 from drill_twin.dynamics.discretisation.resolution import MOST
 from drill_twin.dynamics.twin import state_judge
@@ -189,13 +190,13 @@ def static_depth(scene: Scene) -> float | None:
     return float(as_python(state_judge.static_depth)(bounds, load))
 
 
-def soft_wall(found: dict[str, Any] | None) -> Iterator[str]:
+def soft_wall(found: dict[str, Any] | None, units: UnitSystem) -> Iterator[str]:
     """Yield a note where the string went deep into the wall."""
     if found is None or found["deepest_m"] <= SOFT * found["clearance_m"]:
         return
     depth, share = found["deepest_m"], found["deepest_m"] / found["clearance_m"]
-    at_rest = f", {found['static_m'] * 1e3:.2g} mm of it under its load at rest" if found["static_m"] else ""
+    at_rest = f", {units.text(found['static_m'], 'offset')} of it under its load at rest" if found["static_m"] else ""
     yield (
-        f"the wall is soft for this motion: the string went {depth * 1e3:.3g} mm into it, {share:.0%} of the "
+        f"the wall is soft for this motion: the string went {units.text(depth, 'offset')} into it, {share:.0%} of the "
         f"clearance{at_rest}; radii and frequencies depend on its stiffness: compare with a stiffer `wall`"
     )

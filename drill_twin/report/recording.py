@@ -16,6 +16,7 @@ import numpy as np
 
 from drill_twin.core.arrays import Array, ComplexArray
 from drill_twin.core.errors import BagError, MessageError
+from drill_twin.core.units.system import unit_system
 from drill_twin.dynamics.twin.frame import RigState
 from drill_twin.io.bag.reader import Bag
 from drill_twin.io.bag.series import CommandSeries, MarkSeries, PoseSeries, RigSeries, StressSeries, WhirlSeries
@@ -75,6 +76,9 @@ class Recording:
         skipped: Messages that could not be used.
         sub: Downhole sub whose readings are analysed instead of marks; empty without.
         summary: Findings of the analysis for the whole run.
+        units: Units in which people read it: those of the selection, else of the scene, else `si`.
+        runs: Number of runs in the bag; this is the last.
+        unpaired: Number of states of the marks or the rig without a partner of the same stamp.
     """
 
     def __init__(self, bag: Bag, scene: Scene | None = None, selection: Selection | None = None) -> None:
@@ -110,6 +114,8 @@ class Recording:
                     self._take_message(topic, raw, time)
         self._skip_other_layouts()
         self.summary: Summary = self._checked_summary()
+        self.units = unit_system(self.selection.units or (self.scene.unit_system.name if self.scene_known else "si"))
+        self.runs, self.unpaired = max(1, self._pipeline.runs), self._pipeline.unpaired
 
     def _reset(self) -> None:
         """Begin a new run."""
@@ -249,11 +255,6 @@ class Recording:
         return RIG_STATE in self._missing
 
     @property
-    def runs(self) -> int:
-        """Number of runs in the bag; this is the last."""
-        return max(1, self._pipeline.runs)
-
-    @property
     def duration(self) -> float:
         """Simulated time of the last sample [s]."""
         if self._pipeline.bit_only is not None:
@@ -264,11 +265,6 @@ class Recording:
     def nodes(self) -> int:
         """Nodes of the string; 0 where the bag holds no poses."""
         return self.poses.position.shape[1] if len(self.poses) else 0
-
-    @property
-    def unpaired(self) -> int:
-        """Number of states of the marks or the rig without a partner of the same stamp."""
-        return self._pipeline.unpaired
 
     def all_poses(self) -> PoseSeries:
         """Poses of the string's nodes at all samples of the run, read from the bag again."""

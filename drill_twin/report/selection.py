@@ -57,6 +57,8 @@ class Selection:
     sub: str = ""
     """Downhole sub whose readings are analysed instead of the marks; empty: the one with most readings in a bag without
     marks."""
+    units: str = ""
+    """Units that people read (`drill_twin.core.units.system`); empty: the scene's."""
 
     def __post_init__(self) -> None:
         """Refuse a time that holds nothing.

@@ -64,6 +64,7 @@ def summarise(bag: Recording | Bag | str | Path) -> dict[str, Any]:
         * `guard`: number of frames rejected and repeated with a smaller step, a sentence on each, and the reason if
           the run was stopped.
         * `energy`: the energy balance at the end [J], where the scene asks for it; `residual` as a share of `scale_J`.
+        * `units`: the system in which people read it (`field`, `si`, `lab`); the numbers here are in SI.
         * `scene`, `effects`, `elements`, `step_s`, `seed`, `version`, `pace`, `started`: the run.
         * `duration_s`, `samples`, `quality`, `truncated`, `damage`, `notes`: extent and quality of the bag.
         * `whirl_states`, only where asked for: the steady whirls near the findings (`drill_twin.report.near_states`).
@@ -80,6 +81,7 @@ def summarise(bag: Recording | Bag | str | Path) -> dict[str, Any]:
     onset, wall = found.onset, wall_depth(bag)
     summary = {
         "scene": bag.scene.name if bag.scene_known else None,
+        "units": bag.units.name,
         "whirl_observable": found.observable,
         "onset_s": found.onset_s,
         "onset_mark": onset.mark if onset else None,
@@ -128,7 +130,7 @@ def summarise(bag: Recording | Bag | str | Path) -> dict[str, Any]:
         "quality": found.quality._asdict(),
         "truncated": bag.bag.truncated,
         "damage": bag.bag.damage,
-        "notes": [*found.notes, *_notes(bag), *soft_wall(wall)],
+        "notes": [*found.notes, *_notes(bag), *soft_wall(wall, bag.units)],
         "live": {
             "onset_s": bag.live.onset.time if bag.live.onset else None,
             "messages": bag.live.messages,

@@ -7,16 +7,16 @@ import math
 from collections.abc import Iterator, Mapping
 from typing import Any
 
+from drill_twin.core.units.system import UnitSystem
 from drill_twin.report.load_text import (
     Row,
     Summary,
     bit_rows,
     fatigue_rows,
-    in_kilo,
     load_rows,
-    millimetres,
     number_text,
     sub_rows,
+    units_of,
 )
 from drill_twin.whirl import MotionState
 
@@ -46,20 +46,19 @@ def applied(summary: Summary) -> str:
     weight, speed = found["weight_on_bit_n"], found["rotation_rad_s"]
     parts = []
     if weight is not None:
-        parts.append(f"weight on bit {_over_time(weight, 'N')}{_at_top(summary)}")
+        parts.append(f"weight on bit {_over_time(summary, weight, 'force')}{_at_top(summary)}")
     if speed is not None:
-        turns = {key: value / math.tau for key, value in speed.items()}
-        parts.append(f"top drive at {_over_time(turns, 'rev/s')} ({_over_time(turns, 'rpm', 60.0)})")
+        parts.append(f"top drive at {_over_time(summary, speed, 'rotation')}")
     of = "run" if summary["scene"] else "recording"
     return f"Second half of the {of}: {', '.join(parts) or 'no weight and no speed were recorded'}."
 
 
-def _over_time(found: Mapping[str, float], unit: str, scale: float = 1.0) -> str:
+def _over_time(summary: Summary, found: Mapping[str, float], quantity: str) -> str:
     """Mean with its unit, and the range where it is wider than a twentieth."""
-    values = [scale * found[key] for key in ("mean", "min", "max")]
-    (mean, least, most), unit = in_kilo(values, unit) if unit == "N" else (values, unit)
-    varies = most - least > _VARIES * abs(mean)
-    return f"{mean:.4g} {unit}{f' on average, {least:.4g} to {most:.4g} {unit}' if varies else ''}"
+    units = units_of(summary)
+    varies = found["max"] - found["min"] > _VARIES * abs(found["mean"])
+    over = f" on average, {units.span(found['min'], found['max'], quantity)}" if varies else ""
+    return units.text(found["mean"], quantity) + over
 
 
 def _at_top(summary: Summary) -> str:
@@ -71,7 +70,7 @@ def findings(summary: Summary) -> Iterator[Row]:
     """Rows of the findings, most important first."""
     if not summary["whirl_observable"]:
         yield "whirl", "not observable: no positions of marks"
-        yield "rotation", number_text(summary["rotation_rev_s"], "{:.3f} rev/s")
+        yield "rotation", rotation(summary, units_of(summary))
         yield from load_rows(summary)
         yield from fatigue_rows(summary)
         yield from bit_rows(summary)
@@ -82,9 +81,9 @@ def findings(summary: Summary) -> Iterator[Row]:
     if summary["spectrum_lines"]:
         yield "lines of the spectrum", _lines(summary)
     yield "precession / rotation", _ratio(summary)
-    yield "rotation", number_text(summary["rotation_rev_s"], "{:.3f} rev/s")
+    yield "rotation", rotation(summary, units_of(summary))
     for mark, value in summary["max_radius_m"].items():
-        yield f"largest radius, {mark}", radius_text(value, summary["clearance_m"].get(mark))
+        yield f"largest radius, {mark}", radius_text(value, summary["clearance_m"].get(mark), units_of(summary))
     yield from _states(summary)
     yield from _wall(summary)
     yield from load_rows(summary)
@@ -109,10 +108,13 @@ def _wall(summary: Summary) -> Iterator[Row]:
     """Row on the penetration of the wall."""
     found = summary.get("wall")
     if found and found["deepest_m"] > 0.0:
+        units = units_of(summary)
         share = f"{found['deepest_m'] / found['clearance_m']:.1%} of the clearance"
-        at_rest = "" if found["static_m"] is None else f"; its load at rest gives {millimetres(found['static_m'])}"
-        place = f"{found['distance_from_bit_m']:.4g} m from the bit at {found['time_s']:.2f} s"
-        yield "deepest in the wall", f"{millimetres(found['deepest_m'])} ({share}), {place}{at_rest}"
+        at_rest = (
+            "" if found["static_m"] is None else f"; its load at rest gives {units.text(found['static_m'], 'offset')}"
+        )
+        place = f"{units.text(found['distance_from_bit_m'], 'length')} from the bit at {found['time_s']:.2f} s"
+        yield "deepest in the wall", f"{units.text(found['deepest_m'], 'offset')} ({share}), {place}{at_rest}"
 
 
 def provenance(summary: Summary) -> Iterator[Row]:
@@ -214,7 +216,10 @@ def _frequency(summary: Summary) -> str:
 
 def _lines(summary: Summary) -> str:
     """Lines of the spectrum, highest first."""
-    lines = (f"{line['frequency_hz']:+.2f} Hz ({millimetres(line['radius_m'])})" for line in summary["spectrum_lines"])
+    lines = (
+        f"{line['frequency_hz']:+.2f} Hz ({units_of(summary).text(line['radius_m'], 'offset')})"
+        for line in summary["spectrum_lines"]
+    )
     return f"{', '.join(lines)}, at {summary['frequency_mark']}"
 
 
@@ -230,15 +235,21 @@ def _ratio(summary: Summary) -> str:
     return ", ".join(found) or "unknown"
 
 
-def radius_text(value: float | None, clearance: float | None) -> str:
+def rotation(summary: Summary, units: UnitSystem) -> str:
+    """Rotation as text."""
+    found = summary["rotation_rev_s"]
+    return "unknown" if found is None else units.text(math.tau * found, "rotation")
+
+
+def radius_text(value: float | None, clearance: float | None, units: UnitSystem) -> str:
     """Largest radius of a mark [m] as text, with its share of the clearance [m]."""
     if value is None:
         return "not seen"
     if not clearance:
-        return millimetres(value)
+        return units.text(value, "offset")
     if value > ON_THE_WALL * clearance:
-        return f"{millimetres(value)} (on the wall, {value / clearance - 1.0:.1%} of the clearance into it)"
-    return f"{millimetres(value)} ({value / clearance:.0%} of the clearance)"
+        return f"{units.text(value, 'offset')} (on the wall, {value / clearance - 1.0:.1%} of the clearance into it)"
+    return f"{units.text(value, 'offset')} ({value / clearance:.0%} of the clearance)"
 
 
 def _live(live: Mapping[str, Any]) -> str:

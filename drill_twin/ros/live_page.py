@@ -23,6 +23,7 @@ from rclpy.parameter import Parameter as RosParameter
 from std_srvs.srv import Trigger
 
 from drill_twin.core.errors import DrillTwinError
+from drill_twin.core.units.system import SYSTEMS
 from drill_twin.io.messages.diagnostics import Level, Status
 from drill_twin.io.messages.good_samples import GONE
 from drill_twin.io.messages.rig_messages import CommandEncoder
@@ -193,6 +194,7 @@ def run(arguments: Sequence[str], stop: StopRequest) -> None:
     parser.add_argument("--port", type=int, default=8000, help="port of the page; 0: a free one (%(default)s)")
     parser.add_argument("--allow-host", action="append", default=[], help="name of this server; repeatable")
     parser.add_argument("--limit", action="append", default=[], help="limit, as torque_high=12 kN m; repeatable")
+    parser.add_argument("--units", choices=[*SYSTEMS], default="", help="units of the page (the scene's)")
     parser.add_argument("--no-browser", action="store_true", help="do not open the browser")
     parser.add_argument("--foxglove", type=int, help="port for viewers that speak the Foxglove protocol; 0: a free one")
     own = list(arguments)
@@ -205,6 +207,7 @@ def run(arguments: Sequence[str], stop: StopRequest) -> None:
         with stop.at_once(), readable_refusal():
             viewers = None if given.foxglove is None else FoxgloveServer(given.host, given.foxglove, given.allow_host)
             node = LivePage(context, viewers)
+            node.page_state.units = given.units
             for limit in limits:
                 node.page_state.take(limit)
         server = PageServer(

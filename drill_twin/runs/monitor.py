@@ -138,7 +138,7 @@ class MissingEffects:
     """
 
     def __init__(self, scene: Scene) -> None:
-        effects = scene.effects
+        effects, self._units = scene.effects, scene.unit_system
         self.found: list[str] = []
         self._yielded: set[str] = set()
         self._check_wall = effects.wall is None
@@ -157,14 +157,16 @@ class MissingEffects:
             if self._check_wall and through[k]:
                 self._check_wall = False
                 self.found.append(
-                    f"at {time:.3f} s the string passed through the wall of the hole, {frames.wall_depth_at[k]:.3g} m "
-                    "from the bit, and goes on as if there were none: list the effect `wall`"
+                    f"at {time:.3f} s the string passed through the wall of the hole, "
+                    f"{self._units.text(float(frames.wall_depth_at[k]), 'length', '.3g')} from the bit, and goes on "
+                    "as if there were none: list the effect `wall`"
                 )
             if self._check_bit and pulled[k]:
                 self._check_bit = False
                 self.found.append(
-                    f"at {time:.3f} s the bit was pulled with {-force[k]:.4g} N and would have lifted off "
-                    "the bottom, which holds it here: list `rock_floor`, `bit_cutting` or `bit_regenerative`"
+                    f"at {time:.3f} s the bit was pulled with {self._units.text(-float(force[k]), 'force')} and would "
+                    "have lifted off the bottom, which holds it here: list `rock_floor`, `bit_cutting` or "
+                    "`bit_regenerative`"
                 )
             if frames.stress is not None:
                 self._check_yield(time, frames.stress[k, :, LARGEST_STRESS].tolist())
@@ -175,8 +177,9 @@ class MissingEffects:
             if stress > strength and name not in self._yielded:
                 self._yielded.add(name)
                 self.found.append(
-                    f"at {time:.3f} s the stress at {name} reached {1e-6 * stress:.4g} MPa, above its yield strength "
-                    f"of {1e-6 * strength:.4g} MPa, and goes on as if it were elastic: its damage counts for nothing"
+                    f"at {time:.3f} s the stress at {name} reached {self._units.text(stress, 'stress')}, above its "
+                    f"yield strength of {self._units.text(strength, 'stress')}, and goes on as if it were elastic: its "
+                    "damage counts for nothing"
                 )
 
     def values(self) -> dict[str, str]:

@@ -14,6 +14,7 @@ from drill_twin.core.errors import SceneError
 from drill_twin.core.files.foreign_file import ForeignFile
 from drill_twin.core.files.yaml_reader import LARGEST_TEXT
 from drill_twin.core.process import error_text
+from drill_twin.core.units.system import typed_in_pounds
 from drill_twin.scene.blocks.effects import Effects
 from drill_twin.scene.blocks.hole import Hole
 from drill_twin.scene.blocks.part import refuse_all
@@ -28,6 +29,7 @@ from drill_twin.scene.schema import Scene
 
 _FILE = ForeignFile("text", LARGEST_TEXT, SceneError)
 _TABLE_FILE = ("rig", "table", "file")
+_WEIGHT = ("rig", "weight_on_bit", "value")
 DEEPEST_BASE = 8
 """Longest chain of scenes based on one another."""
 
@@ -79,6 +81,7 @@ def _build(lines: Lines, overrides: Mapping[str, float | str] | None, *, folder:
     _inherit(lines, folder)
     apply_overrides(lines, overrides or {})
     _anchor_table(lines, folder)
+    _keep_typed_units(lines)
     try:
         return Scene.model_validate(lines.data, context={"text": text})
     except ValidationError as error:
@@ -104,6 +107,16 @@ def _inherit(lines: Lines, folder: Path, depth: int = 0) -> None:
     _inherit(base, path.parent, depth + 1)
     _anchor_table(base, path.parent)
     lines.inherit(base)
+
+
+def _keep_typed_units(lines: Lines) -> None:
+    """Show field units where the weight on bit is written in pounds, unless the file, or the override, says else."""
+    rig = lines.data.get("rig")
+    weight = rig.get("weight_on_bit") if isinstance(rig, dict) else None
+    written = weight.get("value") if isinstance(weight, dict) else None
+    decided = lines.overridden & {_WEIGHT, ("units",)}
+    if typed_in_pounds(written) and (decided == {_WEIGHT} or lines.data.get("units", "auto") == "auto"):
+        lines.data["units"] = "field"
 
 
 def _is_file(path: Path) -> bool:

@@ -12,6 +12,7 @@ from drill_twin.scene.lines import Lines, is_effect
 SHORTHANDS = {
     "wob": ("rig.weight_on_bit.value", "N"),
     "rps": ("rig.rotation.value", "rev/s"),
+    "rpm": ("rig.rotation.value", "rpm"),
     "duration": ("rig.duration", "s"),
     "accuracy": ("numerics.accuracy", ""),
 }

@@ -1,11 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
 """Scene: the complete input of a run, validated as a whole."""
 
-from typing import Annotated, NamedTuple, Self
+from typing import Annotated, Literal, NamedTuple, Self
 
 import numpy as np
 from pydantic import Field, model_validator
 
+from drill_twin.core.units.system import UnitSystem, unit_system
 from drill_twin.scene.blocks.effects import Effects
 from drill_twin.scene.blocks.hole import Hole
 from drill_twin.scene.blocks.numerics import Numerics
@@ -45,6 +46,9 @@ class Scene(Part):
     """Purpose of the scene."""
     provenance: Annotated[str, Field(max_length=5000)] = ""
     """Source of the numbers; `stand-in` or `estimated` for those that are not measured."""
+    units: Literal["auto", "field", "si", "lab"] = "auto"
+    """Units of tables, figures and pages. `auto`: `field` where the weight on bit is written in pounds, else `si`, or
+    `lab` for a string of at most 100 m under less than 5 kN."""
     string: String
     """The drillstring and its marks."""
     hole: Hole
@@ -63,6 +67,11 @@ class Scene(Part):
         if found := list(contradictions(self)):
             raise refuse_all(found)
         return self
+
+    @property
+    def unit_system(self) -> UnitSystem:
+        """Units in which people read this scene and its runs."""
+        return unit_system(self.units, self.length, self.rig.weight_on_bit.value)
 
     @property
     def length(self) -> float:

@@ -13,6 +13,7 @@ from matplotlib.colors import TwoSlopeNorm
 from matplotlib.figure import Figure
 
 from drill_twin.core.arrays import Array
+from drill_twin.core.units.system import UnitSystem
 from drill_twin.dynamics.rotordynamics.campbell import Campbell, GrowthMap
 from drill_twin.dynamics.rotordynamics.modes import LATERAL, ModeTable
 from drill_twin.report.figures.style import BLUE, GREY, INK, MARK_COLOURS, PURPLE, VERMILION, blank, head, styled
@@ -72,52 +73,52 @@ def growth_data(growth: GrowthMap) -> dict[str, Any]:
 SHAPES = 6
 
 
-def shapes_figure(table: ModeTable, arc: Array, name: str) -> Figure:
+def shapes_figure(table: ModeTable, arc: Array, name: str, units: UnitSystem) -> Figure:
     """Lateral mode shapes along the string, bit at the bottom: component along the largest point and across it."""
     lateral = table.of(LATERAL)[:SHAPES]
     command = table.balance.command
     with styled():
         figure = blank(4.2)
-        head(figure, f"{name}: lateral modes at {command.weight_on_bit:g} N, {command.rotation / math.tau:g} rev/s")
+        head(figure, f"{name}: lateral modes at {units.set_point(command.weight_on_bit, command.rotation)}")
         panels = figure.subplots(1, max(len(lateral), 1), sharey=True, squeeze=False)[0]
         figure.subplots_adjust(left=0.08, right=0.98, top=0.78, bottom=0.13, wspace=0.15)
         for panel, mode in zip(panels, lateral, strict=False):
-            panel.plot(mode.shape.real, arc, color=BLUE)
-            panel.plot(mode.shape.imag, arc, color=VERMILION, linestyle="--")
+            panel.plot(mode.shape.real, units.show(arc, "length"), color=BLUE)
+            panel.plot(mode.shape.imag, units.show(arc, "length"), color=VERMILION, linestyle="--")
             panel.set_title(f"{mode.frequency:+.3g} Hz\n{mode.growth:+.3g} 1/s", fontsize=10)
             panel.set_xlim(-1.15, 1.15)
             panel.set_xlabel("shape [-]")
-        panels[0].set_ylabel("distance from bit [m]")
+        panels[0].set_ylabel(f"distance from bit [{units.length}]")
         if len(lateral):
             panels[0].legend(["x", "y"], loc="upper left", fontsize=8)
     return figure
 
 
-def campbell_figure(diagram: Campbell, name: str) -> Figure:
+def campbell_figure(diagram: Campbell, name: str, units: UnitSystem) -> Figure:
     """Frequency and growth of the lateral modes over the speed of rotation; critical speeds marked."""
-    turns, hertz = diagram.speeds / math.tau, diagram.eigenvalues.imag / math.tau
+    turns, hertz = units.show(diagram.speeds, "rotation"), diagram.eigenvalues.imag / math.tau
     with styled():
         figure = blank(5.0)
-        head(figure, f"{name}: Campbell diagram at {diagram.weight_on_bit:g} N")
+        head(figure, f"{name}: Campbell diagram at {units.text(diagram.weight_on_bit, 'force')}")
         left, right = figure.subplots(1, 2)
         figure.subplots_adjust(left=0.075, right=0.97, top=0.79, bottom=0.12, wspace=0.24)
         for mode in range(hertz.shape[1]):
             colour = MARK_COLOURS[mode % len(MARK_COLOURS)]
             left.plot(turns, hertz[:, mode], color=colour, label=f"mode {mode + 1}")
             right.plot(turns, diagram.eigenvalues[:, mode].real, color=colour)
-        left.plot(turns, turns, color=GREY, linestyle=":", label="1 x rotation")
+        left.plot(turns, diagram.speeds / math.tau, color=GREY, linestyle=":", label="1 x rotation")
         for _, speed in diagram.critical:
-            left.plot(speed / math.tau, speed / math.tau, "o", color=INK, markersize=5)
+            left.plot(units.show(speed, "rotation"), speed / math.tau, "o", color=INK, markersize=5)
         left.set_ylabel("frequency [Hz], forward whirl positive")
         right.set_ylabel("growth [1/s]")
         right.axhline(0.0, color=INK, linewidth=0.9)
         for panel in (left, right):
-            panel.set_xlabel("rotation [rev/s]")
+            panel.set_xlabel(f"rotation [{units.rotation}]")
         left.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), fontsize=8, ncol=4)
     return figure
 
 
-def growth_figure(growth: GrowthMap, name: str) -> Figure:
+def growth_figure(growth: GrowthMap, name: str, units: UnitSystem) -> Figure:
     """Largest growth rate over weight on bit and speed, with its zero line; beside it that of torsion."""
     maps = [(growth.lateral, "lateral: onset of whirl")]
     if growth.torsional is not None:
@@ -128,18 +129,18 @@ def growth_figure(growth: GrowthMap, name: str) -> Figure:
         panels = figure.subplots(1, len(maps), squeeze=False)[0]
         figure.subplots_adjust(left=0.075, right=0.97, top=0.82, bottom=0.13, wspace=0.2)
         for panel, (rates, title) in zip(panels, maps, strict=True):
-            _map(figure, panel, growth, rates)
+            _map(figure, panel, growth, rates, units)
             panel.set_title(title)
-        panels[0].set_ylabel("weight on bit [N]")
+        panels[0].set_ylabel(f"weight on bit [{units.force}]")
     return figure
 
 
-def _map(figure: Figure, panel: Axes, growth: GrowthMap, rates: Array) -> None:
+def _map(figure: Figure, panel: Axes, growth: GrowthMap, rates: Array, units: UnitSystem) -> None:
     size = max(float(np.abs(rates).max()), 1e-9)
-    turns = growth.speeds / math.tau
-    colours = panel.pcolormesh(turns, growth.weights, rates, cmap="RdBu_r", norm=TwoSlopeNorm(0.0, -size, size))
+    turns, loads = units.show(growth.speeds, "rotation"), units.show(growth.weights, "force")
+    colours = panel.pcolormesh(turns, loads, rates, cmap="RdBu_r", norm=TwoSlopeNorm(0.0, -size, size))
     if rates.min() < 0.0 < rates.max():
-        panel.contour(turns, growth.weights, rates, levels=[0.0], colors=[PURPLE], linewidths=2.0)
+        panel.contour(turns, loads, rates, levels=[0.0], colors=[PURPLE], linewidths=2.0)
     panel.grid(visible=False)
-    panel.set_xlabel("rotation [rev/s]")
+    panel.set_xlabel(f"rotation [{units.rotation}]")
     figure.colorbar(colours, ax=panel, label="growth [1/s]", pad=0.02)

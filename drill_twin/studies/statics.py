@@ -1,46 +1,20 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Torque, drag and buckling as plain data, as a table over measured depth and as tracks, in SI or field units."""
+"""Torque, drag and buckling as plain data, as a table over measured depth in SI, and as tracks."""
 
 from __future__ import annotations
 
 import math
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
 from drill_twin.core.table import Column, Table
-from drill_twin.core.units.registry import si_factor
+from drill_twin.core.units.system import UnitSystem
 from drill_twin.dynamics.torque_drag.analysis import OperationLoads, Statics
 from drill_twin.dynamics.torque_drag.soft_string import CHEN, BucklingState
 from drill_twin.report.figures.style import BLUE, GREEN, GREY, ORANGE, PURPLE, VERMILION, blank, head, styled
-
-
-class UnitSystem(NamedTuple):
-    """Name of the unit of each quantity."""
-
-    length: str
-    force: str
-    torque: str
-    force_per_length: str
-    stress: str
-
-    def show(self, value: float, quantity: str) -> float:
-        """Value in SI, in the unit of a quantity (`length`, `force`, ...)."""
-        return value / si_factor(getattr(self, quantity))[0]
-
-
-SI = UnitSystem("m", "kN", "kN m", "N/m", "MPa")
-FIELD = UnitSystem("ft", "klbf", "klbf ft", "lbf/ft", "ksi")
-LABORATORY = UnitSystem("m", "N", "N m", "N/m", "MPa")
-WELL = 100.0
-"""Length above which a string is one of a well [m]; the live page draws the line there too."""
-
-
-def unit_system(name: str, length: float) -> UnitSystem:
-    """System by its name, `si` or `field`; in SI that of the laboratory for a short string [m]."""
-    return FIELD if name == "field" else SI if length > WELL else LABORATORY
 
 
 def statics_data(found: Statics) -> dict[str, Any]:
@@ -81,14 +55,13 @@ def _operation(loads: OperationLoads) -> dict[str, Any]:
     }  # fmt: skip
 
 
-def depth_table(found: Statics, units: UnitSystem) -> Table:
-    """Loads along the string, a row an element from the top down, units in the headings."""
+def depth_table(found: Statics) -> Table:
+    """Loads along the string in SI, a row an element from the top down, units in the headings."""
     quantities = (
-        ("measured depth", "length"), ("tension", "force"), ("soft string tension", "force"), ("torque", "torque"),
-        ("soft string torque", "torque"), ("side force", "force_per_length"), ("bending moment", "torque"),
-        ("equivalent stress", "stress"), ("sinusoidal buckling load", "force"), ("helical buckling load", "force"),
+        ("measured depth", "m"), ("tension", "N"), ("soft string tension", "N"), ("torque", "N m"),
+        ("soft string torque", "N m"), ("side force", "N/m"), ("bending moment", "N m"),
+        ("equivalent stress", "Pa"), ("sinusoidal buckling load", "N"), ("helical buckling load", "N"),
     )  # fmt: skip
-    columns = [Column("operation"), *(Column(name, getattr(units, of)) for name, of in quantities), Column("buckling")]
     rows = []
     for loads in found.operations:
         along, soft = loads.along, loads.soft
@@ -98,9 +71,8 @@ def depth_table(found: Statics, units: UnitSystem) -> Table:
             loads.buckling.sinusoidal, loads.buckling.helical,
         ])  # fmt: skip
         for row, state in zip(values[::-1], loads.states[::-1], strict=True):
-            shown = (units.show(float(value), quantity) for value, (_, quantity) in zip(row, quantities, strict=True))
-            rows.append([loads.operation.name, *(f"{value:.6g}" for value in shown), BucklingState(int(state)).label])
-    return Table(columns, rows)
+            rows.append([loads.operation.name, *(f"{value:.6g}" for value in row), BucklingState(int(state)).label])
+    return Table([Column("operation"), *(Column(*heading) for heading in quantities), Column("buckling")], rows)
 
 
 COLOURS = (BLUE, VERMILION, GREEN, PURPLE, ORANGE)

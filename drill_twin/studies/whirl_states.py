@@ -11,6 +11,7 @@ import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
+from drill_twin.core.units.system import UnitSystem
 from drill_twin.dynamics.discretisation.resolution import mesh
 from drill_twin.dynamics.rotordynamics.steady.branches import Branch
 from drill_twin.dynamics.rotordynamics.steady.whirl_state import WhirlState
@@ -78,24 +79,33 @@ def simulated_whirl(scene: Scene) -> SimulatedWhirl:
 
 
 MOST_STATES = 5
-LABELS = {"load": ("weight on bit [N]", 1.0), "speed": ("rotation [rev/s]", math.tau)}
-"""Label of a parameter, and its unit in SI."""
+PARAMETERS = {"load": ("weight on bit", "force"), "speed": ("rotation", "rotation")}
+"""Words and quantity of a parameter."""
+
+
+def shown_parameter(key: str, units: UnitSystem) -> tuple[str, float]:
+    """Label of a parameter of branches, and the size of its unit in SI: 1 for a key of the scene."""
+    if key not in PARAMETERS:
+        return key, 1.0
+    words, quantity = PARAMETERS[key]
+    return f"{words} [{getattr(units, quantity)}]", 1.0 / float(units.show(1.0, quantity))
 
 
 def states_figure(states: Sequence[WhirlState], scene: Scene) -> Figure:
     """Shapes of the states in the turning frame: along the string, and seen from above with the clearance."""
     shown, command = states[:MOST_STATES], states[0].whirl.command
-    clearance = 1e3 * scene.least_clearance
+    units = scene.unit_system
+    clearance = units.show(scene.least_clearance, "offset")
     turn = np.linspace(0.0, math.tau, 200)
     with styled():
         figure = blank(6.4)
-        at = f"{command.weight_on_bit:g} N, {command.rotation / math.tau:g} rev/s"
+        at = units.set_point(command.weight_on_bit, command.rotation)
         head(figure, f"{scene.name}: steady whirl at {at}")
         panels = figure.subplots(2, len(shown), squeeze=False, height_ratios=(1.5, 1.0))
         figure.subplots_adjust(left=0.08, right=0.98, top=0.8, bottom=0.09, wspace=0.3, hspace=0.3)
         for column, state in enumerate(shown):
-            x, y = 1e3 * state.whirl.u[:, 0], 1e3 * state.whirl.u[:, 1]
-            arc = mesh(scene, state.elements).arc
+            x, y = (units.show(state.whirl.u[:, k], "offset") for k in (0, 1))
+            arc = units.show(mesh(scene, state.elements).arc, "length")
             along, above = panels[0, column], panels[1, column]
             along.plot(x, arc, color=BLUE)
             along.plot(y, arc, color=VERMILION, linestyle="--")
@@ -107,26 +117,27 @@ def states_figure(states: Sequence[WhirlState], scene: Scene) -> Figure:
             above.plot(x, y, color=BLUE)
             above.plot(x[0], y[0], "o", color=VERMILION, markersize=4)
             above.set_aspect("equal")
-            above.set_xlabel("x [mm]")
-        panels[0, 0].set_ylabel("distance from bit [m]")
+            above.set_xlabel(f"x [{units.offset}]")
+        panels[0, 0].set_ylabel(f"distance from bit [{units.length}]")
         panels[0, 0].legend(["x", "y"], loc="upper left", fontsize=8)
-        panels[1, 0].set_ylabel("y [mm]; dot: bit")
+        panels[1, 0].set_ylabel(f"y [{units.offset}]; dot: bit")
     return figure
 
 
 def branches_figure(
-    branches: Sequence[Branch], name: str, simulated: Sequence[tuple[float, float, float, bool]] = ()
+    branches: Sequence[Branch], name: str, units: UnitSystem, simulated: Sequence[tuple[float, float, float, bool]] = ()
 ) -> Figure:
     """Whirl frequency and ratio over the parameter: stable drawn through, unstable dashed, folds, Hopf points marked.
 
     Args:
         branches: In one parameter.
         name: Of the scene.
+        units: Of the axis.
         simulated: Values of the parameter with frequency [Hz] and ratio of the simulation in time, and whether that is
             steady: full dots, else open ones.
     """
     parameter = branches[0].parameter
-    label, unit = LABELS.get(parameter, (parameter, 1.0))
+    label, unit = shown_parameter(parameter, units)
     with styled():
         figure = blank(5.0)
         head(figure, f"{name}: steady whirl over {label.split(' [')[0]}")

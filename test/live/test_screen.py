@@ -101,7 +101,7 @@ def test_map_and_advice_on_the_screen_at_three_metres_and_on_a_telephone(page):
     ]
     choose = "(name) => { units.value = name; units.dispatchEvent(new Event('change')); }"
     browser.value(f"({choose})('field')")
-    until(lambda: browser.value(cells)[1] == ["bit torque", "0.0010 kft lbf", "0.0007 to 0.0015"], "the field's units")
+    until(lambda: browser.value(cells)[1] == ["bit torque", "0.0010 klbf ft", "0.0007 to 0.0015"], "the field's units")
     browser.value(f"({choose})('laboratory')")
     assert "estimator: hookload leaves the band" in browser.text("alarms")
     until(lambda: browser.value("innerWidth") == 1920, "the width")

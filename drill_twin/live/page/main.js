@@ -16,7 +16,7 @@ let sceneText = null;
 function show(picture) {
   keepTrails(picture);
   state.picture = picture;
-  if (picture.scene && JSON.stringify(picture.scene) !== sceneText) begin(picture.scene);
+  if (picture.scene && JSON.stringify(picture.scene) !== sceneText) begin(picture.scene, picture.units);
   showHead(picture);
   showMotion(picture);
   showValues(picture);
@@ -48,11 +48,11 @@ function band({ name, quantity, mean, low, high }) {
   return [name, plain(mean), low === null ? "" : `${plain(low)} to ${plain(high)}`];
 }
 
-function begin(scene) {
+function begin(scene, units) {
   sceneText = JSON.stringify(scene);
   state.trails = {};
   $("name").textContent = scene.name;
-  unitsFor(scene);
+  unitsFor(scene, units);
   beginOrbits(scene);
   beginControls(scene);
 }

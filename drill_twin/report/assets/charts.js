@@ -27,7 +27,7 @@ plotlyReady.then(() => {
       for (let row = 0; row < rows; row++) z.push(flat.slice(row * from.columns, (row + 1) * from.columns));
       return { type: "heatmap", x: numbers(from.x), y: numbers(from.y), z, customdata: z.map((row) => row.map((value) => 10 ** value)),
                zmin: from.low, zmax: from.high, colorscale: [[0, "#ffffff"], [1, "#000000"]], showscale: false,
-               hovertemplate: "%{x:.2f} s, %{y:.2f} Hz: %{customdata:.3g} mm<extra></extra>" };
+               hovertemplate: "%{x:.2f} s, %{y:.2f} Hz: %{customdata:.3g}<extra></extra>" };
     }
     const found = { type: "scatter", mode: "lines", x: numbers(from.x), y: numbers(from.y), name: from.name, showlegend: from.name !== "" };
     if (from.kind === "area") {

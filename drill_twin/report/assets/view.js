@@ -24,13 +24,16 @@
   const paths = unpack(data.paths.values), count = data.marks.length;
 
   const well = data.well, sides = 12;
+  const [long, lengthUnit] = data.units.length, [wide, offsetUnit] = data.units.offset, across = 1e-3 * wide;  // of a metre, of a mm
+  const sizes = well.deviated ? [long, long, long] : [across, across, long];
+  const digits = offsetUnit === "mm" ? 1 : 2;
 
-  // Point in the picture, from x and y off the axis of the hole [mm] and its measured depth [m].
+  // Point in the picture, in its units, from x and y off the axis of the hole [mm] and its measured depth [m].
   function place(x, y, depth) {
     const at = Math.min(before(well.depth, depth), well.depth.length - 2);
     const step = well.depth[at + 1] - well.depth[at], share = step > 0 ? (depth - well.depth[at]) / step : 0;
     const between = (rows, c) => rows[at][c] + share * (rows[at + 1][c] - rows[at][c]), scale = 1e-3 * well.factor;
-    return [0, 1, 2].map((c) => between(well.centre, c) + scale * (x * between(well.x, c) + y * between(well.y, c)));
+    return [0, 1, 2].map((c) => between(well.centre, c) + scale * (x * between(well.x, c) + y * between(well.y, c))).map((value, c) => sizes[c] * value);
   }
 
   // Tube with a radius [mm] at each of its points, as a surface.
@@ -52,14 +55,16 @@
                     { ...plain("#a08060"), opacity: 0.18, hoverinfo: "skip" });
   const holeAt = (depth) => 1e3 * well.hole[before(well.depth, depth)];
 
+  const said = (mm) => `${(across * mm).toFixed(digits)} ${offsetUnit}`;
+
   function stringAt(t) {
     const frame = before(data.shapes.time, t), middle = [], words = [];
     for (let i = frame * points * 3, k = 0; k < points; i += 3, k++) {
       const [x, y, depth] = [mm * shapes[i], mm * shapes[i + 1], -metre * shapes[i + 2]];
       const gap = holeAt(depth) - 1e3 * data.pipe[k] - Math.hypot(x, y);
       middle.push([x, y, depth]);
-      words.push(Array(sides + 1).fill(`measured depth ${depth.toFixed(2)} m<br>${Math.hypot(x, y).toFixed(1)} mm off ` +
-        `the axis<br>${gap.toFixed(1)} mm to the wall<br>diameter ${(2e3 * data.pipe[k]).toFixed(1)} mm`));
+      words.push(Array(sides + 1).fill(`measured depth ${(long * depth).toFixed(2)} ${lengthUnit}<br>${said(Math.hypot(x, y))} off ` +
+        `the axis<br>${said(gap)} to the wall<br>diameter ${said(2e3 * data.pipe[k])}`));
     }
     return tube(middle, data.pipe.map((radius) => 1e3 * radius),
                 { ...plain("#4a4f57"), text: words, hoverinfo: "text", name: "string" });
@@ -103,9 +108,10 @@
       const colour = data.colours[m], name = data.marks[m];
       const path = track.x.map((x, i) => place(x, track.y[i], -track.z[i])), [x, y, z] = [0, 1, 2].map((c) => path.map((p) => p[c]));
       three.push({ type: "scatter3d", mode: "lines", x, y, z, name, hoverinfo: "name", line: { color: colour, width: 3 } });
-      two.push({ type: "scatter", mode: "lines", x: track.x, y: track.y, name, legendgroup: name,
+      const [seenX, seenY] = [track.x, track.y].map((row) => row.map((value) => across * value));
+      two.push({ type: "scatter", mode: "lines", x: seenX, y: seenY, name, legendgroup: name,
                  line: { color: colour, width: 1.5 } });
-      two.push({ type: "scatter", mode: "markers", x: track.x.slice(-1), y: track.y.slice(-1), name,
+      two.push({ type: "scatter", mode: "markers", x: seenX.slice(-1), y: seenY.slice(-1), name,
                  legendgroup: name, showlegend: false, marker: { color: colour, size: 10, line: { color: INK, width: 1 } } });
     });
     return { three, two };
@@ -116,14 +122,14 @@
   }
 
   function draw() {
-    const edge = 1.06e3 * Math.max(...data.walls), { three, two } = traces(now);
+    const edge = 1.06 * wide * Math.max(...data.walls), { three, two } = traces(now);
     const common = { font: { family: "system-ui, sans-serif", size: 13, color: INK }, uirevision: "same",
                      paper_bgcolor: "white", showlegend: false };
     const axis = (c, more) => ({ title: { text: well.names[c] }, showbackground: false, gridcolor: "#e6e6e6",
                                  zeroline: false, nticks: 6, ...more });
-    const width = { range: [-1.06e3 * data.radius, 1.06e3 * data.radius], nticks: 5 };
+    const width = { range: [-1.06 * wide * data.radius, 1.06 * wide * data.radius], nticks: 5 };
     const scene = well.deviated ? { xaxis: axis(0), yaxis: axis(1), zaxis: axis(2, { autorange: "reversed" }), aspectmode: "data" }
-      : { xaxis: axis(0, width), yaxis: axis(1, width), zaxis: axis(2, { range: [-data.length, 0] }),
+      : { xaxis: axis(0, width), yaxis: axis(1, width), zaxis: axis(2, { range: [-long * data.length, 0] }),
           aspectmode: "manual", aspectratio: { x: 0.8, y: 0.8, z: 1.6 } };
     const options = { displaylogo: false, responsive: true, displayModeBar: false };
     Plotly.react("view-3d", three, { ...common, margin: { l: 0, r: 0, t: 0, b: 0 },
@@ -131,10 +137,10 @@
     Plotly.react("view-2d", two, { ...common, showlegend: true,
       legend: { orientation: "h", x: 0.5, xanchor: "center", y: 1.02, yanchor: "bottom" },
       margin: { l: 55, r: 10, t: 30, b: 45 },
-      xaxis: { title: { text: "x [mm]" }, range: [-edge, edge], gridcolor: "#eeeeee", zeroline: false },
-      yaxis: { title: { text: "y [mm]" }, range: [-edge, edge], scaleanchor: "x", gridcolor: "#eeeeee", zeroline: false },
-      shapes: [...[...new Set(data.walls)].map((radius) => circle(1e3 * radius, { color: INK, width: 2.5 })),
-               ...[...new Set(data.clearance)].map((c) => circle(1e3 * c, { color: GREY, width: 1, dash: "dot" }))] }, options);
+      xaxis: { title: { text: `x [${offsetUnit}]` }, range: [-edge, edge], gridcolor: "#eeeeee", zeroline: false },
+      yaxis: { title: { text: `y [${offsetUnit}]` }, range: [-edge, edge], scaleanchor: "x", gridcolor: "#eeeeee", zeroline: false },
+      shapes: [...[...new Set(data.walls)].map((radius) => circle(wide * radius, { color: INK, width: 2.5 })),
+               ...[...new Set(data.clearance)].map((c) => circle(wide * c, { color: GREY, width: 1, dash: "dot" }))] }, options);
     slider.value = now;
     const after = data.onset === null ? "" : now < data.onset ? ", before the onset" : ", after the onset";
     label.textContent = `${now.toFixed(2)} s${after}`;

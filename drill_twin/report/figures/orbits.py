@@ -33,7 +33,7 @@ SMALL = 0.25
 """Share of the hole's radius below which a motion is enlarged."""
 _MARGIN = 1.07
 _SMALLEST = 1e-3
-"""Least half-width of a panel [mm]."""
+"""Least half-width of a panel, in the unit of its axes."""
 
 
 def orbits(recording: Recording) -> Figure:
@@ -47,6 +47,7 @@ def orbits(recording: Recording) -> Figure:
     figure = blank(height)
     head(figure, "Orbits of the centre line across the hole, seen from above")
     norm = Normalize(0.0, recording.duration)
+    unit = recording.units.offset
     left = 0.5 * (1.0 - columns * side / WIDTH) + 0.015
     for number, marks in enumerate(depths):
         row, column = divmod(number, columns)
@@ -58,8 +59,8 @@ def orbits(recording: Recording) -> Figure:
         )
         panel = figure.add_axes(rectangle)
         _orbits_at(panel, recording, marks, norm)
-        panel.set_ylabel("y [mm]" if column == 0 else "", labelpad=1)
-        panel.set_xlabel("x [mm]" if number + columns >= len(depths) else "", labelpad=1)
+        panel.set_ylabel(f"y [{unit}]" if column == 0 else "", labelpad=1)
+        panel.set_xlabel(f"x [{unit}]" if number + columns >= len(depths) else "", labelpad=1)
     bar = figure.add_axes((0.3, 0.52 / height, 0.4, 0.11 / height))
     figure.colorbar(ScalarMappable(norm, MAP), cax=bar, orientation="horizontal", label="time [s]")
     onset = recording.summary.onset
@@ -80,18 +81,19 @@ def by_depth(recording: Recording) -> list[list[int]]:
 
 def _orbits_at(panel: Axes, recording: Recording, marks: list[int], norm: Normalize) -> None:
     """Orbits of the marks at one depth."""
-    places, scene = [recording.places[mark] for mark in marks], recording.scene
+    places, scene, units = [recording.places[mark] for mark in marks], recording.scene, recording.units
     distance = places[0].distance_from_bit
-    wall = 1e3 * scene.hole.radius_at(max(scene.length - distance, 0.0))
-    centre = recording.centre_lines()[:, marks] * 1e3
+    wall = units.show(scene.hole.radius_at(max(scene.length - distance, 0.0)), "offset")
+    centre = units.show(recording.centre_lines()[:, marks], "offset")
+    pipe = wall - units.show(places[0].clearance, "offset")
     largest = max(float(np.nanmax(np.abs(centre), initial=0.0)), _SMALLEST)
     edge = _MARGIN * wall
     panel.set_facecolor(LIGHT)
-    _hole(panel, wall, wall - 1e3 * places[0].clearance, centre[-1, 0])
-    title = f"{', '.join(place.name for place in places)}, {distance:g} m from bit"
+    _hole(panel, wall, pipe, centre[-1, 0])
+    title = f"{', '.join(place.name for place in places)}, {units.text(distance, 'length')} from bit"
     if largest < SMALL * wall:
         beside = panel.inset_axes((0.69, 0.69, 0.3, 0.3))
-        _hole(beside, wall, wall - 1e3 * places[0].clearance, centre[-1, 0])
+        _hole(beside, wall, pipe, centre[-1, 0])
         _limits(beside, edge)
         beside.set_axis_off()
         edge = 1.6 * largest
@@ -122,7 +124,7 @@ def _limits(panel: Axes, edge: float) -> None:
 
 
 def _hole(panel: Axes, wall: float, pipe: float, centre: complex) -> None:
-    """Cross-section of the hole [mm] with the pipe at its last position."""
+    """Cross-section of the hole with the pipe at its last position."""
     panel.add_patch(Circle((0.0, 0.0), wall, facecolor="white", edgecolor=INK, linewidth=1.8, zorder=1))
     reach = Circle((0.0, 0.0), wall - pipe, fill=False, edgecolor=GREY, linewidth=0.9, linestyle=":", zorder=3)
     panel.add_patch(reach)
@@ -154,7 +156,9 @@ def string_shapes(recording: Recording) -> Figure:
     if not len(recording.poses):
         figure.text(0.5, 0.5, "the bag holds no poses of the string", ha="center", color=GREY)
         return figure
-    time, shapes = recording.poses.time, recording.shapes() * (1e3, 1e3, 1.0)
+    time, units = recording.poses.time, recording.units
+    shapes = recording.shapes() * units.show(1.0, "offset")
+    shapes[..., 2] *= units.show(1.0, "length") / units.show(1.0, "offset")
     last = float(time[-1])
     since = last - _window(recording)
     norm = Normalize(0.0, last)
@@ -188,8 +192,9 @@ def _window(recording: Recording) -> float:
 
 
 def _paths(panel: Any, recording: Recording, since: float) -> None:
-    time, centre = recording.marks.time, recording.centre_lines() * 1e3
-    height, chosen = recording.marks.position[..., 2], time >= since
+    time, units = recording.marks.time, recording.units
+    centre, chosen = units.show(recording.centre_lines(), "offset"), time >= since
+    height = units.show(recording.marks.position[..., 2], "length")
     for mark, place in enumerate(recording.places):
         z = centre[chosen, mark]
         style = {**mark_style(mark), "linewidth": 1.6}
@@ -199,9 +204,12 @@ def _paths(panel: Any, recording: Recording, since: float) -> None:
 def _box(figure: Figure, recording: Recording, side: int) -> Any:
     """3-D axes with rings at the wall; z = 0 is the top clamp."""
     panel: Any = figure.add_axes((0.045 + 0.465 * side, 0.0, 0.48, 0.93), projection="3d")
-    hole, length = recording.scene.hole, recording.scene.length
+    hole, length, units = recording.scene.hole, recording.scene.length, recording.units
     depths = [*np.linspace(0.0, length, 6), *(end for step in hole.intervals for end in (step.top, step.bottom))]
-    radii = {depth: 1e3 * hole.radius_at(float(depth)) for depth in depths if depth <= length}
+    radii = {
+        units.show(depth, "length"): units.show(hole.radius_at(float(depth)), "offset")
+        for depth in depths if depth <= length
+    }  # fmt: skip
     radius = max(radii.values())
     angle = np.linspace(0.0, math.tau, 73)
     for depth, wall in radii.items():
@@ -209,10 +217,10 @@ def _box(figure: Figure, recording: Recording, side: int) -> Any:
         panel.plot(wall * np.cos(angle), wall * np.sin(angle), ring, color=GREY, linewidth=0.6, alpha=0.7)
     panel.set_box_aspect((1.0, 1.0, 1.9), zoom=1.0)
     panel.view_init(elev=18, azim=-58)
-    panel.set(xlim=(-radius, radius), ylim=(-radius, radius), zlim=(-length, 0.0))
+    panel.set(xlim=(-radius, radius), ylim=(-radius, radius), zlim=(-units.show(length, "length"), 0.0))
     for axis in (panel.xaxis, panel.yaxis):
         axis.set_major_locator(MaxNLocator(3))
-    panel.set(xlabel="x [mm]", ylabel="y [mm]", zlabel="z [m]")
+    panel.set(xlabel=f"x [{units.offset}]", ylabel=f"y [{units.offset}]", zlabel=f"z [{units.length}]")
     for axis in (panel.xaxis, panel.yaxis, panel.zaxis):
         axis.set_pane_color((1.0, 1.0, 1.0, 0.0))
         axis.line.set_color(LIGHT)

@@ -30,14 +30,13 @@ from drill_twin.report.figures.style import (
     note,
     over_time,
 )
-from drill_twin.report.load_text import KILO, millimetres
 from drill_twin.report.recording import Recording
 from drill_twin.whirl import Criteria, MotionPeriod, MotionState
 
 
 class _Panel(NamedTuple):
     label: str
-    unit: str
+    quantity: str
     lines: dict[str, Array]
     commanded: Array | None = None
 
@@ -46,17 +45,15 @@ def set_points(recording: Recording) -> Figure:
     """One panel a quantity of the rig that the recording holds."""
     found = list(_panels(recording))
     figure, panels = over_time(recording.duration, [1.35] * len(found), title=_title(found))
-    for panel, (label, unit, lines, commanded) in zip(panels, found, strict=True):
-        largest = max(float(np.nanmax(np.abs(values), initial=1.0)) for values in lines.values())
-        scale, prefix = (1e-3, "k") if unit.startswith("N") and largest > KILO else (1.0, "")
+    units = recording.units
+    for panel, (label, quantity, lines, commanded) in zip(panels, found, strict=True):
         if commanded is not None:
-            panel.plot(
-                recording.commands.time, scale * commanded, color=GREY, linewidth=4.5, alpha=0.4, label="commanded"
-            )
+            wanted = units.show(commanded, quantity)
+            panel.plot(recording.commands.time, wanted, color=GREY, linewidth=4.5, alpha=0.4, label="commanded")
         for name, values in lines.items():
             colour, line = (ORANGE, "--") if name == "bit" else (BLUE, "-")
-            panel.plot(recording.rig.time, scale * values, color=colour, linestyle=line, label=name)
-        panel.set_ylabel(f"{label} [{prefix}{unit}]")
+            panel.plot(recording.rig.time, units.show(values, quantity), color=colour, linestyle=line, label=name)
+        panel.set_ylabel(f"{label} [{getattr(units, quantity)}]")
         panel.margins(y=0.12)
         if len(panel.get_lines()) > 1:
             panel.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=3, borderaxespad=0.2)
@@ -67,17 +64,16 @@ def set_points(recording: Recording) -> Figure:
 def _panels(recording: Recording) -> Iterator[_Panel]:
     """Panels with at least one line that has values."""
     rig, commands = recording.rig, recording.commands
-    turns = 1.0 / math.tau
-    for label, unit, lines, commanded in (
-        ("weight on bit", "N", {"applied": rig.bit_force}, commands.weight_on_bit if len(commands) else None),
-        ("rotation", "rev/s", {"top drive": turns * rig.top_drive_speed, "bit": turns * rig.bit_speed},
-         turns * commands.rotation if len(commands) else None),
-        ("torque", "N m", {"top drive": rig.top_drive_torque, "bit": -rig.bit_torque}, None),
-        ("hookload", "N", {"hookload": rig.hookload}, None),
+    for label, quantity, lines, commanded in (
+        ("weight on bit", "force", {"applied": rig.bit_force}, commands.weight_on_bit if len(commands) else None),
+        ("rotation", "rotation", {"top drive": rig.top_drive_speed, "bit": rig.bit_speed},
+         commands.rotation if len(commands) else None),
+        ("torque", "torque", {"top drive": rig.top_drive_torque, "bit": -rig.bit_torque}, None),
+        ("hookload", "force", {"hookload": rig.hookload}, None),
     ):  # fmt: skip
         known = {name: values for name, values in lines.items() if np.isfinite(values).any()}
         if known:
-            yield _Panel(label, unit, known, commanded)
+            yield _Panel(label, quantity, known, commanded)
 
 
 def _title(found: list[_Panel]) -> str:
@@ -86,15 +82,16 @@ def _title(found: list[_Panel]) -> str:
 
 
 def displacement(recording: Recording) -> Figure:
-    """One panel a place with marks, all with one scale [mm], with the limits of the centre line."""
-    time, centre = recording.marks.time, recording.centre_lines() * 1e3
+    """One panel a place with marks, all with one scale, with the limits of the centre line."""
+    units, lines = recording.units, recording.centre_lines()
+    time, centre = recording.marks.time, units.show(lines, "offset")
     at: dict[float, list[int]] = {}
     for number, place in enumerate(recording.places):
         at.setdefault(place.distance_from_bit, []).append(number)
     numbers = [group[0] for group in at.values()]
     places = [recording.places[number] for number in numbers]
     largest = float(np.nanmax(np.abs(centre), initial=0.0))
-    nearest = min(place.clearance for place in places) * 1e3
+    nearest = units.show(min(place.clearance for place in places), "offset")
     limit = 1.12 * max(largest, nearest if largest > 0.4 * nearest else 1e-3)
     figure, panels = over_time(
         recording.duration, [1.25] * len(places), title="Displacement of the centre line at the marks", headed=True
@@ -106,11 +103,13 @@ def displacement(recording: Recording) -> Figure:
         panel.plot(time, z.real, color=BLUE, linewidth=0.9, label="x")
         panel.plot(time, z.imag, color=ORANGE, linewidth=0.9, label="y")
         for side in (-1.0, 1.0):
-            panel.axhline(side * place.clearance * 1e3, color=GREY, linewidth=1.0, linestyle=":")
+            panel.axhline(side * units.show(place.clearance, "offset"), color=GREY, linewidth=1.0, linestyle=":")
         panel.set_ylim(-max(limit, 1e-6), max(limit, 1e-6))
-        panel.set_ylabel("[mm]")
-        name = mark_label(*(recording.places[mark] for mark in at[place.distance_from_bit]))
-        panel.set_title(f"{name}: at most {millimetres(1e-3 * np.nanmax(radius))}", fontsize=10.5, pad=3)
+        panel.set_ylabel(f"[{units.offset}]")
+        name = mark_label(units, *(recording.places[mark] for mark in at[place.distance_from_bit]))
+        panel.set_title(
+            f"{name}: at most {units.text(float(np.nanmax(np.abs(lines[:, number]))), 'offset')}", fontsize=10.5, pad=3
+        )
     draw_onset(recording.summary.onset, recording.duration, panels)
     handles, labels = panels[0].get_legend_handles_labels()
     if limit > nearest:

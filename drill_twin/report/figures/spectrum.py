@@ -36,7 +36,7 @@ _SHORTEST = 2.0
 
 
 def spectrum(recording: Recording) -> Figure:
-    """All marks in one panel, radius [mm] against signed frequency [Hz], with rotation and whirl."""
+    """All marks in one panel, radius against signed frequency [Hz], with rotation and whirl."""
     figure = blank(3.9)
     panel = figure.add_axes((LEFT, 0.14, RIGHT - LEFT, 0.70))
     time, centre = recording.marks.time, recording.centre_lines()
@@ -54,13 +54,13 @@ def spectrum(recording: Recording) -> Figure:
         except AnalysisError as error:
             panel.text(0.5, 0.5, str(error), transform=panel.transAxes, ha="center", color=GREY)
             break
-        radius = found.radius * 1e3
+        radius = recording.units.show(found.radius, "offset")
         highest = max(highest, float(radius.max()))
         panel.semilogy(sign * found.frequency, radius, label=place.name, **mark_style(mark))
     _lines(panel, recording)
     panel.set_ylim(max(highest, 1e-6) * 1e-4, max(highest, 1e-6) * 2.0)
     panel.set_xlabel("frequency [Hz], positive = the sense of rotation")
-    panel.set_ylabel("radius of the orbit [mm]")
+    panel.set_ylabel(f"radius of the orbit [{recording.units.offset}]")
     if highest:
         figure.legend(loc="upper right", bbox_to_anchor=(0.985, 0.995), ncols=6)
     return figure
@@ -100,15 +100,15 @@ _STRING_MARK = 0.02
 def spectrum_over_time(recording: Recording) -> Figure:
     """Two panels: radius of each line over time and signed frequency; radius of each mark's orbit over time."""
     mark = _leading_mark(recording)
-    name = mark_label(recording.places[mark])
+    name = mark_label(recording.units, recording.places[mark])
     figure, (lines, radii) = over_time(recording.duration, [2.9, 1.3], title=f"Spectrum over time, {name}", headed=True)
     _spectra(lines, recording, mark)
     _rotation(lines, recording)
-    time, radius = recording.whirl.time, recording.whirl.orbit_radius
+    time, radius = recording.whirl.time, recording.units.show(recording.whirl.orbit_radius, "offset")
     for number, place in enumerate(recording.places):
-        radii.plot(time, 1e3 * radius[:, number], linewidth=1.0, label=place.name, **mark_style(number))
+        radii.plot(time, radius[:, number], linewidth=1.0, label=place.name, **mark_style(number))
     radii.set_ylim(bottom=0.0)
-    radii.set_ylabel("orbit radius [mm]")
+    radii.set_ylabel(f"orbit radius [{recording.units.offset}]")
     radii.set_title("Distance of the centre line from the axis", fontsize=10.5, pad=4)
     radii.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=min(6, len(recording.places)), borderaxespad=0.2)
     draw_onset(recording.summary.onset, recording.duration, [lines, radii])
@@ -138,7 +138,7 @@ def _spectra(panel: Axes, recording: Recording, mark: int) -> None:
         return
     inside = np.abs(frequency) <= 1.05 * reach
     order = np.argsort(sign * frequency[inside])
-    shown = 1e3 * radius[inside][order]
+    shown = recording.units.show(radius[inside], "offset")[order]
     largest = max(float(shown.max()), 1e-6)
     panel.pcolormesh(
         time,
@@ -150,7 +150,8 @@ def _spectra(panel: Axes, recording: Recording, mark: int) -> None:
         rasterized=True,
     )
     panel.set_title(
-        f"Darker is wider, up to {largest:.3g} mm (black); window {window:.2g} s; orange: precession found",
+        f"Darker is wider, up to {largest:.3g} {recording.units.offset} (black); window {window:.2g} s; orange: "
+        "precession found",
         fontsize=10.5,
         pad=4,
     )

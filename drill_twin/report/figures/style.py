@@ -18,6 +18,7 @@ from matplotlib.figure import Figure
 
 from drill_twin.core.errors import BagError
 from drill_twin.core.files.output import whole_file
+from drill_twin.core.units.system import UnitSystem
 from drill_twin.whirl import MarkInfo, MotionState, Onset
 
 INK, GREY, LIGHT = "#222222", "#767676", "#d9d9d9"
@@ -166,9 +167,10 @@ def note(
     panel.annotate(text, at, xycoords=where, xytext=shift, textcoords="offset points", annotation_clip=False, **looks)
 
 
-def mark_label(*places: MarkInfo) -> str:
+def mark_label(units: UnitSystem, *places: MarkInfo) -> str:
     """Names of marks at one place and their position, as `mark_1, 4.4 m from the bit`."""
-    return f"{', '.join(place.name for place in places)}, {places[0].distance_from_bit:g} m from the bit"
+    far = units.text(places[0].distance_from_bit, "length")
+    return f"{', '.join(place.name for place in places)}, {far} from the bit"
 
 
 def mark_style(mark: int) -> dict[str, Any]:

@@ -16,7 +16,6 @@ from matplotlib.ticker import MaxNLocator
 from drill_twin.core.arrays import Array, ComplexArray
 from drill_twin.dynamics.discretisation.discretise import contact_radius
 from drill_twin.report.figures.style import BLUE, GREY, INK, LIGHT, VERMILION, blank, head
-from drill_twin.report.load_text import KILO
 from drill_twin.report.recording import Recording
 from drill_twin.report.string_curve import VERTICAL, inclination, low_side
 from drill_twin.report.string_forces import string_forces
@@ -30,7 +29,7 @@ _POINTS = 800
 
 def well(recording: Recording) -> Figure:
     """Vertical section; tracks of string and hole towards the low side, distance to the wall and forces."""
-    scene = recording.scene
+    scene, units = recording.scene, recording.units
     figure = blank(6.8)
     head(figure, f"The string in the well at {recording.duration:.2f} s")
     depth = np.linspace(0.0, scene.length, _POINTS)
@@ -41,20 +40,24 @@ def well(recording: Recording) -> Figure:
     offset = _offset(recording, depth)
     along = (offset * np.conj(_directions(low))).real
     right = -1.0 if inclined else 1.0  # the low side of a hole that builds to the right is on its left
-    _section(figure.add_axes((0.065, 0.09, 0.22, 0.775)), inclination(scene, depth), depth, hole, pipe, right * along)
+    panel = figure.add_axes((0.065, 0.09, 0.22, 0.775))
+    deep, wide, thick, off = (units.show(row, "length") for row in (depth, hole, pipe, right * along))
+    _section(panel, inclination(scene, depth), deep, wide, thick, off, units.length)
     places = ((0.36, 0.145), (0.53, 0.09), (0.65, 0.09), (0.77, 0.09), (0.89, 0.09))
     tracks = [figure.add_axes((left, 0.09, width, 0.775)) for left, width in places]
     across, gap, side, tension, torque = tracks
-    _bands(across, depth, 1e3 * hole, 1e3 * pipe, 1e3 * along)
-    across.set(xlabel=f"{'low side' if inclined else 'x'} [mm]", ylabel="measured depth [m]")
+    _bands(across, deep, *(units.show(row, "offset") for row in (hole, pipe, along)))
+    across.set(xlabel=f"{'low side' if inclined else 'x'} [{units.offset}]", ylabel=f"measured depth [{units.length}]")
     across.set_title(f"towards {'low side' if inclined else 'x'}", fontsize=10)
-    gap.plot(1e3 * (hole - pipe - np.abs(offset)), depth, color=BLUE, linewidth=1.0, label="distance to wall")
+    gap.plot(
+        units.show(hole - pipe - np.abs(offset), "offset"), deep, color=BLUE, linewidth=1.0, label="distance to wall"
+    )
     gap.axvline(0.0, color=INK, linewidth=1.4)
-    gap.set(xlabel="[mm]")
+    gap.set(xlabel=f"[{units.offset}]")
     gap.set_title("to the wall", fontsize=10)
     _forces(recording, side, tension, torque)
     for track in tracks:
-        track.set_ylim(scene.length, 0.0)
+        track.set_ylim(units.show(scene.length, "length"), 0.0)
         track.xaxis.set_major_locator(MaxNLocator(3 if track is across else 2))
         track.tick_params(labelleft=track is across)
     return figure
@@ -62,24 +65,30 @@ def well(recording: Recording) -> Figure:
 
 def _forces(recording: Recording, side: Axes, tension: Axes, torque: Axes) -> None:
     """Forces of the last pose as lines, those recorded at top and bit as points."""
-    rig, length = recording.rig, recording.scene.length
+    rig, units = recording.rig, recording.units
+    length = units.show(recording.scene.length, "length")
     ends = (rig.hookload[-1], -rig.bit_force[-1], rig.top_drive_torque[-1], -rig.bit_torque[-1]) if len(rig) else ()
     found = string_forces(recording, slice(-1, None))
-    for panel, values, points, name, unit in (
-        (side, None if found is None else found.side[0], (), "side force", "N/m"),
-        (tension, None if found is None else found.tension[0], ends[:2], "tension", "N"),
-        (torque, None if found is None else found.torque[0], ends[2:], "torque", "N m"),
+    for panel, values, points, name, quantity in (
+        (side, None if found is None else found.side[0], (), "side force", "force_per_length"),
+        (tension, None if found is None else found.tension[0], ends[:2], "tension", "force"),
+        (torque, None if found is None else found.torque[0], ends[2:], "torque", "torque"),
     ):
-        largest = max(float(np.nanmax(np.abs(row), initial=0.0)) for row in (values, points) if row is not None)
-        scale, kilo = (1e-3, "k") if largest >= KILO else (1.0, "")
         if found is not None and values is not None:
-            steps = np.repeat(found.depth, 2)[1:-1]  # one value an element
-            panel.plot(scale * np.repeat(values, 2), steps, color=BLUE, linewidth=1.0, label=name)
+            steps = units.show(np.repeat(found.depth, 2)[1:-1], "length")  # one value an element
+            panel.plot(units.show(np.repeat(values, 2), quantity), steps, color=BLUE, linewidth=1.0, label=name)
         if points:
-            panel.plot(scale * np.array(points), (0.0, length), "o", color=VERMILION, clip_on=False, label="recorded")
+            panel.plot(
+                units.show(np.array(points), quantity),
+                (0.0, length),
+                "o",
+                color=VERMILION,
+                clip_on=False,
+                label="recorded",
+            )
         panel.axvline(0.0, color=GREY, linewidth=0.8)
         panel.margins(x=0.15)
-        panel.set(xlabel=f"[{kilo}{unit}]")
+        panel.set(xlabel=f"[{getattr(units, quantity)}]")
         panel.set_title(name, fontsize=10)
 
 
@@ -103,7 +112,7 @@ def _offset(recording: Recording, depth: Array) -> ComplexArray:
     return found
 
 
-def _section(panel: Axes, angle: Array, depth: Array, hole: Array, pipe: Array, along: Array) -> None:
+def _section(panel: Axes, angle: Array, depth: Array, hole: Array, pipe: Array, along: Array, unit: str) -> None:
     """Vertical section along the hole, its azimuth unrolled; hole and string are drawn wider than they are."""
     middle, step = 0.5 * (angle[1:] + angle[:-1]), np.diff(depth)
     out = np.append(0.0, np.cumsum(step * np.sin(middle)))
@@ -112,7 +121,7 @@ def _section(panel: Axes, angle: Array, depth: Array, hole: Array, pipe: Array, 
     wider = _WIDE * size / float(hole.max())
 
     def shifted(distance: Array) -> tuple[Array, Array]:
-        """Points at a distance from the axis [m], positive towards the right of a hole that goes down."""
+        """Points at a distance from the axis, positive towards the right of a hole that goes down."""
         return out + wider * distance * np.cos(angle), down - wider * distance * np.sin(angle)
 
     bands: tuple[tuple[Array, Array, dict[str, Any]], ...] = (
@@ -127,14 +136,14 @@ def _section(panel: Axes, angle: Array, depth: Array, hole: Array, pipe: Array, 
     centre = 0.5 * float(out.max() + out.min())
     panel.set(xlim=(centre - 0.62 * room, centre + 0.62 * room) if np.ptp(out) < 0.4 * size else None, aspect="equal")
     panel.set_ylim(float(down.max()) + 1.6 * _WIDE * size, float(down.min()) - 1.6 * _WIDE * size)
-    panel.set(xlabel="along the section [m]", ylabel="vertical depth [m]")
+    panel.set(xlabel=f"along the section [{unit}]", ylabel=f"vertical depth [{unit}]")
     panel.set_title(f"widths drawn {wider:.3g} times", fontsize=10, pad=_LEGEND)
     panel.xaxis.set_major_locator(MaxNLocator(3))
     panel.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=2, borderaxespad=0.2)
 
 
 def _bands(panel: Axes, depth: Array, hole: Array, pipe: Array, along: Array) -> None:
-    """Hole and string over measured depth [mm], positive towards the low side."""
+    """Hole and string over measured depth, positive towards the low side."""
     panel.fill_betweenx(depth, -hole, hole, color=LIGHT)
     panel.plot(-hole, depth, color=INK, linewidth=1.4)
     panel.plot(hole, depth, color=INK, linewidth=1.4)

@@ -11,6 +11,7 @@ from drill_twin.core.errors import SceneError
 from drill_twin.core.units import parse
 from drill_twin.core.units.dimension import ANGULAR_SPEED, DENSITY, FORCE, LENGTH, Dimension
 from drill_twin.core.units.parse import short
+from drill_twin.core.units.system import typed_in_pounds
 from drill_twin.scene import Scene
 from drill_twin.scene.load import build_scene
 from drill_twin.scene.well_plan.catalogue import INCH, casing_size
@@ -45,7 +46,8 @@ class WellPlan(NamedTuple):
     weight_on_bit: str = "100 kN"
     rotation: str = "120 rpm"
     units: str = ""
-    """Units of numbers whose column names none: `si` or `field`; empty: such lengths and weights are refused."""
+    """Units of the scene, and of numbers whose column names none: `si` or `field`; empty: such lengths and weights are
+    refused, and a weight on bit in pounds makes it a scene in `field`."""
 
     def scene(self) -> tuple[Scene, dict[str, Any]]:
         """The scene, and its data as a scene file has them.
@@ -82,8 +84,10 @@ class WellPlan(NamedTuple):
             for top, bottom, inner in casing
         ]
         long = length > LONG
+        shown = self.units or ("field" if typed_in_pounds(self.weight_on_bit) else "")
         return {
             "name": self.name,
+            **({"units": shown} if shown else {}),
             "description": f"Well plan: {length:g} m of string, survey {self.survey.name}, tally {self.tally.name}.",
             "provenance": "Plan. Adjusted weight and make-up torque after the catalogue; torque law of the bit, "
             "friction, eccentricity, wall and damping are stand-ins.",

@@ -161,7 +161,7 @@ class ErrorModel:
 def content_key(scene: Scene) -> str:
     """Hash of all that the motion of a scene depends on, except resolution, duration and texts."""
     data = scene.model_dump(mode="json", exclude_defaults=True)  # a new field leaves the key of older scenes
-    for key in ("name", "description", "provenance", "sensors"):
+    for key in ("name", "description", "provenance", "units", "sensors"):
         data.pop(key, None)
     data.get("rig", {}).pop("duration", None)
     for key in ("elements", "step", "tolerance", "accuracy", "audit"):

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from drill_twin.core.arrays import Array, Mask
+from drill_twin.core.units.system import UnitSystem
 
 SHARE = 0.9
 """Share of the members in a band: the probability of the true value if the members were draws of what is known."""
@@ -53,6 +54,12 @@ wall force of a node in it, largest bending stress at its end."""
 def unit_of(sensor: str) -> str:
     """Unit of a virtual sensor; places of marks are in m."""
     return SENSORS.get(sensor, "m")
+
+
+def shown_unit(sensor: str, units: UnitSystem) -> tuple[float, str]:
+    """Number of the reader's units in one of `unit_of`, and their name; radii and places are offsets."""
+    unit = unit_of(sensor)
+    return (float(units.show(1.0, "offset")), units.offset) if unit == "m" else units.in_unit(unit)
 
 
 @dataclass(frozen=True)

@@ -228,10 +228,12 @@ def fit_figure(found: Posterior) -> Figure:
         panels = figure.subplots(2 * len(channels), sharex=True, squeeze=False, gridspec_kw=heights)[:, 0]
         for axes, below, channel in zip(panels[::2], panels[1::2], channels, strict=True):
             low, high = found.band(channel)
-            axes.fill_between(found.time, low, high, color=LIGHT, label="90 % band")
-            axes.plot(found.time, found.measured[channel], color=BLUE, linewidth=1.0, label="record")
-            axes.plot(found.time, found.runs[channel][found.best_run], color=VERMILION, linewidth=1.0, label="best run")
-            axes.set_ylabel(f"{channel} [{CHANNELS[channel].unit}]")
+            size, unit = found.scene.unit_system.in_unit(CHANNELS[channel].unit)
+            measured, best = size * found.measured[channel], size * found.runs[channel][found.best_run]
+            axes.fill_between(found.time, size * low, size * high, color=LIGHT, label="90 % band")
+            axes.plot(found.time, measured, color=BLUE, linewidth=1.0, label="record")
+            axes.plot(found.time, best, color=VERMILION, linewidth=1.0, label="best run")
+            axes.set_ylabel(f"{channel} [{unit}]")
             of = found.goodness[channel]
             below.plot(found.time, found.residual(channel) / of.noise, color=BLUE, linewidth=0.8)
             below.axhspan(-HALF_WIDTH, HALF_WIDTH, color=LIGHT)

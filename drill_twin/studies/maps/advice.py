@@ -11,6 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from drill_twin.core.arrays import Array, Mask
+from drill_twin.core.units.system import UnitSystem
 from drill_twin.io.messages.cdr import JointStateTemplate
 from drill_twin.io.messages.diagnostics import Level
 from drill_twin.studies.maps.operating_map import Margin, OperatingMap
@@ -170,7 +171,8 @@ class Adviser:
         late: bool,
         stops: bool,
     ) -> str:
-        low, high = (_point(*ends) for ends in zip(self.map.plane.weight, self.map.plane.speed, strict=True))
+        said = self.map.units.set_point
+        low, high = (said(*ends) for ends in zip(self.map.plane.weight, self.map.plane.speed, strict=True))
         if regime is None:
             where = f"outside the map, which has {low} to {high}"
         elif whirls and stops:
@@ -182,13 +184,13 @@ class Adviser:
                 f"an existing whirl {f'dies here within {self.patience:.3g} s' if good else 'goes on here'} by the map"
             )
         else:
-            where = f"{regime.value} from rest by the map{_near(margin) if good else ''}"
+            where = f"{regime.value} from rest by the map{_near(margin, self.map.units) if good else ''}"
         if again is not None:
-            begin = _point(again.weight, again.speed)
+            begin = said(again.weight, again.speed)
             return f"{where}, and no better set-point is known: stop the rotation, and begin again at {begin}"
         if target is not None:
             reason = "where a whirl dies" if whirls else "for more margin" if good else "the nearest calm set-point"
-            return f"{where}: go to {_point(target.weight, target.speed)}, {reason}"
+            return f"{where}: go to {said(target.weight, target.speed)}, {reason}"
         if good and not late:
             return f"{where}: hold"
         return f"{where}: no calm set-point in its ranges, {low} to {high}"
@@ -236,15 +238,11 @@ def _depth(flags: Mask) -> Array:
     return np.full(flags.shape, math.inf) if flags.all() else np.asarray(distance_transform_edt(flags))
 
 
-def _point(weight: float, speed: float) -> str:
-    return f"{weight:.4g} N at {speed / math.tau:.4g} rev/s"
-
-
-def _near(margin: Margin) -> str:
+def _near(margin: Margin, units: UnitSystem) -> str:
     """Distance to the boundary along each axis that meets it."""
     apart = [
-        f"{abs(value) / unit:.3g} {name}"
-        for value, unit, name in ((margin.weight, 1.0, "N"), (margin.speed, math.tau, "rev/s"))
+        units.text(abs(value), quantity, ".3g")
+        for value, quantity in ((margin.weight, "force"), (margin.speed, "rotation"))
         if math.isfinite(value)
     ]
     return f", {' or '.join(apart)} from the boundary" if apart else ""

@@ -151,9 +151,9 @@ def build_map(
     """
     _check(scene, plan)
     draws = draws_of(scene, plan.seeds, plan.vary)
-    plane = plan.plane
+    plane, numbers = plan.plane, scene.model_copy(update={"units": "auto"}).to_yaml()  # units change no run
     setup = {
-        "version": __version__, "scene": scene.to_yaml(), "duration": plan.duration, "time asked": plan.asked,
+        "version": __version__, "scene": numbers, "duration": plan.duration, "time asked": plan.asked,
         "range of the weight on bit": list(plane.weight), "range of the speed": list(plane.speed),
         "lattice": plane.steps, "draws": [dict(draw) for draw in draws],
     }  # fmt: skip

@@ -4,7 +4,6 @@
 from __future__ import annotations
 
 import json
-import math
 from collections.abc import Iterable
 from importlib.resources import files
 from math import isfinite
@@ -77,9 +76,6 @@ def _to_the_others(flags: Mask) -> Array:
     return np.asarray(distance - 0.5)
 
 
-_KILO = 5000.0  # N; ranges above are in kN
-
-
 def map_figure(found: OperatingMap) -> Figure:
     """Regimes over speed and weight on bit, the runs, the boundaries and the safe windows."""
     from matplotlib.patches import Patch
@@ -89,10 +85,9 @@ def map_figure(found: OperatingMap) -> Figure:
     with styled():
         figure = laid_out(5.6, f"{found.name}: {found.said_runs}")
         axes = figure.add_subplot()
-        unit, name = (1000.0, "kN") if found.plane.weight.high >= _KILO else (1.0, "N")
-        axes.set(xlabel="speed [rev/s]", ylabel=f"weight on bit [{name}]")
+        axes.set(xlabel=f"speed [{found.units.rotation}]", ylabel=f"weight on bit [{found.units.force}]")
         axes.grid(visible=False)
-        _draw(axes, found, unit)
+        _draw(axes, found)
         there = np.unique(found.regimes).tolist()
         regimes = [Patch(color=COLOURS[code], label=REGIMES[code].value) for code in there]
         if not found.known.all():
@@ -102,11 +97,12 @@ def map_figure(found: OperatingMap) -> Figure:
     return figure
 
 
-def _draw(axes: Axes, found: OperatingMap, unit: float) -> None:
+def _draw(axes: Axes, found: OperatingMap) -> None:
     from matplotlib.collections import LineCollection
     from matplotlib.colors import BoundaryNorm, ListedColormap
 
-    plane, scale = found.plane, np.array([unit, math.tau])
+    plane = found.plane
+    scale = np.array([1.0 / found.units.show(1.0, "force"), 1.0 / found.units.show(1.0, "rotation")])
 
     def shown(points: ArrayLike) -> Array:
         """Speed and weight on bit as on the axes, from those in SI the other way round, shape (..., 2)."""
@@ -167,6 +163,10 @@ def page_data(found: OperatingMap, scene: str) -> dict[str, Any]:
         **{name: value for name, value in found.to_dict().items() if name not in _LEFT_OUT},
         "version": __version__,
         "own": own,
+        "units": {
+            of: [1.0 / found.units.show(1.0, of), getattr(found.units, of)]
+            for of in ("force", "rotation", "torque", "stress")
+        },
         "whirling": [regime.value for regime in REGIMES if regime.whirls],
         "known": _digits(found.known),
         "calm": _digits(found.calm),

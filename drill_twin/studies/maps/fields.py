@@ -10,6 +10,8 @@ from functools import cached_property
 import numpy as np
 
 from drill_twin.core.arrays import Mask
+from drill_twin.core.units.system import SYSTEMS, UnitSystem
+from drill_twin.scene.load import parse_scene
 from drill_twin.studies.maps.plane import UNKNOWN, Labels, Node, Plane, boundary, filled, on_lattice
 from drill_twin.studies.maps.regimes import Regime
 from drill_twin.studies.maps.runs import Key, RunRecord
@@ -48,6 +50,11 @@ class MapFields:
     growth: Sequence[Sequence[float]] = field(default=())
     torsional: Sequence[Sequence[float]] = field(default=())
     asked: float = 0.0
+
+    @cached_property
+    def units(self) -> UnitSystem:
+        """Units in which people read the map: those of its scene."""
+        return parse_scene(self.scene).unit_system if self.scene else SYSTEMS["lab"]
 
     @cached_property
     def regimes(self) -> Labels:

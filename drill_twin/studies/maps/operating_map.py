@@ -143,8 +143,8 @@ class OperatingMap(MapFields):
         if not self.contains(weight, speed):
             low, high = self.plane.weight, self.plane.speed
             raise ArgumentError(
-                f"expected a set-point of the map, {low.low:g} to {low.high:g} N and {high.low / math.tau:g} to "
-                f"{high.high / math.tau:g} rev/s, found {weight:g} N and {speed / math.tau:g} rev/s"
+                f"expected a set-point of the map, {self.units.span(*low, 'force')} and "
+                f"{self.units.span(*high, 'rotation')}, found {self.units.set_point(weight, speed)}"
             )
 
     # --- file -----------------------------------------------------------------------------------------------------

@@ -174,7 +174,7 @@ ODD = {
     "one_row.csv": ("time [s],BRPM [rpm]\n3,120\n", "no weight and no speed"),
     "only_speed.csv": (
         "DTIM,RPM [rpm],HKLD [kN]\n" + "".join(f"2024-05-01T12:00:{k:02d}Z,{60 + k},-999.25\n" for k in range(30)),
-        "top drive at 1.367 rev/s on average",
+        "top drive at 82 rpm on average",
     ),
 }
 
