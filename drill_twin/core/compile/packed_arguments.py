@@ -40,9 +40,14 @@ class Packed(NamedTuple):
     """The value, whose arrays are kept alive here."""
 
 
-def pack(value: Any) -> Packed:
-    """Pack a named tuple of nested tuples of arrays, numbers and None; what is not an array is copied."""
-    return Packed(np.array(list(_words(value)), np.int64), _TYPEOF(value), value)
+def pack(value: Any, kind: Any = None) -> Packed:
+    """Pack a named tuple of nested tuples of arrays, numbers and None; what is not an array is copied.
+
+    Args:
+        value: The tuple.
+        kind: numba's type of it, where it is known: to find it takes longer than a second of a short string.
+    """
+    return Packed(np.array(list(_words(value)), np.int64), kind or _TYPEOF(value), value)
 
 
 def bind(function: Any, packed: Packed) -> Callable[[], int]:

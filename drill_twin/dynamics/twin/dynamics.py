@@ -80,6 +80,7 @@ class Dynamics:
         self._work = make(rod.length.size)
         self._run: Callable[..., int] | None = None  # once compiled
         self._packed: Packed | None = None
+        self._kind: Any = None
         self._bound: BoundTwin | None = None
         command, counters = np.zeros(3), np.zeros(state.COUNTERS)
         command[0] = scene.rig.first[0]
@@ -100,7 +101,7 @@ class Dynamics:
 
     def set_parameters(self, parameters: Any) -> None:
         """Take parameters of drive and effects, and the tolerance of Newton's method that their stiffness asks for."""
-        self.parameters = parameters
+        self.parameters, self._kind = parameters, None
         blades = getattr(parameters, "bit_stabiliser", None)
         place = newton_place(self.scene.tolerance, self.rod, self.wall, getattr(blades, "stiffness", 0.0))
         self._control = state.StepControl(self.step, place, self.scene.tolerance, 0)
@@ -118,6 +119,7 @@ class Dynamics:
         before, after = (parameters_of(self.kernel, each, self.model) for each in (self.scene, scene))
         self.scene = scene
         self.set_parameters(replace_numbers(self.parameters, before, after))
+        self._kind = None if self._packed is None else self._packed.kind  # numbers change no type
 
     def _set_initial_state(self) -> None:
         set_initial_state(self._state, self.model, self.scene, float(self.command[0]))
@@ -200,7 +202,7 @@ class Dynamics:
         """Advance by frames in compiled code, see `frame_kernel.bind`; PAUSED at the end of a slice."""
         bound = self.bound
         if self._packed is None:
-            self._packed = pack(bound)
+            self._packed = pack(bound, self._kind)
         words, kind, _ = self._packed
         status = (self._run or self.kernel.run)(words, kind, commands, seconds, step, table)
         self._run = self._run or entry_point(self.kernel, "run")

@@ -1,13 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Estimates of state and numbers of a running rig from what is measured, by an ensemble that is corrected."""
 
-from drill_twin.studies.estimation.ensemble_filter import (
-    CHANNELS,
-    EnsembleFilter,
-    Estimate,
-    EstimatorOptions,
-    FilterWindow,
-)
+from drill_twin.studies.estimation.ensemble_filter import CHANNELS, EnsembleFilter, EstimatorOptions
+from drill_twin.studies.estimation.estimate import Estimate, FilterWindow
 from drill_twin.studies.estimation.intake import SET_POINTS, Intake
 from drill_twin.studies.estimation.members import LOAD
 from drill_twin.studies.estimation.prediction import SENSORS, Band, unit_of

@@ -47,6 +47,10 @@ class ChannelErrors:
         """The same with what innovations have shown, shape (C,)."""
         return np.maximum(np.sqrt(self._raised), self.stated)
 
+    def forget(self) -> None:
+        """Forget what innovations have shown: they were of a jump."""
+        self._raised[:] = 0.0
+
     def screen(self, predicted: Array, measured: Array) -> Array:
         """Measured samples, NaN for those that are absurd beside the others of their channel.
 
@@ -77,9 +81,9 @@ class ChannelErrors:
         self._raised = np.maximum(self._raised + (found - self._raised) / _MEMORY, 0.0)
 
 
-_BEGIN = 10
+BEGIN = 10
 """Windows before the first alarm: numbers are still being found."""
-_LIMIT = 3.0
+LIMIT = 3.0
 """Rms innovation of a window over the predicted one, from which the window is not explained. Its samples may err alike:
 then it is the size of one normal value, which is larger in 0.3 % of the windows of a model that is right."""
 _WINDOWS = 3
@@ -114,7 +118,7 @@ class ModelMismatchAlarm:
             if not np.isfinite(value):
                 continue
             self._seen[channel] += 1
-            if self._seen[channel] > _BEGIN and value > _LIMIT:
+            if self._seen[channel] > BEGIN and value > LIMIT:
                 if self._odd[channel] == 0 and not self._raised[channel]:
                     self._first[channel] = start
                 self._odd[channel] += 1

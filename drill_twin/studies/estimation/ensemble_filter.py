@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 from numbers import Integral, Real
 
@@ -13,10 +13,11 @@ import numpy as np
 from drill_twin.core.arrays import Array
 from drill_twin.core.errors import ArgumentError
 from drill_twin.core.rig_channels import INSTANT
-from drill_twin.dynamics.twin.frame import Frame
 from drill_twin.scene import Scene
 from drill_twin.studies.estimation.channel_errors import ChannelErrors, ModelMismatchAlarm
+from drill_twin.studies.estimation.estimate import Estimate, FilterWindow
 from drill_twin.studies.estimation.innovations import Innovations, widening
+from drill_twin.studies.estimation.jumps import Jumps
 from drill_twin.studies.estimation.members import EstimatorMembers
 from drill_twin.studies.estimation.phase import PhaseCorrection
 from drill_twin.studies.estimation.prediction import Band, Prediction, WindowTiming
@@ -24,7 +25,6 @@ from drill_twin.studies.estimation.regime_resampling import RegimeResampling
 from drill_twin.studies.estimation.square_root_filter import Correction, applied, corrections
 from drill_twin.studies.estimation.subs import VALUES, speed
 from drill_twin.studies.fitting.sampling import Ranges
-from drill_twin.studies.goodness import Goodness, sentence
 
 CHANNELS = ("torque", "motor_torque", "hookload", "top_drive_speed", "bit_speed")
 """Channels that can correct: those of the surface, and the speed of a downhole tool."""
@@ -79,64 +79,6 @@ class EstimatorOptions:
                 raise ArgumentError(f"{name}: expected {of} of {least:g} to {most:g}, found {value!r}")
 
 
-@dataclass(frozen=True)
-class FilterWindow:
-    """Estimate over a window of time.
-
-    Attributes:
-        commands: Set-points at the end of each frame, as `Command.values`, shape (F, 3).
-        measured: Means over the samples by channel, shape (S,) each; NaN where there is none.
-        readings: Of s subs, at the frames, shape (s, F, 6); NaN for a sub that has none.
-    """
-
-    commands: Array
-    measured: Mapping[str, Array]
-    readings: Array | None = None
-
-
-@dataclass(frozen=True)
-class Estimate:
-    """Estimate at the end of a window.
-
-    Attributes:
-        time: Time [s].
-        numbers: Free numbers [SI] by key.
-        sensors: Virtual sensors by name, see `drill_twin.studies.estimation.prediction.SENSORS`; with a sub also the
-            places of the centre line at the marks at the end of the window [m], MARK/x and MARK/y.
-        whirls: Share of the members that whirl.
-        chance: Share of those that whirl within the horizon; NaN if it is not computed.
-        unexplained: Time since which the misfit of a channel is far above the predicted [s], by name.
-        misfit: Rms of measured less predicted over the scale, by channel; NaN where nothing was measured.
-        goodness: How well the members explain each channel over the last windows, against the stated errors, by name.
-        absurd: Samples left out so far.
-        replaced: Members that took the state of others so far, as they were on another branch of motion.
-        unmeasured: Time for which nothing sound has been measured [s]: the ensemble runs alone.
-        frames: The window of the member that was nearest to the rig before; none unless they are asked for.
-    """
-
-    time: float
-    numbers: Mapping[str, Band]
-    sensors: Mapping[str, Band]
-    whirls: float
-    chance: float
-    unexplained: Mapping[str, float]
-    misfit: Mapping[str, float]
-    goodness: Mapping[str, Goodness]
-    absurd: int
-    replaced: int
-    unmeasured: float
-    frames: Sequence[Frame]
-
-    @property
-    def alarm(self) -> str:
-        """Sentences while the members do not explain what is measured; empty while they do."""
-        parts = [f"{name} since {time:.1f} s" for name, time in self.unexplained.items()]
-        told = [f"misfit far above the predicted: {', '.join(parts)}"] if parts else []
-        told += [text] if (text := sentence(self.goodness)) else []
-        causes = "the motion has changed, the numbers are not found yet, or the rig differs from the model"
-        return f"{'; '.join(told)}; {causes}" if told else ""
-
-
 class EnsembleFilter:
     """Ensemble that follows a rig.
 
@@ -183,6 +125,7 @@ class EnsembleFilter:
         self._errors = ChannelErrors(self.channels, options.error)
         self._resampling = RegimeResampling(options.members, options.seed)
         self._innovations, self._alarm = Innovations(self.channels), ModelMismatchAlarm(self.channels)
+        self._jumps = Jumps(self.channels, self.members.keys)
         self._phase = PhaseCorrection(self.members, options.error)
         self._replaced, self._unmeasured = 0, 0.0
         self._distance: Array = np.zeros(options.members)
@@ -197,16 +140,21 @@ class EnsembleFilter:
         start, self.time = self.time, self.time + self.pace.window
         predicted, measured, readings = self._compared(prediction, window)
         measured = self._errors.screen(predicted, measured)
+        self._innovations.take(predicted, measured, self._errors.scale, self._errors.stated)
+        misfit, normalised = self._innovations.misfit, self._innovations.normalised
+        anew = self._jumps.take(start, predicted, self.members.normal, self._errors.stated, normalised)
         found = corrections(predicted, measured, self._errors.deviation)
         lateral = self._phase(self.members, prediction.readings, readings, found) if self.members.subs else []
         corrected = applied(found, predicted)
-        self._innovations.take(predicted, measured, self._errors.scale, self._errors.stated)
-        misfit = self._innovations.misfit
         self._errors.learn(measured, predicted.mean(axis=0), corrected.mean(axis=0))
-        self.members.correct([*found, *lateral])
+        self.members.correct([*found, *lateral], self._jumps.free)
+        if anew.any():
+            self.members.draw_anew(anew)
+            self._errors.forget()
+            self._innovations.forget()
         self._forget()
         sensors = self._sensors(prediction, found, lateral)
-        self._alarm.take(start, self._innovations.normalised)
+        self._alarm.take(start, normalised)
         self._unmeasured = 0.0 if np.isfinite(misfit).any() else self._unmeasured + self.pace.window
         predicted = np.concatenate((predicted, self._phase.predicted), axis=1)
         measured = np.concatenate((measured, self._phase.measured))
@@ -222,6 +170,7 @@ class EnsembleFilter:
             whirls=float(prediction.whirls.mean()),
             chance=self._chance(window.commands, float(prediction.whirls.mean())),
             unexplained=self._alarm.since,
+            jumps=dict(self._jumps.since),
             misfit=dict(zip(self.channels, misfit.tolist(), strict=True)),
             goodness=goodness,
             absurd=self._errors.absurd + self._phase.errors.absurd,

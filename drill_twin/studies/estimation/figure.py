@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from drill_twin.core.units.system import UnitSystem
-from drill_twin.studies.estimation.ensemble_filter import Estimate
+from drill_twin.studies.estimation.estimate import Estimate
 from drill_twin.studies.estimation.prediction import SHARE, shown_unit
 from drill_twin.studies.fitting.record import Record
 

@@ -62,6 +62,12 @@ class Innovations:
         self.misfit = _rms(square / np.maximum(scale, np.finfo(float).tiny)[:, None] ** 2)
         self.normalised = _rms(square / (window.spread**2 + stated[:, None] ** 2))
 
+    def forget(self) -> None:
+        """Forget all windows: numbers have jumped, and are drawn anew."""
+        last = self._windows[-1]
+        self._windows.clear()
+        self._windows.append(last._replace(measured=np.full_like(last.measured, np.nan)))
+
     def judged(self) -> Mapping[str, Goodness]:
         """Goodness of each channel over the last windows, against the stated errors; once for each window."""
         measured, mean, spread = (np.concatenate(parts, axis=1) for parts in zip(*self._windows, strict=True))

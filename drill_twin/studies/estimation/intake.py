@@ -14,7 +14,7 @@ from drill_twin.core.arrays import Array
 from drill_twin.scene import Scene
 from drill_twin.scene.blocks.sensors import Sub
 from drill_twin.scene.set_points import Command, Schedule
-from drill_twin.studies.estimation.ensemble_filter import FilterWindow
+from drill_twin.studies.estimation.estimate import FilterWindow
 from drill_twin.studies.estimation.prediction import WindowTiming
 from drill_twin.studies.estimation.subs import SubIntake
 

@@ -54,8 +54,9 @@ def asynchronous_radius(rows: FrameSeries) -> Array:
 
 LOAD = "load_factor"
 """Number that is no key of a scene: weight on bit of a member over the one that is commanded or indicated."""
-WIDEST = 4.0
-"""Standard deviations to which a number may move in the space where its prior is standard normal."""
+WIDEST, FARTHEST = 4.0, 2.5
+"""Standard deviations to which a number of a member, and the mean of the members, may move in the space where its prior
+is standard normal: all members at one end of a range would have no spread, and none would come back."""
 
 
 class EstimatorMembers:
@@ -87,6 +88,7 @@ class EstimatorMembers:
         self._check()
         drawn = stats.qmc.Sobol(len(ranges), seed=np.random.default_rng(seed)).random(count)
         self.normal: Array = special.ndtri(np.clip(drawn, 1e-4, 1.0 - 1e-4))
+        self._generator = np.random.default_rng((seed, 1))
         self.twins = [Twin(self._scene(number)) for number in range(count)]
         self.lateral, self._reader = LateralMotion(scene, self.twins[0]), SubReader(scene, self.twins[0], self.subs)
         self._record = self.twins[0].record(pace.frames, nodes=bool(self.subs))
@@ -152,8 +154,8 @@ class EstimatorMembers:
         twin.change_numbers(self.twins[source].scene)  # whose numbers its arrays have now
         twin.change_numbers(self._scene(target))
 
-    def correct(self, found: Sequence[Correction]) -> None:
-        """Correct numbers and torsional motion.
+    def correct(self, found: Sequence[Correction], free: Mask | bool = True) -> None:
+        """Correct torsional motion, and the numbers of a mask of shape (d,) or all.
 
         Surface channels of a straight hole do not change when the lateral motion is turned about its axis, so they are
         uncorrelated with it; a sub corrects it (`drill_twin.studies.estimation.phase`). Axial motion follows loads and
@@ -161,15 +163,33 @@ class EstimatorMembers:
         and throw it against the wall.
         """
         for correction in found:
-            self.normal = np.clip(correction.apply_to_numbers(self.normal), -WIDEST, WIDEST)
+            moved = correction.apply_to_numbers(self.normal)
+            mean = moved.mean(axis=0)
+            within = np.clip(mean, -FARTHEST, FARTHEST)
+            self.normal = np.where(free, np.clip(moved - mean + within, -WIDEST, WIDEST), self.normal)
         columns = (6,) if self.twins[0].dynamics.form == SPATIAL else ()
         for part in range(2):
             rows = [twin.unknowns[part] for twin in self.twins]
             corrected = applied(found, np.array([row[:, columns] for row in rows]))
             for row, values in zip(rows, corrected, strict=True):
                 row[:, columns] = values
+        self._write()
+
+    def _write(self) -> None:
         for number, twin in enumerate(self.twins):
             twin.change_numbers(self._scene(number))
+
+    def draw_anew(self, chosen: Mask) -> None:
+        """Draw some numbers of half of the members from the prior.
+
+        Args:
+            chosen: Numbers, shape (d,).
+        """
+        count = len(self) // 2
+        who = self._generator.permutation(len(self))[:count]
+        for number in np.flatnonzero(chosen).tolist():
+            self.normal[who, number] = special.ndtri((self._generator.permutation(count) + 0.5) / count)
+        self._write()
 
     @property
     def places(self) -> dict[str, Array]:

@@ -3,45 +3,71 @@
 
 from __future__ import annotations
 
+import secrets
+from pathlib import Path
 from typing import Annotated, Any
 
 import typer
 
 from drill_twin.cli.options import JsonOption
 
+_SEEDS = 1_000_000
+"""Seeds of truths, of which the first is drawn."""
+_FOREIGN, _OTHER = "expected results of the score, found another file", "expected the same {}; give another file"
+
 
 def estimator_score(
     only: Annotated[list[str], typer.Option("--only", metavar="CASE", help="Case; repeatable. All if left out.")] = [],  # noqa: B006
     truths: Annotated[int, typer.Option("--truths", min=1, help="Twins with hidden numbers.")] = 10,
-    first: Annotated[int, typer.Option("--first", min=0, help="Number of the first one.")] = 0,
+    first: Annotated[
+        int | None, typer.Option("--first", min=0, help="Number of the first one; drawn anew if left out.")
+    ] = None,
     seconds: Annotated[float, typer.Option("--seconds", min=2.0, help="Time to follow each.")] = 60.0,
     members: Annotated[
         list[int], typer.Option("--members", min=4, help="Members; repeatable: error against members and time.")
     ] = [],  # noqa: B006
     imu: Annotated[bool, typer.Option("--imu", help="Measure with a downhole sub near the bit too.")] = False,
+    journal: Annotated[
+        Path | None, typer.Option("--journal", help="File of results, a line each: what is in it is not done again.")
+    ] = None,
     json: JsonOption = False,
 ) -> None:
-    """Measure the estimator on hidden truths: numbers, bands, unmeasured places, warnings of whirl, processor time.
+    """Measure the estimator on hidden truths: numbers, bands, unmeasured places, jumps, alarms, processor time.
 
-    Prints the tables of docs/estimator.md.
+    Prints the tables of docs/bands.md.
     """
     from drill_twin.cli.show import print_json, remark
     from drill_twin.core.errors import ArgumentError
-    from drill_twin_evidence.estimation.hidden_truth import CASES, follow
+    from drill_twin.core.files.json_files import JsonLines
+    from drill_twin_evidence.estimation.cases import CASES
+    from drill_twin_evidence.estimation.hidden_truth import TruthRow, follow
     from drill_twin_evidence.estimation.score import cost_lines, lines, score
 
     odd = [name for name in only if name not in CASES]
     if odd:
         raise ArgumentError(f"--only: expected one of {', '.join(CASES)}, found {', '.join(odd)}")
+    rows: list[TruthRow] = []
+    setup = {"seconds": seconds, "imu": imu}
+    file = None
+    if journal is not None:
+        file = JsonLines(journal, "score", setup, rows.append, foreign=_FOREIGN, other=_OTHER, of=TruthRow)
+    done = {(row["case"], row["members"], row["truth"]): row for row in rows}
+    fresh = min((row["truth"] for row in rows), default=secrets.randbelow(_SEEDS))
+    start = fresh if first is None else first
     found: dict[str, Any] = {}
     for name in only or CASES:
         by_members = {}
         for count in members or [CASES[name].members]:
             runs = []
-            for number in range(first, first + truths):
-                runs.append(follow(CASES[name], number, seconds, count, imu=imu))
-                told = ", ".join(f"{key} {error:+.1%}" for key, error in runs[-1].errors.items())
-                remark(f"{name} {number}, {count} members: {told}")
+            for number in range(start, start + truths):
+                row = done.get((name, count, number))
+                if row is None:
+                    row = follow(CASES[name], number, seconds, count, imu=imu).row(name, count, number)
+                    told = ", ".join(f"{key} {error:+.1%}" for key, error in row["errors"].items())
+                    remark(f"{name} {number}, {count} members: {told}")
+                    if file is not None:
+                        file.add(dict(row))
+                runs.append(row)
             by_members[count] = score(runs)
         found[name] = by_members if len(by_members) > 1 else by_members[count]
         if not json:

@@ -5,19 +5,23 @@ from __future__ import annotations
 
 import time
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import numpy as np
+from scipy import special
+from typing_extensions import TypedDict
 
 from drill_twin.api.scenes import load_scene
 from drill_twin.core.arrays import Array
 from drill_twin.dynamics.sensors.sampling import errors_of, with_errors
+from drill_twin.dynamics.twin.twin import Twin
 from drill_twin.scene.blocks.sensors import Sub
+from drill_twin.scene.load import build_scene
 from drill_twin.scene.set_points import Schedule
-from drill_twin.studies.estimation import LOAD, EnsembleFilter, Estimate, EstimatorOptions, FilterWindow
+from drill_twin.studies.estimation import EnsembleFilter, Estimate, EstimatorOptions, FilterWindow
 from drill_twin.studies.estimation.members import EstimatorMembers
 from drill_twin.studies.estimation.prediction import Prediction
-from drill_twin.studies.fitting.sampling import Ranges
+from drill_twin_evidence.estimation.cases import JUMP, SIZES, STIFFNESS, TOLERANCES, Case
 
 _NOISE = 0.01
 """Standard deviation of a measured sample over the largest value of its channel."""
@@ -29,60 +33,23 @@ _TRUTHS, _OPEN = 10_000, 777
 """Seeds of the truths, and of the open loop."""
 
 
-@dataclass(frozen=True)
-class Case:
-    """Scene, its free numbers, and what is measured.
+class TruthRow(TypedDict):
+    """One truth, followed, in plain types; times in s."""
 
-    Attributes:
-        scene: Name of the scene.
-        ranges: Free numbers; the hidden ones are drawn from the same ranges.
-        members: Members by default.
-        horizon: Horizon of the chance of whirl [s]; 0 s: none is computed.
-        overrides: Changes to the scene.
-        channels: What is measured.
-        imu: A downhole sub, measured too if asked for, as in a scene's `sensors`.
-    """
-
-    scene: str
-    ranges: Ranges
-    members: int = 64
-    horizon: float = 0.0
-    overrides: Mapping[str, float | str] = field(default_factory=dict)
-    channels: Sequence[str] = ("torque", "hookload")
-    imu: str = ""
-
-
-_ERRORS = "accelerometer: {noise: 5 mm/s^2, bias: 0.05 m/s^2}, gyroscope: {noise: 0.06 deg/s, bias: 0.3 deg/s}"
-_NEAR_BIT = f"name: near_bit, distance_from_bit: 1 m, radius: 6 mm, rate: 100 Hz, {_ERRORS}"
-_ROD: Ranges = {
-    "wall_friction.coefficient": (0.1, 0.4),
-    "internal_damping.bending_time": (0.015, 0.07),
-    "bit_friction.coefficient": (0.03, 0.2),
-    LOAD: (0.75, 1.25),
-}
-CASES: Mapping[str, Case] = {
-    "pa6_bench": Case("pa6_bench", _ROD, horizon=4.0, imu=_NEAR_BIT),
-    "pa6_calm": Case("pa6_bench", _ROD, horizon=4.0, overrides={"wob": 10.0, "rps": 0.6}, imu=_NEAR_BIT),
-    "stick_slip": Case(
-        "two_mass",
-        {
-            "bit_torque_stribeck.sticking": (0.7, 0.9),
-            "bit_torque_stribeck.decay": (0.4, 1.6),
-            "internal_damping.torsion_time": (0.1, 0.4),
-            LOAD: (0.9, 1.1),
-        },
-        overrides={"wob": 55e3},
-        imu=f"name: near_bit, distance_from_bit: 0.05 m, rate: 50 Hz, {_ERRORS}",
-    ),
-    "bha": Case(
-        "bha_full_size",
-        {"wall_friction.coefficient": (0.1, 0.4), "internal_damping.bending_time": (0.5e-3, 2e-3), LOAD: (0.8, 1.2)},
-        members=16,
-        overrides={"numerics.elements": 40},
-        imu=f"name: near_bit, distance_from_bit: 15 m, radius: 80 mm, rate: 100 Hz, {_ERRORS}",
-    ),
-}
-"""Cases by name."""
+    case: str
+    members: int
+    truth: int
+    seconds: float
+    errors: dict[str, float]
+    held: dict[str, bool]
+    coverage: dict[str, float]
+    error_ratio: dict[str, float]
+    onset: float
+    warnings: list[float]
+    alarms: list[float]
+    followed: dict[str, float]
+    dragged: dict[str, tuple[float, float]]
+    processor: float
 
 
 @dataclass(frozen=True)
@@ -90,20 +57,23 @@ class Followed:
     """One truth, followed.
 
     Attributes:
-        hidden: Its numbers [SI] by key.
+        before, hidden: Its numbers [SI] by key, before a jump and at the end.
         estimates: Estimate at the end of each window.
         truth: Virtual sensors of the truth by name, shape (W,) each.
         open_loop: The same of a twin with the numbers in the middle of the ranges, which is not corrected.
         whirls: Whether the truth whirls, shape (W,).
         processor: Processor time of the estimator over the time that it followed.
+        jumped: Whether a number has jumped.
     """
 
+    before: Mapping[str, float]
     hidden: Mapping[str, float]
     estimates: Sequence[Estimate]
     truth: Mapping[str, Array]
     open_loop: Mapping[str, Array]
     whirls: Array
     processor: float
+    jumped: bool
 
     @property
     def errors(self) -> dict[str, float]:
@@ -145,6 +115,44 @@ class Followed:
         return [each.time for each in self.estimates if each.chance >= WARNING]
 
     @property
+    def alarms(self) -> list[float]:
+        """Times at which an alarm begins [s]."""
+        told = [bool(each.alarm) for each in self.estimates]
+        return [each.time for each, now, then in zip(self.estimates, told, [False, *told], strict=False) if now > then]
+
+    def found_after(self, key: str, tolerance: float) -> float:
+        """Time from the jump from which the mean of a number stays within a relative tolerance of the new one [s]."""
+        off = [each.time for each in self.estimates if abs(each.numbers[key].mean / self.hidden[key] - 1.0) > tolerance]
+        return max([0.0, *(time - JUMP for time in off)])
+
+    def dragged(self, key: str) -> tuple[float, float]:
+        """Relative change of the mean of a number since the jump: the largest one, and that at the end."""
+        means = [each.numbers[key].mean for each in self.estimates]
+        start = round(JUMP / self._window)
+        changes = [abs(mean / means[start - 1] - 1.0) for mean in means[start:]]
+        return max(changes), changes[-1]
+
+    def row(self, case: str, members: int, truth: int) -> TruthRow:
+        """What the score needs of it, as plain types; its names are those of case and truth."""
+        changed = [key for key, value in self.hidden.items() if value != self.before[key]]
+        return TruthRow(
+            case=case,
+            members=members,
+            truth=truth,
+            seconds=self.estimates[-1].time,
+            errors=self.errors,
+            held=self.held,
+            coverage={name: self.coverage(name) for name in self.truth},
+            error_ratio={name: self.error_ratio(name) for name in self.truth},
+            onset=self.onset,
+            warnings=self.warnings,
+            alarms=self.alarms,
+            followed={key: self.found_after(key, TOLERANCES.get(key, 0.05)) for key in changed},
+            dragged={key: self.dragged(key) for key in self.hidden if key not in changed} if self.jumped else {},
+            processor=self.processor,
+        )
+
+    @property
     def _window(self) -> float:
         return self.estimates[0].time
 
@@ -172,6 +180,9 @@ def follow(case: Case, number: int, seconds: float, members: int, *, imu: bool =
         EstimatorMembers(scene, ranges, 1, found.pace, seed, subs)
         for ranges, seed in ((case.ranges, _TRUTHS + number), (middle, _OPEN))
     )
+    for key, (low, high) in (case.truths or {}).items():
+        _set(truth, case, key, low + (high - low) * special.ndtr(truth.normal[0, truth.keys.index(key)]))
+    before = _numbers(truth)
     tools = [Tool(sub, number) for sub in truth.subs]
     sensors: dict[EstimatorMembers, list[dict[str, float]]] = {truth: [], open_loop: []}
     schedule, draw = Schedule.from_scene(scene), np.random.default_rng([number, 1])
@@ -181,6 +192,8 @@ def follow(case: Case, number: int, seconds: float, members: int, *, imu: bool =
     for window in range(round(seconds / found.pace.window)):
         ends = (window * found.pace.frames + np.arange(1, found.pace.frames + 1)) * found.pace.period
         commands = np.array([schedule.at(end).array() for end in ends.tolist()])
+        if case.jump and window == round(JUMP / found.pace.window):
+            _jump(truth, case, number)
         true = _advance(truth, commands, sensors[truth])
         _advance(open_loop, commands, sensors[open_loop])
         whirls.append(bool(true.whirls[0]))
@@ -194,13 +207,40 @@ def follow(case: Case, number: int, seconds: float, members: int, *, imu: bool =
         estimates.append(found.advance(FilterWindow(commands, measured, readings if tools else None)))
         spent += time.process_time() - began
     return Followed(
-        hidden=dict(zip(truth.keys, truth.values[0].tolist(), strict=True)),
+        before=before,
+        hidden=_numbers(truth),
         estimates=estimates,
         truth=_columns(sensors[truth]),
         open_loop=_columns(sensors[open_loop]),
         whirls=np.array(whirls),
         processor=spent / seconds,
+        jumped=bool(case.jump),
     )
+
+
+def _numbers(truth: EstimatorMembers) -> dict[str, float]:
+    return dict(zip(truth.keys, truth.values[0].tolist(), strict=True))
+
+
+def _set(truth: EstimatorMembers, case: Case, key: str, value: float) -> None:
+    """Give a truth another number, within its range."""
+    low, high = case.ranges[key]
+    truth.normal[0, truth.keys.index(key)] = special.ndtri((value - low) / (high - low))
+    truth.correct([])
+
+
+def _jump(truth: EstimatorMembers, case: Case, number: int) -> None:
+    """Let the number of a case jump: a free one, or one of the string, whose twin goes on from the same state."""
+    draw = np.random.default_rng([number, 3])
+    factor = 1.0 + float(draw.choice([-1.0, 1.0]) * draw.uniform(*SIZES))
+    if case.jump in case.ranges:
+        _set(truth, case, case.jump, factor * _numbers(truth)[case.jump])
+        return
+    old = truth.twins[0]
+    changed = {STIFFNESS: factor * old.scene.string.sections[0].youngs_modulus}
+    data = old.scene.model_dump(mode="json", exclude_none=True)
+    truth.twins[0] = Twin(build_scene(data, name=case.scene, overrides=changed))
+    truth.twins[0].restore(old.checkpoint())
 
 
 class Tool:

@@ -3,13 +3,14 @@
 
 import json
 import math
-from types import SimpleNamespace
 
 import pytest
 from typer.testing import CliRunner
 
 from drill_twin.cli.app import app
-from drill_twin_evidence.estimation.score import _warnings
+from drill_twin_evidence.estimation.cases import CASES, JUMP
+from drill_twin_evidence.estimation.hidden_truth import follow
+from drill_twin_evidence.estimation.score import _warnings, lines, rate_interval, score
 
 SMALL = ["estimator-score", "--only=stick_slip", "--truths=1", "--seconds=16", "--members=4"]
 
@@ -38,9 +39,8 @@ def test_what_cannot_be_scored_is_refused(option):
     assert CliRunner().invoke(app, ["estimator-score", option]).exit_code != 0
 
 
-def followed(onset: float, *warnings: float) -> SimpleNamespace:
-    band = SimpleNamespace(chance=0.0, time=60.0)
-    return SimpleNamespace(onset=onset, warnings=list(warnings), estimates=[band])
+def followed(onset: float, *warnings: float) -> dict:
+    return {"onset": onset, "warnings": list(warnings), "seconds": 60.0}
 
 
 def test_a_warning_long_before_the_onset_is_a_false_alarm():
@@ -48,4 +48,27 @@ def test_a_warning_long_before_the_onset_is_a_false_alarm():
     told = _warnings(runs)
     assert (told["onsets"], told["warned_ahead"], told["median_lead_s"]) == (3, 1, 3.0)
     assert told["false_alarms"] == 2
+    assert rate_interval(0) == (0.0, pytest.approx(3.689, abs=1e-3))
+    assert rate_interval(3) == (pytest.approx(0.619, abs=1e-3), pytest.approx(8.767, abs=1e-3))
     assert told["calm_hours"] == pytest.approx((3 * 30.0 + 60.0) / 3600.0)
+
+
+def test_a_jump_of_the_load_is_told_and_followed_and_friction_stays():
+    row = follow(CASES["load_jump"], 7, 42.0, 16).row("load_jump", 16, 7)
+    assert row["followed"]["load_factor"] <= 10.0
+    assert [time - JUMP for time in row["alarms"]] == [pytest.approx(2.0)]
+    assert all(most < 0.02 for most, _ in row["dragged"].values())
+    found = score([row])
+    assert found["jumps"]["told"] == 1
+    assert any("load_factor | " in line and " s" in line for line in lines("load_jump", found))
+
+
+def test_a_campaign_that_was_broken_off_goes_on_with_the_same_truths(tmp_path):
+    options = [*SMALL, f"--journal={tmp_path / 'rows.jsonl'}"]
+    done = CliRunner().invoke(app, options)
+    assert done.exit_code == 0, done.output
+    written = (tmp_path / "rows.jsonl").read_text("utf-8")
+    again = CliRunner().invoke(app, options)
+    assert again.exit_code == 0, again.output
+    assert (tmp_path / "rows.jsonl").read_text("utf-8") == written
+    assert again.stdout == done.stdout

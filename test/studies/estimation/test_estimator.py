@@ -12,6 +12,7 @@ from drill_twin.cli.app import app
 from drill_twin.core.errors import ArgumentError
 from drill_twin.dynamics.twin.twin import Twin
 from drill_twin.studies.estimation.channel_errors import ModelMismatchAlarm
+from drill_twin.studies.estimation.jumps import Jumps, told_of_jumps
 from drill_twin.studies.estimation.regime_resampling import RegimeResampling
 
 OVER = {"wob": 55e3, "numerics.step": "20 ms", "numerics.frame_rate": 10.0}
@@ -185,6 +186,20 @@ def test_divergence_begins_with_its_first_window_and_ends():
     assert seen[22] == {"torque": 20.0}
     assert seen[31] == {"torque": 20.0}
     assert seen[32] == {}
+
+
+def test_numbers_of_the_channel_that_jumps_are_drawn_anew():
+    draw, jumps = np.random.default_rng(2), Jumps(["torque", "hookload"], ["friction", "load"])
+    numbers = draw.standard_normal((32, 2))
+    found = []
+    for window in range(40):
+        load = numbers[:, 1, None] + 0.1 * draw.standard_normal((32, 10))
+        predicted = np.stack((numbers[:, :1] * np.sin(np.arange(10.0)), load), axis=1)
+        normalised = np.array([np.nan, 6.0 if 20 <= window < 30 else 0.8])
+        found.append(jumps.take(float(window), predicted, numbers, np.ones(2), normalised).tolist())
+    assert [k for k, anew in enumerate(found) if any(anew)] == [21]
+    assert found[21] == [False, True]
+    assert told_of_jumps({"load": 20.0}) == "looked for anew after a jump: load since 20.0 s"
 
 
 def test_command_follows_a_record(record, tmp_path):

@@ -1,0 +1,73 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A window of what is measured, and the estimate at its end."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+from drill_twin.core.arrays import Array
+from drill_twin.dynamics.twin.frame import Frame
+from drill_twin.studies.estimation.jumps import told_of_jumps
+from drill_twin.studies.estimation.prediction import Band
+from drill_twin.studies.goodness import Goodness, sentence
+
+
+@dataclass(frozen=True)
+class FilterWindow:
+    """Estimate over a window of time.
+
+    Attributes:
+        commands: Set-points at the end of each frame, as `Command.values`, shape (F, 3).
+        measured: Means over the samples by channel, shape (S,) each; NaN where there is none.
+        readings: Of s subs, at the frames, shape (s, F, 6); NaN for a sub that has none.
+    """
+
+    commands: Array
+    measured: Mapping[str, Array]
+    readings: Array | None = None
+
+
+@dataclass(frozen=True)
+class Estimate:
+    """Estimate at the end of a window.
+
+    Attributes:
+        time: Time [s].
+        numbers: Free numbers [SI] by key.
+        sensors: Virtual sensors by name, see `drill_twin.studies.estimation.prediction.SENSORS`; with a sub also the
+            places of the centre line at the marks at the end of the window [m], MARK/x and MARK/y.
+        whirls: Share of the members that whirl.
+        chance: Share of those that whirl within the horizon; NaN if it is not computed.
+        unexplained: Time since which the misfit of a channel is far above the predicted [s], by name.
+        jumps: Time of a jump [s] by key, of numbers that are being looked for anew.
+        misfit: Rms of measured less predicted over the scale, by channel; NaN where nothing was measured.
+        goodness: How well the members explain each channel over the last windows, against the stated errors, by name.
+        absurd: Samples left out so far.
+        replaced: Members that took the state of others so far, as they were on another branch of motion.
+        unmeasured: Time for which nothing sound has been measured [s]: the ensemble runs alone.
+        frames: The window of the member that was nearest to the rig before; none unless they are asked for.
+    """
+
+    time: float
+    numbers: Mapping[str, Band]
+    sensors: Mapping[str, Band]
+    whirls: float
+    chance: float
+    unexplained: Mapping[str, float]
+    jumps: Mapping[str, float]
+    misfit: Mapping[str, float]
+    goodness: Mapping[str, Goodness]
+    absurd: int
+    replaced: int
+    unmeasured: float
+    frames: Sequence[Frame]
+
+    @property
+    def alarm(self) -> str:
+        """Sentences while the members do not explain what is measured; empty while they do."""
+        parts = [f"{name} since {time:.1f} s" for name, time in self.unexplained.items()]
+        told = [f"misfit far above the predicted: {', '.join(parts)}"] if parts else []
+        told += filter(None, (sentence(self.goodness), told_of_jumps(self.jumps)))
+        causes = "the motion has changed, the numbers are not found yet, or the rig differs from the model"
+        return f"{'; '.join(told)}; {causes}" if told else ""
