@@ -41,11 +41,11 @@ napoleon_use_ivar = True  # attributes in a docstring are not declared a second 
 nitpick_ignore_regex = [("py:.*", r"(?!drill_twin\.[A-Za-z_]+$).*")]
 
 
-_PRINTED = re.compile(r"^<!-- printed: (\w+) -->$", re.MULTILINE)
+_PRINTED = re.compile(r"^<!-- printed: (\w+) -->$(?:.*?^<!-- end: \1 -->$)?", re.MULTILINE | re.DOTALL)
 
 
 def _insert_printed(_app: Sphinx, _page: str, source: list[str]) -> None:
-    """Put what the code prints in place of each line `<!-- printed: NAME -->`."""
+    """Put what the code prints in place of each line `<!-- printed: NAME -->`, up to its end where there is one."""
     source[0] = _PRINTED.sub(lambda found: _printed.PAGES[found[1]](), source[0])
 
 

@@ -1,13 +1,15 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Parts of the reference that are printed from the code while the site is built, as Markdown by name.
+"""Parts of pages that are printed from the code or the evidence, as Markdown by name.
 
-A page takes one with a line of its own, `<!-- printed: NAME -->`; `docs/conf.py` replaces it.
+A page takes one with a line of its own, `<!-- printed: NAME -->`; `docs/conf.py` replaces it while the site is built.
+Where `<!-- end: NAME -->` follows, the text between is committed, and `docs/print_reference.py` writes it.
 """
 
 from collections.abc import Callable
 
 from _printed.api import api
 from _printed.command_line import commands
+from _printed.evidence import exact_checks, hard_scenes
 from _printed.nodes import nodes
 from _printed.scene import effect_keys, scene_keys
 from _printed.topics import topics, topics_quality
@@ -16,6 +18,8 @@ PAGES: dict[str, Callable[[], str]] = {
     "api": api,
     "commands": commands,
     "effect_keys": effect_keys,
+    "exact_checks": exact_checks,
+    "hard_scenes": hard_scenes,
     "nodes": nodes,
     "scene_keys": scene_keys,
     "topics": topics,

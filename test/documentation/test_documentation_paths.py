@@ -93,4 +93,4 @@ def test_paths_of_the_table_where_to_go_exist():
 
 
 def test_the_readme_is_read_in_one_sitting():
-    assert len((ROOT / "README.md").read_text("utf-8").splitlines()) <= 200
+    assert len((ROOT / "README.md").read_text("utf-8").splitlines()) <= 120

@@ -35,11 +35,21 @@ def _keys(text):
     return set(re.findall(r"^\| `([^`]*)`", text, re.MULTILINE))
 
 
-def test_every_part_is_on_a_page(printed):
-    used = {
-        name for page in (DOCS / "reference").glob("*.md") for name in re.findall("printed: (\\w+)", page.read_text())
+def test_every_part_is_on_a_page_and_committed_ones_are_those_of_the_code(printed):
+    pages = [page.read_text("utf-8") for page in (DOCS.parent / "README.md", *DOCS.rglob("*.md"))]
+    used = {name for page in pages for name in re.findall(r"^<!-- printed: (\w+)", page, re.MULTILINE)}
+    assert used == {
+        *("api", "commands", "effect_keys", "nodes", "scene_keys", "topics", "topics_quality"),
+        *("exact_checks", "hard_scenes"),
     }
-    assert used == {"api", "commands", "effect_keys", "nodes", "scene_keys", "topics", "topics_quality"}
+    committed = [
+        found
+        for page in pages
+        for found in re.findall(r"^<!-- printed: (\w+) -->\n(.*?)<!-- end: \1 -->$", page, re.MULTILINE | re.DOTALL)
+    ]
+    assert len(committed) >= 5
+    for name, text in committed:
+        assert text.strip() == printed(name).strip(), f"{name}: python docs/print_reference.py writes it"
 
 
 def test_topics_and_effects(printed):

@@ -1,0 +1,32 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The pictures of the README and the introduction are drawn from what runs, and the committed ones are small."""
+
+from pathlib import Path
+
+import pytest
+from PIL import Image
+
+from drill_twin_evidence.pictures import moving_string, sketches
+from drill_twin_evidence.pictures.__main__ import PICTURES
+
+FIGURES = Path(__file__).parents[3] / "docs" / "figures"
+
+
+def test_the_moving_picture_has_a_frame_for_each_instant(tmp_path, monkeypatch):
+    monkeypatch.setattr(moving_string, "BEGIN", 7.7)
+    monkeypatch.setattr(moving_string, "END", 8.0)
+    moving_string.draw(tmp_path / "whirl.gif")
+    with Image.open(tmp_path / "whirl.gif") as picture:
+        assert picture.n_frames == 4
+        assert picture.size == (720, 380)
+
+
+@pytest.mark.parametrize(("draw", "said"), [(sketches.draw_frames, "clearance"), (sketches.draw_nodes, "/rig/command")])
+def test_a_sketch_has_its_labels_as_text(draw, said, tmp_path):
+    draw(tmp_path / "sketch.svg")
+    assert said in (tmp_path / "sketch.svg").read_text("utf-8")
+
+
+def test_the_committed_pictures_are_small():
+    assert all((FIGURES / name).stat().st_size < 3e6 for name in PICTURES)
+    assert sum(file.stat().st_size for file in FIGURES.glob("*.png")) < 2.2e6
