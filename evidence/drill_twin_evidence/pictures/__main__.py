@@ -10,9 +10,9 @@ from typing import Annotated
 import typer
 
 from drill_twin.cli.show import remark
-from drill_twin_evidence.cli.output import EVIDENCE
 from drill_twin_evidence.pictures import moving_string, orbits, sketches
 
+FIGURES = Path(__file__).resolve().parents[3] / "docs" / "figures"
 PICTURES: dict[str, Callable[[Path], None]] = {
     "whirl.gif": moving_string.draw,
     "orbits.png": orbits.draw,
@@ -24,7 +24,7 @@ PICTURES: dict[str, Callable[[Path], None]] = {
 
 def main(
     names: Annotated[list[str] | None, typer.Argument(help=f"Any of {', '.join(PICTURES)}; all if omitted.")] = None,
-    out: Annotated[Path, typer.Option("--out", help="Folder of the pictures.")] = EVIDENCE.parent / "docs" / "figures",
+    out: Annotated[Path, typer.Option("--out", help="Folder of the pictures.")] = FIGURES,
 ) -> None:
     """Draw the pictures: whirl.gif and orbits.png from runs of the installed scenes, the others as sketches."""
     for name in names or PICTURES:
