@@ -16,6 +16,7 @@ from rich.text import Text
 
 from drill_twin.core.errors import printable
 from drill_twin.core.table import Table
+from drill_twin.core.units.dimension import GRAVITY
 from drill_twin.studies.json_io import json_text
 
 
@@ -56,6 +57,8 @@ def findings_shown(summary: Mapping[str, Any]) -> Iterator[Table]:
     yield Table((), [*_without_radii(findings(summary)), *provenance(summary)])
     if marks := list(_marks(summary)):
         yield Table(("mark", "largest radius", "over the threshold", "motion at the end"), marks, right=(2,))
+    if found := summary["acceleration"]:
+        yield _accelerations(found, summary["acceleration_rate_hz"])
     if periods := [_period(period) for period in summary["motion"]]:
         yield Table(("from", "to", "motion of the string", "what decided it"), periods, right=(0, 1))
     for trouble in limitations(summary):
@@ -89,6 +92,19 @@ def _marks(summary: Mapping[str, Any]) -> Iterable[tuple[str, str, str, str]]:
             "never" if onset is None else f"from {onset:.2f} s",
             motion[-1]["state"] if motion else "unknown",
         )
+
+
+def _accelerations(found: Mapping[str, Any], rate: float) -> Table:
+    """Acceleration of the marks in g, and the level of each."""
+    keys = [f"{way}_{of}" for way in ("lateral", "axial") for of in ("rms_m_s2", "peak_m_s2", "level")]
+    rows = [
+        (mark, *(f"{of[key]}" if key.endswith("level") else f"{of[key] / GRAVITY:.2g}" for key in keys))
+        for mark, of in found.items()
+    ]
+    title = f"acceleration in g, second half, and level (0 to 7); no shocks shorter than {2e3 / rate:.3g} ms are in it"
+    return Table(
+        ("mark", "lateral rms", "peak", "level", "axial rms", "peak", "level"), rows, title=title, right=range(1, 7)
+    )
 
 
 _LINE_PERIOD = 10.0  # s between two lines outside a terminal

@@ -7,6 +7,7 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 from drill_twin.core.units.system import UnitSystem, unit_system
+from drill_twin.report.severity import WORDS
 from drill_twin.whirl.motion.stick_slip_index import TIME_BASE
 
 Summary = Mapping[str, Any]
@@ -29,6 +30,23 @@ def load_rows(summary: Summary) -> Iterator[Row]:
         if found := summary["loads"].get(key):
             mean, over = units.text(found["mean"], quantity), units.span(found["min"], found["max"], quantity)
             yield name, f"{mean} on average, {over}"
+
+
+def severity_rows(summary: Summary) -> Iterator[Row]:
+    """Rows on acceleration, its level, and drilling."""
+    units, found = units_of(summary), summary["acceleration"]
+    for name in ("lateral", "axial"):
+        if found:
+            mark = max(found, key=lambda mark: found[mark][f"{name}_rms_m_s2"])
+            rms, peak = (units.text(found[mark][f"{name}_{of}_m_s2"], "acceleration", ".2g") for of in ("rms", "peak"))
+            at = found[mark][f"{name}_level"]
+            yield f"{name} acceleration", f"{rms} rms, {peak} peak at {mark}: level {at} of 7 ({WORDS[at]})"
+    if (at := summary["stick_slip_level"]) is not None:
+        yield "stick-slip severity", f"level {at} of 7 ({WORDS[at]})"
+    if summary["rate_of_penetration_m_s"] is not None:
+        yield "rate of penetration", units.text(summary["rate_of_penetration_m_s"], "rate", ".3g")
+    if summary["specific_energy_pa"] is not None:
+        yield "specific energy", f"{units.text(summary['specific_energy_pa'], 'stress', '.3g')} (Teale)"
 
 
 def fatigue_rows(summary: Summary) -> Iterator[Row]:

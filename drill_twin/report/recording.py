@@ -281,9 +281,10 @@ class Recording:
 
     def centre_lines(self) -> ComplexArray:
         """Centre line z = x + i y at the marks [m], without the rotation of marks on the wall, shape (T, m)."""
-        position = self.marks.position
+        columns = [self.marks.names.index(place.name) for place in self.places]
+        position, spin = self.marks.position[:, columns], self.marks.spin[:, columns]
         offset = np.array([place.wall_offset if place.on == "wall" else 0.0 for place in self.places])
-        centre: ComplexArray = position[..., 0] + 1j * position[..., 1] - offset * np.exp(1j * self.marks.spin)
+        centre: ComplexArray = position[..., 0] + 1j * position[..., 1] - offset * np.exp(1j * spin)
         return centre
 
 

@@ -15,6 +15,7 @@ from drill_twin.dynamics.twin.frame import COUNTS
 from drill_twin.io.bag.reader import Bag
 from drill_twin.report.quantities import applied, fatigue, loads, precession, soft_wall, wall_depth
 from drill_twin.report.recording import Recording, read_recording
+from drill_twin.report.severity import severity
 from drill_twin.whirl import AnalysisError, BitMotion, MotionPeriod, MotionState, two_sided_spectrum
 
 SLOWEST = 0.1
@@ -53,6 +54,8 @@ def summarise(bag: Recording | Bag | str | Path) -> dict[str, Any]:
           half; `load_at`: where the scene has the weight applied, `bit`, `top` or `block`.
         * `loads`: `mean`, `min` and `max` of weight on bit, hookload and drag [N] and of the torques of top drive and
           bit [N m] (`drill_twin.report.quantities`).
+        * `acceleration`, `acceleration_rate_hz`, `stick_slip_level`, `rate_of_penetration_m_s`, `specific_energy_pa`:
+          `drill_twin.report.severity`.
         * `fatigue`: by section of the effect `fatigue`, stress, cycles, damage and time to a damage of 1
           (`drill_twin.report.quantities`); None without it.
         * `wall`: the largest penetration of the wall, its place and time, and that at rest under the largest weight on
@@ -111,6 +114,7 @@ def summarise(bag: Recording | Bag | str | Path) -> dict[str, Any]:
         "applied": applied(bag),
         "load_at": bag.scene.rig.weight_on_bit.at if bag.scene_known else None,
         "loads": loads(bag),
+        **severity(bag),
         "fatigue": fatigue(bag),
         "wall": wall,
         "realtime_factor": log.realtime_factor,

@@ -15,6 +15,7 @@ from drill_twin.report.load_text import (
     fatigue_rows,
     load_rows,
     number_text,
+    severity_rows,
     sub_rows,
     units_of,
 )
@@ -22,6 +23,11 @@ from drill_twin.whirl import MotionState
 
 _OF_THE_STRING = {MotionState.SPIRAL.value, MotionState.SECOND_BENDING.value}
 """States that only the string has, by its shape."""
+FIELD_NAMES = {
+    MotionState.ROLLING.value: "backward whirl", MotionState.REVERSE_WHIRL.value: "backward whirl",
+    MotionState.IRREGULAR.value: "chaotic whirl",
+}  # fmt: skip
+"""Names of states in the field, where they are others (vocabulary of D-WIS)."""
 ON_THE_WALL = 1.005
 """Share of the clearance from which the penetration of the wall is told."""
 _VARIES = 0.05
@@ -72,6 +78,7 @@ def findings(summary: Summary) -> Iterator[Row]:
         yield "whirl", "not observable: no positions of marks"
         yield "rotation", rotation(summary, units_of(summary))
         yield from load_rows(summary)
+        yield from severity_rows(summary)
         yield from fatigue_rows(summary)
         yield from bit_rows(summary)
         return
@@ -87,6 +94,7 @@ def findings(summary: Summary) -> Iterator[Row]:
     yield from _states(summary)
     yield from _wall(summary)
     yield from load_rows(summary)
+    yield from severity_rows(summary)
     yield from fatigue_rows(summary)
     yield "motion at the end", summary["motion"][-1]["state"] if summary["motion"] else "unknown"
     yield from bit_rows(summary)
@@ -168,6 +176,8 @@ def irregular(summary: Summary) -> bool:
 def _lasting(summary: Summary) -> str:
     """State that lasts, with that of the marks where the string has a state of its own."""
     state = _text(summary["lasting_motion"])
+    if state in FIELD_NAMES:
+        return f"{state} ({FIELD_NAMES[state]})"
     if state not in _OF_THE_STRING or not summary["mark_motion"]:
         return state
     marks = sorted({periods[-1]["state"] for periods in summary["mark_motion"].values() if periods})

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Dry friction torque of the bit that decreases with speed (Stribeck): the bit can stick and slip."""
 
+import math
 from collections.abc import Callable
 from typing import Annotated, Any, ClassVar, NamedTuple, Self
 
@@ -9,10 +10,10 @@ from pydantic import model_validator
 
 from drill_twin.core.arrays import Array
 from drill_twin.core.compile.jit import kernel
-from drill_twin.core.units import AngularSpeed, Dimensionless, Length, TimePerAngle, Within, refuse, show
+from drill_twin.core.units import AngularSpeed, Dimensionless, Length, Pressure, TimePerAngle, Within, refuse, show
 from drill_twin.physics.effects.config import EffectConfig
 from drill_twin.physics.effects.friction_dual import dual_variable, no_iterate
-from drill_twin.physics.model.bit import BIT_TORQUE, apply_torque, contact_weight
+from drill_twin.physics.model.bit import BIT_TORQUE, DRILLED, apply_torque, contact_weight
 from drill_twin.physics.model.discrete_model import DiscreteModel
 from drill_twin.physics.model.mesh import SPIN, Rod
 
@@ -22,6 +23,10 @@ class BitTorqueStribeck(EffectConfig):
 
     With an `exponent` n, exp(-(gamma |w|)^n) (Armstrong-Helouvry, Dupont and Canudas de Wit 1994): the larger n, the
     nearer to a threshold at the speed 1 / gamma.
+
+    With a `specific_energy` eps the bit drills: the work of the sliding part of its torque cuts the rock, at a rate of
+    R W mu_c w / (A eps), with the area A of the bit of which R is 2/3 of the radius (Teale 1965); what sticking costs
+    above that cuts nothing. The weight is set, so the string does not descend.
     """
 
     requires: ClassVar[tuple[str, ...]] = ("stretch", "torsion")
@@ -38,6 +43,8 @@ class BitTorqueStribeck(EffectConfig):
     """Decay of friction with speed, gamma [s/rad]."""
     exponent: Annotated[Dimensionless, Within(at_least="1", at_most="20")] | None = None
     """Exponent n of the decay [-]; left out: 1."""
+    specific_energy: Annotated[Pressure, Within(above="0 Pa", at_most="1e11 Pa")] | None = None
+    """Work of the bit per volume of rock, eps [Pa]; left out: the bit does not drill."""
     creep: Annotated[AngularSpeed, Within(at_least="1e-9 rad/s", at_most="0.1 rad/s")] = 1e-4
     """Speed of regularisation: a sticking bit creeps below it [rad/s]."""
 
@@ -54,7 +61,9 @@ class BitTorqueStribeck(EffectConfig):
 
 
 class Parameters(NamedTuple):
-    """R [m], mu_c, mu_s, gamma [s], creep [rad/s], the last Newton iterate, and the exponent of the decay."""
+    """R [m], mu_c, mu_s, gamma [s], creep [rad/s], the last Newton iterate, the exponent of the decay, and the depth
+    drilled per work of the sliding torque, 1 / (A eps) [1/N].
+    """
 
     radius: float
     sliding: float
@@ -63,13 +72,17 @@ class Parameters(NamedTuple):
     creep: float
     memory: Array  # see `no_iterate`
     exponent: float
+    drilling: float
 
 
 def parameters(block: BitTorqueStribeck, model: DiscreteModel) -> Parameters:
     """Parameters of the block, without an iterate."""
+    area = math.pi * (1.5 * block.radius) ** 2
+    drilling = 0.0 if block.specific_energy is None else 1.0 / (area * block.specific_energy)
     return Parameters(
-        block.radius, block.sliding, block.sticking, block.decay, block.creep, no_iterate(), block.exponent or 1.0
-    )
+        block.radius, block.sliding, block.sticking, block.decay, block.creep, no_iterate(), block.exponent or 1.0,
+        drilling,
+    )  # fmt: skip
 
 
 @kernel
@@ -126,10 +139,12 @@ def bind(friction: Callable[..., tuple[float, float, float]]) -> tuple[Callable[
 
     @kernel
     def after_step(parameters: Any, rod: Rod, command: Array, time: float, step: float, u: Array, v: Array) -> None:
-        """Add the impulse of the torque in the step."""
-        bit = parameters.drive.bit
-        limit, _, size = friction(parameters.bit_torque_stribeck, contact_weight(bit), bit.rate[SPIN])
-        bit.impulse[BIT_TORQUE] -= step * limit * bit.rate[SPIN] / size
+        """Add the impulse of the torque in the step, and the depth that its work cuts."""
+        law, bit, speed = parameters.bit_torque_stribeck, parameters.drive.bit, parameters.drive.bit.rate[SPIN]
+        weight = contact_weight(bit)
+        limit, _, size = friction(law, weight, speed)
+        bit.impulse[BIT_TORQUE] -= step * limit * speed / size
+        bit.impulse[DRILLED] += step * law.radius * weight * law.sliding * max(speed, 0.0) * law.drilling
 
     return end_load, after_step
 

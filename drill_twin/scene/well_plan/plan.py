@@ -11,15 +11,16 @@ from drill_twin.core.errors import SceneError
 from drill_twin.core.units import parse
 from drill_twin.core.units.dimension import ANGULAR_SPEED, DENSITY, FORCE, LENGTH, Dimension
 from drill_twin.core.units.parse import short
-from drill_twin.core.units.system import typed_in_pounds
+from drill_twin.core.units.system import typed_in_pounds, unit_system
 from drill_twin.scene import Scene
 from drill_twin.scene.load import build_scene
 from drill_twin.scene.well_plan.catalogue import INCH, casing_size
 from drill_twin.scene.well_plan.survey_file import as_block, read_survey
-from drill_twin.scene.well_plan.tally import Piece, read_tally
+from drill_twin.scene.well_plan.tally import Piece, marks, read_tally
 
-BIT_TORQUE = {"sliding": 0.4, "sticking": 0.5, "decay": "0.9 s/rad"}
-"""Friction of the bit on rock, at a third of its diameter: a stand-in, to be replaced by a measured one."""
+BIT_TORQUE = {"sliding": 0.4, "sticking": 0.5, "decay": "0.9 s/rad", "specific_energy": "170 MPa"}
+"""Friction of the bit on rock, at a third of its diameter, and specific energy of the rock (25 ksi): stand-ins, to be
+replaced by measured ones."""
 LONG = 200.0
 """Length from which a string is one of a well and not of a bench, for wall, eccentricity and frame rate [m]."""
 
@@ -85,18 +86,16 @@ class WellPlan(NamedTuple):
         ]
         long = length > LONG
         shown = self.units or ("field" if typed_in_pounds(self.weight_on_bit) else "")
+        long_text = unit_system(shown or "auto", length, weight).text(length, "length")
         return {
             "name": self.name,
             **({"units": shown} if shown else {}),
-            "description": f"Well plan: {length:g} m of string, survey {self.survey.name}, tally {self.tally.name}.",
+            "description": f"Well plan: {long_text} of string, survey {self.survey.name}, tally {self.tally.name}.",
             "provenance": "Plan. Adjusted weight and make-up torque after the catalogue; torque law of the bit, "
-            "friction, eccentricity, wall and damping are stand-ins.",
+            "specific energy of the rock, friction, eccentricity, wall and damping are stand-ins.",
             "string": {
                 "sections": [piece.section for piece in pieces],
-                "marks": [
-                    {"name": "near_bit", "distance_from_bit": f"{min(10.0, 0.02 * length):g} m"},
-                    {"name": "middle", "distance_from_bit": f"{0.5 * length:g} m"},
-                ],
+                "marks": marks(pieces),
                 "bit_end": "pinned",
             },
             "hole": {"radius": f"{0.5 * hole:.10g} m", **({"intervals": intervals} if intervals else {}), **axis},

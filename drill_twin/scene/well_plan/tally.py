@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -46,6 +47,10 @@ REST = "rest"
 """Length of a row that takes what is left of the well."""
 
 
+MARKED = ("stabiliser", "stabilizer", "stab", "mwd", "motor", "sub")
+"""Kinds with a mark at their middle."""
+
+
 class Piece(NamedTuple):
     """Row of a tally."""
 
@@ -53,6 +58,8 @@ class Piece(NamedTuple):
     """With its place, for messages."""
     section: dict[str, Any]
     """As a scene file has it, with units."""
+    kind: str
+    """Word of the tally, one of `KINDS`."""
     length: float
     """[m]."""
     widest: float
@@ -89,6 +96,28 @@ def read_tally(file: Path, system: str, bottom: float) -> list[Piece]:
     ]
 
 
+def marks(pieces: Sequence[Piece]) -> list[dict[str, Any]]:
+    """Marks of a string from the bit up: near the bit, at stabilisers and tools, in the longest collar and half-way up.
+
+    The bit itself is held, so its mark is a metre above its face, or less in a short string.
+    """
+    length = math.fsum(piece.length for piece in pieces)
+    found = {"bit": min(1.0, 0.02 * length)}
+    collars = [piece.length for piece in pieces if KINDS[piece.kind] == "collar" and piece.kind not in MARKED]
+    place = 0.0
+    for piece in pieces:
+        middle = place + 0.5 * piece.length
+        if piece.kind in MARKED:
+            word = KINDS[piece.kind] if KINDS[piece.kind] == "stabiliser" else piece.kind
+            same = sum(name.rstrip("0123456789_") == word for name in found)
+            found[f"{word}_{same + 1}" if same else word] = middle
+        elif piece.length == max(collars, default=0.0):
+            found.setdefault("collars", middle)
+        place += piece.length
+    found["middle"] = 0.5 * length
+    return [{"name": name, "distance_from_bit": f"{at:.6g} m"} for name, at in found.items()]
+
+
 def _positive(row: Row, column: str, kind: str) -> float:
     value = row.number(column, kind)
     if not value > 0.0:
@@ -114,7 +143,7 @@ def _piece(row: Row, length: float) -> Piece:
         section["blade_diameter"] = f"{gauge:.10g} m"
     section |= _material(row)
     widest = section.get("blade_diameter", section["outer_diameter"])
-    return Piece(row, section, length, parse(widest, LENGTH))
+    return Piece(row, section, word, length, parse(widest, LENGTH))
 
 
 def _drill_pipe(row: Row, outer: float) -> dict[str, Any]:

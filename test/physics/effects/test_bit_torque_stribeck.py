@@ -11,7 +11,7 @@ from drill_twin.dynamics.twin.twin import Twin
 from drill_twin.physics.effects.bit_torque_stribeck import Parameters, end_load, friction, friction_exponent
 from drill_twin.scene.set_points.command import Command
 
-LAW = Parameters(0.1, 0.2, 0.5, 0.3, 1e-4, np.zeros(5), 1.0)
+LAW = Parameters(0.1, 0.2, 0.5, 0.3, 1e-4, np.zeros(5), 1.0, 0.0)
 
 
 @pytest.mark.parametrize("speed", [0.01, 1.0, 7.0])
@@ -37,6 +37,16 @@ def test_a_bit_that_turns_steadily_feels_the_limit_of_its_speed():
         rig = twin.advance(Command(500.0, 60.0), 0.1).rig
     expected = 0.05 * rig.bit_force * (0.1 + 0.2 * np.exp(-((0.02 * rig.bit_speed) ** 2)))
     assert -rig.bit_torque == pytest.approx(expected, rel=1e-3)
+
+
+def test_a_bit_drills_with_the_work_of_its_sliding_torque():
+    law = {"radius": 0.1, "sliding": 0.4, "sticking": 0.5, "decay": "0.9 s/rad", "specific_energy": "170 MPa"}
+    twin = Twin(load_scene("two_mass", {"effects.bit_torque_stribeck": law}))
+    for _ in range(100):
+        rig = twin.advance(Command(500.0, 20.0), 0.1).rig
+    rate = 0.1 * rig.bit_force * 0.4 * rig.bit_speed / (np.pi * 0.15**2 * 170e6)
+    assert rig.rate_of_penetration == pytest.approx(rate, rel=5e-3)  # the mean of a frame
+    assert 0.0 < rig.drilled < 10.0 * rate
 
 
 def test_a_law_bound_to_its_load_runs_outside_of_compiled_code():
