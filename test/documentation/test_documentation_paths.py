@@ -84,7 +84,7 @@ def test_the_way_names_functions_that_exist(files, functions):
 
 
 def test_paths_of_the_table_where_to_go_exist():
-    text = (ROOT / "docs" / "design.md").read_text("utf-8")
+    text = (ROOT / "CONTRIBUTING.md").read_text("utf-8")
     table = text.partition("## Where to go for")[2].partition("\n## ")[0]
     names = [name for name in re.findall(r"`([a-z_]+/[\w/.]*)`", table) if "NAME" not in name]
     assert len(names) > 20
