@@ -116,6 +116,8 @@ def _shown(found: Estimate, scene: Scene, held: str, troubles: dict[str, int]) -
         rows.append((f"{name} [{unit}]", mean, f"{size * band.deviation:.2g}", low, high))
     title = f"{scene.name} at {found.time:g} s"
     yield Table(("", "mean", "deviation", "low", "high"), rows, title=title, right=(1, 2, 3, 4))
+    for key, share in found.untold.items():
+        yield f"{key}: the record does not tell it, its band covers {share:.0%} of its range"
     yield goodness_table(found.goodness)
     yield held
     yield _line(found)

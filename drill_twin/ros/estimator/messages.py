@@ -71,6 +71,7 @@ def values_for_diagnostics(found: Estimate) -> dict[str, str]:
     for name, of in found.goodness.items():
         values |= {f"residual_over_noise_{name}": exact(of.ratio), f"chi_square_{name}": exact(of.chi_square)}
         values |= {f"autocorrelation_{name}": exact(of.correlation), f"in_band_{name}": exact(of.inside)}
+    values |= {"not_told": ", ".join(found.untold)} if found.untold else {}
     return values | {"absurd_beside_the_model": str(found.absurd), "members_replaced": str(found.replaced)}
 
 

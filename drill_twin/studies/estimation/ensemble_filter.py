@@ -16,7 +16,7 @@ from drill_twin.core.rig_channels import INSTANT
 from drill_twin.scene import Scene
 from drill_twin.studies.estimation.channel_errors import ChannelErrors, ModelMismatchAlarm
 from drill_twin.studies.estimation.estimate import Estimate, FilterWindow
-from drill_twin.studies.estimation.innovations import Innovations, widening
+from drill_twin.studies.estimation.innovations import Innovations, widening, widening_of_numbers
 from drill_twin.studies.estimation.jumps import Jumps
 from drill_twin.studies.estimation.members import EstimatorMembers
 from drill_twin.studies.estimation.phase import PhaseCorrection
@@ -32,6 +32,11 @@ _CORRECTED = ("weight_on_bit", "bit_speed", "bit_torque")
 """Virtual sensors that the correction of torsion and axial motion changes."""
 _LATERAL = ("radius", "bending_stress")
 """Those that the correction of the lateral motion changes too; the largest wall force, of an impact, follows none."""
+_FOLLOWED = ("radius", "bit_speed", "wall_force")
+"""Virtual sensors whose bands hold with a sub as without."""
+_FEW = 3.0
+"""Factor of the bands of the others with a sub: so few members have too little spread in the many directions of a
+motion that it corrects. Found on eleven truths of `pa6_bench`; judged on others (docs/bands.md)."""
 _WHIRLS = 0.5
 """Share of members that whirl, above which none is followed ahead."""
 
@@ -147,7 +152,8 @@ class EnsembleFilter:
         lateral = self._phase(self.members, prediction.readings, readings, found) if self.members.subs else []
         corrected = applied(found, predicted)
         self._errors.learn(measured, predicted.mean(axis=0), corrected.mean(axis=0))
-        self.members.correct([*found, *lateral], self._jumps.free)
+        free = [self._jumps.free] * len(found) + [False if self._phase.lost else self._jumps.free] * len(lateral)
+        self.members.correct([*found, *lateral], free)
         if anew.any():
             self.members.draw_anew(anew)
             self._errors.forget()
@@ -162,11 +168,12 @@ class EnsembleFilter:
         self._resample(predicted, measured, deviation)
         self._weigh_distance(applied([*found, *lateral], predicted), measured, deviation)
         goodness = self._innovations.judged()
-        factor = widening(goodness)
+        factor, of_numbers = widening(goodness), widening_of_numbers(goodness)
         return Estimate(
             time=self.time,
-            numbers=self.members.bands(factor),
-            sensors={name: Band.of(values, factor) for name, values in sensors.items()},
+            numbers=self.members.bands(of_numbers),
+            untold=self.members.untold(of_numbers),
+            sensors={name: Band.of(values, self._wider(name, factor)) for name, values in sensors.items()},
             whirls=float(prediction.whirls.mean()),
             chance=self._chance(window.commands, float(prediction.whirls.mean())),
             unexplained=self._alarm.since,
@@ -178,6 +185,12 @@ class EnsembleFilter:
             unmeasured=self._unmeasured,
             frames=frames,
         )
+
+    def _wider(self, name: str, factor: float) -> float:
+        """Factor of the band of a virtual sensor, from that of what is not measured."""
+        if not self.members.subs or name in _FOLLOWED:
+            return factor
+        return _FEW * max(factor, math.sqrt(self._phase.chi_square))
 
     @property
     def _nearest(self) -> int:

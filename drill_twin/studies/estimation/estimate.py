@@ -35,6 +35,7 @@ class Estimate:
     Attributes:
         time: Time [s].
         numbers: Free numbers [SI] by key.
+        untold: Share of its range that the band of a number covers, of those that the record does not tell, by key.
         sensors: Virtual sensors by name, see `drill_twin.studies.estimation.prediction.SENSORS`; with a sub also the
             places of the centre line at the marks at the end of the window [m], MARK/x and MARK/y.
         whirls: Share of the members that whirl.
@@ -51,6 +52,7 @@ class Estimate:
 
     time: float
     numbers: Mapping[str, Band]
+    untold: Mapping[str, float]
     sensors: Mapping[str, Band]
     whirls: float
     chance: float

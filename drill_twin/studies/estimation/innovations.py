@@ -82,12 +82,22 @@ class Innovations:
 
 
 def widening(found: Mapping[str, Goodness]) -> float:
-    """Factor of the bands: root of the largest chi-square of a channel where that exceeds 1.
+    """Factor of the bands of what is not measured: root of the largest chi-square of a channel where that exceeds 1.
 
-    What is not measured is taken to err as the measured channels do. What is told is widened, not the ensemble as by
-    the inflation of Anderson (2009).
+    It is taken to err as the measured channels do. What is told is widened, not the ensemble as by the inflation of
+    Anderson (2009).
     """
     return math.sqrt(max([1.0, *(one.chi_square for one in found.values() if one.samples)]))
+
+
+def widening_of_numbers(found: Mapping[str, Goodness]) -> float:
+    """Factor of the bands of numbers: chi-square counts with the samples that are not independent of one another.
+
+    The filter learns from each sample as from a new one; where the model errs alike from sample to sample, the mean of
+    many has the error of the independent ones alone.
+    """
+    known = (one for one in found.values() if one.samples and one.independent > 0.0)
+    return math.sqrt(max([1.0, *(one.chi_square * one.samples / one.independent for one in known)]))
 
 
 def _rms(squares: Array) -> Array:

@@ -14,7 +14,7 @@ from drill_twin.dynamics.discretisation.discretise import tubes_of
 from drill_twin.dynamics.discretisation.kernel_arguments import SPATIAL
 from drill_twin.dynamics.twin.dynamics import kernel_of
 from drill_twin.dynamics.twin.frame import Frame
-from drill_twin.dynamics.twin.frame_record import FrameSeries, RigSeries
+from drill_twin.dynamics.twin.frame_record import RigSeries
 from drill_twin.dynamics.twin.twin import Twin
 from drill_twin.physics.model.section_stress import bending_stress
 from drill_twin.runs.ensemble.outputs import Request
@@ -22,35 +22,13 @@ from drill_twin.runs.ensemble.time_outputs import Channels, Instants
 from drill_twin.scene import Scene
 from drill_twin.scene.load import build_scene
 from drill_twin.scene.set_points import Command
-from drill_twin.studies.estimation.lateral import LateralMotion
+from drill_twin.studies.estimation.lateral import LateralMotion, asynchronous_radius
 from drill_twin.studies.estimation.prediction import SENSORS, SHARE, Band, Prediction, WindowTiming
 from drill_twin.studies.estimation.square_root_filter import Correction, applied
 from drill_twin.studies.estimation.subs import VALUES, SubReader, listed
-from drill_twin.studies.fitting.posterior import full_key
+from drill_twin.studies.fitting.posterior import UNDETERMINED, full_key
 from drill_twin.studies.fitting.sampling import Ranges, in_ranges
 from drill_twin.whirl.criteria import Criteria
-
-_LEAST_TURN = 1.0
-"""Revolutions that a window must have, to tell offset, synchronous part and the rest apart."""
-
-
-def asynchronous_radius(rows: FrameSeries) -> Array:
-    """Rms radius of z - c - S exp(i spin) at each mark over recorded frames [m], shape (m,); 0 within a revolution.
-
-    Offset c and synchronous part S are a least-squares fit over the window; the analyzer's has a fading memory
-    (`drill_twin.whirl.orbit.runout_separation`).
-    """
-    found = np.zeros(rows.spin.shape[1])
-    for mark in range(found.size):
-        spin = rows.spin[:, mark]
-        if abs(spin[-1] - spin[0]) < 2.0 * np.pi * _LEAST_TURN:
-            continue
-        motion = rows.centre[:, mark, 0] + 1j * rows.centre[:, mark, 1]
-        parts = np.column_stack((np.ones(spin.size), np.exp(1j * spin)))
-        fitted = parts @ np.linalg.lstsq(parts, motion, rcond=None)[0]
-        found[mark] = np.sqrt(np.mean(np.abs(motion - fitted) ** 2))
-    return found
-
 
 LOAD = "load_factor"
 """Number that is no key of a scene: weight on bit of a member over the one that is commanded or indicated."""
@@ -111,10 +89,20 @@ class EstimatorMembers:
         A filter for near-linear motion knows a mean and a variance, in the space of `normal`; single members, which
         are mixed by it, have no more to say.
         """
-        ends = factor * special.ndtri(0.5 + 0.5 * SHARE * np.array([[-1.0], [1.0]]))
-        low, high = self._in_ranges(self.normal.mean(axis=0) + ends * self.normal.std(axis=0, ddof=1))
+        low, high = self._in_ranges(self._ends(factor))
         of = zip(self.values.mean(axis=0), factor * self.values.std(axis=0, ddof=1), low, high, strict=True)
         return {key: Band(*map(float, each)) for key, each in zip(self.keys, of, strict=True)}
+
+    def untold(self, factor: float = 1.0) -> dict[str, float]:
+        """Share of its range that the band of a number covers, by key, of those that the record does not tell."""
+        low, high = special.ndtr(self._ends(factor))
+        shares = zip(self.keys, (high - low).tolist(), strict=True)
+        return {key: share for key, share in shares if share > UNDETERMINED}
+
+    def _ends(self, factor: float) -> Array:
+        """Ends of the bands in the space of `normal`, shape (2, d)."""
+        ends = factor * special.ndtri(0.5 + 0.5 * SHARE * np.array([[-1.0], [1.0]]))
+        return np.asarray(self.normal.mean(axis=0) + ends * self.normal.std(axis=0, ddof=1))
 
     def advance(self, commands: Array, shown: int = -1) -> tuple[list[Frame], Prediction]:
         """Advance by a window; a member that fails becomes a copy of one that does not.
@@ -154,19 +142,19 @@ class EstimatorMembers:
         twin.change_numbers(self.twins[source].scene)  # whose numbers its arrays have now
         twin.change_numbers(self._scene(target))
 
-    def correct(self, found: Sequence[Correction], free: Mask | bool = True) -> None:
-        """Correct torsional motion, and the numbers of a mask of shape (d,) or all.
+    def correct(self, found: Sequence[Correction], free: Sequence[Mask | bool] = ()) -> None:
+        """Correct torsional motion and numbers: of each correction those of a mask of shape (d,); all without masks.
 
         Surface channels of a straight hole do not change when the lateral motion is turned about its axis, so they are
         uncorrelated with it; a sub corrects it (`drill_twin.studies.estimation.phase`). Axial motion follows loads and
         lateral motion (a bent string is shorter) within the time of a wave: moved by itself it would stretch the string
         and throw it against the wall.
         """
-        for correction in found:
+        for correction, mask in zip(found, free or [True] * len(found), strict=True):
             moved = correction.apply_to_numbers(self.normal)
             mean = moved.mean(axis=0)
             within = np.clip(mean, -FARTHEST, FARTHEST)
-            self.normal = np.where(free, np.clip(moved - mean + within, -WIDEST, WIDEST), self.normal)
+            self.normal = np.where(mask, np.clip(moved - mean + within, -WIDEST, WIDEST), self.normal)
         columns = (6,) if self.twins[0].dynamics.form == SPATIAL else ()
         for part in range(2):
             rows = [twin.unknowns[part] for twin in self.twins]

@@ -21,6 +21,9 @@ from drill_twin.studies.estimation.subs import lateral_velocity, replace_outlier
 _COHERENCE = 0.5
 """Correlation with the measured motion from which a member's phase is a phase of the same motion."""
 
+_LOST = 2.0
+"""Chi-square of a window above which the members have lost the motion; while they follow it, it is 0.01 to 0.5."""
+
 
 class PhaseCorrection:
     """Corrects members by the lateral velocity of s subs.
@@ -29,6 +32,7 @@ class PhaseCorrection:
         predicted: Of the last window, as x and y of each sub, shape (N, 2 s, S), turned.
         measured: Likewise, shape (2 s, S); NaN where there were no readings.
         errors: Of these channels.
+        chi_square: Mean square of measured less predicted over the predicted one, in the last window with readings.
     """
 
     def __init__(self, members: EstimatorMembers, share: float) -> None:
@@ -38,6 +42,12 @@ class PhaseCorrection:
         self.errors = ChannelErrors(names, share, floor)
         self.predicted: Array = np.zeros((len(members), len(names), pace.samples))
         self.measured: Array = np.full(self.predicted.shape[1:], np.nan)
+        self.chi_square = 0.0
+
+    @property
+    def lost(self) -> bool:
+        """True where the members have lost the motion: the window then tells motion, and nothing of numbers."""
+        return self.chi_square > _LOST
 
     def __call__(
         self, members: EstimatorMembers, predicted: Array, measured: Array, found: Sequence[Correction]
@@ -62,6 +72,8 @@ class PhaseCorrection:
         self.measured = self.errors.screen(self.predicted, np.concatenate((rig.real, rig.imag)))
         if not np.isfinite(self.measured).any():
             return []
+        variance = self.predicted.var(axis=0, ddof=1) + self.errors.stated[:, None] ** 2
+        self.chi_square = float(np.nanmean((self.measured - self.predicted.mean(axis=0)) ** 2 / variance))
         scaled = applied(found, self.predicted) / self.errors.deviation[:, None]
         target = (self.measured / self.errors.deviation[:, None]).ravel()
         new = [correction(scaled.reshape(len(scaled), -1), target, np.ones(target.size))]

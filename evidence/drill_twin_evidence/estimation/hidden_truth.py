@@ -34,7 +34,7 @@ _TRUTHS, _OPEN = 10_000, 777
 
 
 class TruthRow(TypedDict):
-    """One truth, followed, in plain types; times in s."""
+    """One truth, followed, in plain types; times in s. It is told if an alarm stands at the end."""
 
     case: str
     members: int
@@ -47,6 +47,7 @@ class TruthRow(TypedDict):
     onset: float
     warnings: list[float]
     alarms: list[float]
+    told: bool
     followed: dict[str, float]
     dragged: dict[str, tuple[float, float]]
     processor: float
@@ -147,6 +148,7 @@ class Followed:
             onset=self.onset,
             warnings=self.warnings,
             alarms=self.alarms,
+            told=bool(self.estimates[-1].alarm),
             followed={key: self.found_after(key, TOLERANCES.get(key, 0.05)) for key in changed},
             dragged={key: self.dragged(key) for key in self.hidden if key not in changed} if self.jumped else {},
             processor=self.processor,

@@ -69,6 +69,7 @@ def _jumps(runs: Sequence[TruthRow]) -> dict[str, Any]:
         "dragged_at_the_end": {key: float(of[:, 1].max()) for key, of in dragged.items()},
         "dragged_most": {key: float(of[:, 0].max()) for key, of in dragged.items()},
         "told": sum(map(bool, told)),
+        "held_or_told_at_the_end": sum(run["told"] or all(run["held"].values()) for run in runs),
         "told_within_s": max((times[0] for times in told if times), default=math.nan),
     }
 
@@ -137,8 +138,11 @@ def _jump_lines(found: Mapping[str, Any]) -> list[str]:
         (key, "", f"{end:.1%}, on the way {found['dragged_most'][key]:.1%}")
         for key, end in found["dragged_at_the_end"].items()
     ]
-    return ["", Table(("jump", "followed after", "dragged at most"), rows).markdown(),
-            "", f"Told in {found['told']}, within {found['told_within_s']:.0f} s."]  # fmt: skip
+    told = (
+        f"Told in {found['told']}, within {found['told_within_s']:.0f} s. "
+        f"All bands held, or an alarm at the end: {found['held_or_told_at_the_end']}."
+    )
+    return ["", Table(("jump", "followed after", "dragged at most"), rows).markdown(), "", told]
 
 
 def _told(share: Mapping[str, float]) -> str:

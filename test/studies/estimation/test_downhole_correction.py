@@ -13,8 +13,10 @@ from drill_twin.cli.app import app
 from drill_twin.core.errors import ArgumentError
 from drill_twin.dynamics.twin.twin import Twin
 from drill_twin.studies.estimation.lateral import LateralMotion
+from drill_twin.studies.estimation.members import EstimatorMembers
 from drill_twin.studies.estimation.phase import turns
 from drill_twin.studies.estimation.prediction import WindowTiming
+from drill_twin.studies.estimation.square_root_filter import correction
 from drill_twin.studies.estimation.subs import VALUES, SubIntake, lateral_velocity, replace_outliers
 
 SUB = (
@@ -166,3 +168,15 @@ def test_another_lateral_motion_keeps_stretch_and_hole():
     np.testing.assert_array_equal(lateral.read(twins)[0], changed[0])
     assert np.abs(lateral.read(twins)[1, 0, :, 0]).max() == pytest.approx(scene.clearance_at(2.5))
     assert twins[0].unknowns[0][-1, 2] == pytest.approx(twins[1].unknowns[0][-1, 2])  # the top is held
+
+
+def test_a_window_in_which_the_motion_is_lost_corrects_no_number():
+    pace = WindowTiming(0.1, 10, 10)
+    members = EstimatorMembers(dt.load_scene("two_mass"), {"load_factor": (0.9, 1.1)}, 8, pace, 1)
+    before = members.normal.copy()
+    predicted = before + 0.1 * np.arange(8.0)[:, None] / 8.0
+    found = [correction(predicted, np.array([1.0]), np.array([1e-4]))]
+    members.correct(found, [False])
+    np.testing.assert_array_equal(members.normal, before)
+    members.correct(found)
+    assert members.normal.std() < 0.5 * before.std()

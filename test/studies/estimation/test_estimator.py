@@ -2,6 +2,7 @@
 """The estimator on a twin with hidden numbers; numbers that change in the middle of a run."""
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -12,8 +13,10 @@ from drill_twin.cli.app import app
 from drill_twin.core.errors import ArgumentError
 from drill_twin.dynamics.twin.twin import Twin
 from drill_twin.studies.estimation.channel_errors import ModelMismatchAlarm
+from drill_twin.studies.estimation.innovations import widening, widening_of_numbers
 from drill_twin.studies.estimation.jumps import Jumps, told_of_jumps
 from drill_twin.studies.estimation.regime_resampling import RegimeResampling
+from drill_twin.studies.goodness import Goodness
 
 OVER = {"wob": 55e3, "numerics.step": "20 ms", "numerics.frame_rate": 10.0}
 HIDDEN = {"bit_torque_stribeck.sticking": 0.71, "internal_damping.torsion_time": 0.15}
@@ -73,6 +76,27 @@ def test_hidden_numbers_and_the_unmeasured_bit_are_found(record, followed):
     ]
     assert np.sqrt(np.mean(np.square(error[5:]))) < 0.2 * record["bit_speed"].std()
     assert last.alarm == ""
+
+
+def test_a_number_that_the_record_does_not_tell_keeps_its_prior_and_is_named(record):
+    free = FREE | {"internal_damping.bending_time": "5 ms..20 ms"}  # nothing bends
+    part = {name: values[:130] for name, values in record.items()}
+    last = feed(dt.Estimator("two_mass", free, overrides=OVER, options=FEW), part)[-1]
+    assert "internal_damping.bending_time" in last.untold
+    assert "load_factor" not in last.untold
+    band = last.numbers["internal_damping.bending_time"]
+    assert band.mean == pytest.approx(12.5e-3, rel=0.1)
+    assert band.low < 6.2e-3
+    assert band.high > 18.8e-3
+    assert last.untold["internal_damping.bending_time"] > 0.85
+
+
+def test_samples_that_err_alike_widen_the_bands_of_numbers():
+    alike = Goodness(100, 2.0, 1.0, 0.8, 10.0, 0.5, 0.95, np.nan)
+    assert widening({"torque": alike}) == 1.0
+    assert widening_of_numbers({"torque": alike}) == pytest.approx(np.sqrt(5.0))
+    assert widening_of_numbers({"torque": replace(alike, independent=100.0)}) == 1.0
+    assert widening_of_numbers({"torque": replace(alike, samples=0)}) == 1.0
 
 
 def test_bad_samples_are_survived_and_told(record):
