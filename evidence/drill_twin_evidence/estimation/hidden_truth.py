@@ -134,7 +134,13 @@ class Followed:
         return max(changes), changes[-1]
 
     def row(self, case: str, members: int, truth: int) -> TruthRow:
-        """What the score needs of it, as plain types; its names are those of case and truth."""
+        """Plain types that the score needs of it.
+
+        Args:
+            case: Name of the case.
+            members: Members of the ensemble.
+            truth: Number of the truth.
+        """
         changed = [key for key, value in self.hidden.items() if value != self.before[key]]
         return TruthRow(
             case=case,

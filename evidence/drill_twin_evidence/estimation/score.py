@@ -58,7 +58,7 @@ def _sensor(runs: Sequence[TruthRow], name: str) -> dict[str, float]:
 
 
 def _jumps(runs: Sequence[TruthRow]) -> dict[str, Any]:
-    """How long until what jumped is found, and how far the rest is dragged; empty without jumps."""
+    """Times until what jumped is found, and how far the rest is dragged; empty without jumps."""
     followed = {key: [run["followed"][key] for run in runs] for key in runs[0]["followed"]}
     dragged = {key: np.array([run["dragged"][key] for run in runs]) for key in runs[0]["dragged"]}
     if not dragged:
