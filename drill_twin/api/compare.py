@@ -164,6 +164,13 @@ def _run(case: Case) -> Iterator[tuple[tuple[str, str], float | str]]:
             100.0 * number_or_nan(radius) / summary["clearance_m"][mark],
         )
     yield ("bit at the end", ""), summary["bit"] or ""
+    yield ("stick-slip index", "-"), number_or_nan(summary["stick_slip_index"])
+    for way in ("lateral", "axial"):
+        found = [of[f"{way}_rms_m_s2"] for of in summary["acceleration"].values()]
+        yield (f"{way} acceleration, rms", "m/s^2"), max(found, default=math.nan)
+    yield ("fatigue damage", "-"), max((of["damage"] for of in (summary["fatigue"] or {}).values()), default=math.nan)
+    yield ("rate of penetration", "m/s"), number_or_nan(summary["rate_of_penetration_m_s"])
+    yield ("specific energy", "Pa"), number_or_nan(summary["specific_energy_pa"])
     if half.any():
         speed = rig.bit_speed[half]
         yield ("speed of the bit, least", "rad/s"), _least(speed)
@@ -195,7 +202,7 @@ def _least(values: Array) -> float:
 
 def page(
     names: Sequence[str], found: Sequence[ComparedQuantity], tolerance: float, notes: Sequence[str], figure: Path,
-    units: UnitSystem,
+    units: UnitSystem, verdict: Sequence[str], costs: Table,
 ) -> str:  # fmt: skip
     """HTML text; rows that differ are first.
 
@@ -206,6 +213,8 @@ def page(
         notes: Sentences above the table.
         figure: PNG file.
         units: Of the tables.
+        verdict: Sentences above all.
+        costs: Table below them.
     """
     ordered = sorted(found, key=lambda of: not of.differs(tolerance))
     differing = sum(of.differs(tolerance) for of in ordered)
@@ -222,7 +231,10 @@ def page(
         f"<h1>{escape(' and '.join(names))}</h1>"
         f'<p class="lead">Differences of more than {100.0 * tolerance:g} % first; numbers of runs are of their second '
         "half.</p>"
-        f"{''.join(f'<p>{escape(note)}</p>' for note in notes)}{tables}"
+        f"{''.join(f'<p>{escape(note)}</p>' for note in notes)}"
+        f"<h2>Verdict</h2><section>{''.join(f'<p><b>{escape(said)}</b></p>' for said in verdict)}"
+        f"{costs.html()}</section>"
+        f"{tables}"
         '<h2>Over time</h2><section><div class="picture">'
         f'<img alt="the runs over time" src="data:image/png;base64,{picture}"></div>'
         "</section></main></body></html>\n"

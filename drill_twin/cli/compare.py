@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from itertools import chain
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -30,6 +31,10 @@ def compare(
         ),
     ],
     duration: DurationOption = "",
+    seeds: Annotated[
+        int,
+        typer.Option("--seeds", metavar="N", min=1, max=100, help="Runs of a scene, a small push apart: its spread."),
+    ] = 3,
     change: SetOption = [],  # noqa: B006  typer makes a new list of it
     tolerance: Annotated[
         float, typer.Option("--tolerance", min=0.0, max=1.0, help="Share from which numbers differ.")
@@ -42,10 +47,12 @@ def compare(
 ) -> None:
     """Run two or more cases and show the differences that matter to a bit run, in a table and on a page.
 
-    Loads and margins come from the balance of forces (`statics`), the rest from the second half of each run. Writes
-    compare.html, compare.json and compare.png.
+    Loads and margins come from the balance of forces (`statics`), the rest from the second half of each run. It ends
+    with a verdict: what costs bits and joints, over runs of several seeds, and what they can show. Writes compare.html,
+    compare.json and compare.png.
     """
     from drill_twin.api.compare import finish, page, prepare, quantities
+    from drill_twin.api.verdict import again, cost_table, costs, verdicts
     from drill_twin.core.units.system import unit_system
     from drill_twin.report.comparison import draw_runs
     from drill_twin.report.figures.style import save
@@ -61,15 +68,22 @@ def compare(
     with shown_progress("computing") as bar:
         for text, what in zip(cases, prepared, strict=True):
             found.append(finish(text, what, lambda time, text=text: bar.show(f"{text}: {time:.1f} s")))  # type: ignore[misc]
+        repeated = [
+            again(found, prepared, seed, lambda text, seed=seed: bar.show(f"{text}, seed {seed}"))  # type: ignore[misc]
+            for seed in range(1, seeds)
+        ]
+    ranked = costs([found, *repeated], tolerance)
     rows, shown = quantities(found), unit_system(units or found[0].result.recording.units.name)
     notes = [
         f"{case.name}: its motion is irregular; a run that differs in anything shares its statistics, not its path."
         for case in found
         if case.result.summary["lasting_motion"] == "irregular"
     ]
+    said, table = verdicts(ranked, shown), cost_table(ranked, shown)
     differing = [row for row in rows if row.differs(tolerance)]
     content = {
         "cases": cases, "tolerance": tolerance, "differing": [row.name for row in differing], "notes": notes,
+        "verdict": said, "costs": [of._asdict() for of in ranked],
         "quantities": [{**row._asdict(), "differs": row.differs(tolerance)} for row in rows],
     }  # fmt: skip
     picture = draw_runs([(case.name, case.result.recording) for case in found], "Runs over time", units=shown)
@@ -77,10 +91,13 @@ def compare(
     agree = f"{len(rows) - len(differing)} quantities agree to {100 * tolerance:g} %; --all shows them"
     emit(
         content, json=json,
-        shown=_shown(cases, *((rows, notes) if everything else (differing, [agree, *notes])), shown),
+        shown=chain(
+            _shown(cases, *((rows, notes) if everything else (differing, [agree, *notes])), shown), [table, *said]
+        ),
         folder=out,
         files={
-            "compare.html": page(cases, rows, tolerance, notes, out / "compare.png", shown), "compare.json": content,
+            "compare.html": page(cases, rows, tolerance, notes, out / "compare.png", shown, said, table),
+            "compare.json": content,
         },
         also=["compare.png"],
     )  # fmt: skip

@@ -133,7 +133,7 @@ def _quantity(
     scale, difference = tolerance * (abs(one) if relative else 1.0), abs(other - one)
     measurable = min(counts) > 1
     noise = math.sqrt(_square_error(before) + _square_error(after)) if measurable else math.nan
-    matters = more_often or (measurable and difference > max(scale, _chance_difference(before, after)))
+    matters = more_often or (measurable and difference > max(scale, chance_difference(before, after)))
     known = matters or (measurable and countable)
     return AblationQuantity(one, other, *counts, noise, difference / max(scale, 1e-300), matters, known)
 
@@ -147,13 +147,13 @@ def _mean(values: list[float]) -> float | None:
     return float(np.mean(values)) if values else None
 
 
-def _chance_difference(before: list[float], after: list[float]) -> float:
+def chance_difference(before: list[float], after: list[float], confidence: float = CONFIDENCE) -> float:
     """Confidence limit of the difference of two means (Welch 1947); far above its standard error for few runs."""
     errors = (_square_error(before), _square_error(after))
     freedom = sum(e**2 / (len(runs) - 1) for e, runs in zip(errors, (before, after), strict=True) if e > 0.0)
     if freedom == 0.0:
         return 0.0
-    return float(stats.t.ppf(0.5 + 0.5 * CONFIDENCE, sum(errors) ** 2 / freedom)) * math.sqrt(sum(errors))
+    return float(stats.t.ppf(0.5 + 0.5 * confidence, sum(errors) ** 2 / freedom)) * math.sqrt(sum(errors))
 
 
 def _square_error(values: list[float]) -> float:

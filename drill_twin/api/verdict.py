@@ -1,0 +1,168 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Verdict between cases: what costs bits and joints, with its spread over seeds, and what the runs can show of it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from drill_twin.api.compare import NOTHING, Case, quantities
+from drill_twin.api.result import Result
+from drill_twin.api.scenes import override
+from drill_twin.api.simulation import Simulation
+from drill_twin.core.table import Table
+from drill_twin.core.units.system import UnitSystem
+from drill_twin.scene import Scene
+from drill_twin.studies.accuracy.trial import CONFIDENCE, chance_difference
+
+COSTS = {
+    "stick-slip index": 1.0, "lateral acceleration, rms": 1.0, "axial acceleration, rms": 1.0,
+    "largest bending stress": 1.0, "fatigue damage": 1.0, "largest force of the wall at a mark": 1.0,
+    "margin to snaking": -1.0, "yield margin": -1.0, "make-up margin": -1.0, "specific energy": 1.0,
+    "rate of penetration": -1.0,
+}  # fmt: skip
+"""Quantities that cost bits and joints, the costliest first: 1 where more is worse, -1 where less is. A name is the end
+of that of a compared quantity."""
+PUSH = 1e-4
+"""Standard deviation of the lateral velocity at mid-span that sets a run of another seed apart [m/s]."""
+NONE = "no difference that the runs can show"
+
+
+class Cost(NamedTuple):
+    """A cost in the runs of each case, in SI."""
+
+    name: str
+    unit: str
+    values: tuple[tuple[float, ...], ...]
+    """By case, one a seed."""
+    better: tuple[str, ...]
+    """For each case but the first: `A` (the first), its own letter, or empty where no difference is shown."""
+
+
+def again(
+    first: Sequence[Case], what: Sequence[Scene | Result], seed: int, progress: Callable[[str], None] | None = None
+) -> list[Case]:
+    """Cases in runs of another seed, a drawn push apart; a bag stays what it is.
+
+    Args:
+        first: Cases in their first runs, whose balance is that of all seeds.
+        what: Scene or bag of each.
+        seed: Number of the seed, from 1.
+        progress: Takes the name of a case before its run.
+
+    Raises:
+        RunError: A run stops early.
+    """
+    found = []
+    for case, of in zip(first, what, strict=True):
+        if not isinstance(of, Scene):
+            found.append(case)
+            continue
+        if progress is not None:
+            progress(case.name)
+        kick = of.effects.lateral_kick
+        number = of.numerics.seed + seed
+        push = PUSH * np.random.default_rng(number).standard_normal() + (kick.velocity if kick else 0.0)
+        own = override(of, {"numerics.seed": number, "effects.lateral_kick.velocity": float(push)})
+        found.append(Case(case.name, Simulation(own).run(), case.loads))
+    return found
+
+
+def costs(runs: Sequence[Sequence[Case]], tolerance: float) -> list[Cost]:
+    """Costs of cases, ranked, those that no run has left out.
+
+    A difference is shown where the means are further apart than the tolerance, a share of the larger one, and than
+    chance explains at 95 % for all costs together (Welch 1947, Bonferroni); a single run a case shows none.
+
+    Args:
+        runs: Cases of each seed, in one order.
+        tolerance: Share from which means differ.
+    """
+    tables = [{row.name: row for row in quantities(cases)} for cases in runs]
+    found = []
+    for cost, sign in COSTS.items():
+        names = [name for name in tables[0] if name.endswith(cost)]
+        for name in names[:1]:
+            unit = tables[0][name].unit
+            values = tuple(
+                tuple(
+                    float(table[name].values[k])
+                    for seed, table in enumerate(tables)
+                    if name in table and _counts(runs, seed, k) and math.isfinite(float(table[name].values[k]))
+                )
+                for k in range(len(runs[0]))
+            )
+            if any(values):
+                found.append((cost, unit, values, sign))
+    return [
+        Cost(cost, unit, values, tuple(
+            _better(values[0], other, sign, tolerance, chr(ord("A") + k), len(found))
+            for k, other in enumerate(values[1:], 1)
+        ))
+        for cost, unit, values, sign in found
+    ]  # fmt: skip
+
+
+def _counts(runs: Sequence[Sequence[Case]], seed: int, case: int) -> bool:
+    """True for a run of its own, not a bag that stands for every seed."""
+    return seed == 0 or runs[seed][case] is not runs[0][case]
+
+
+def _better(
+    one: Sequence[float], other: Sequence[float], sign: float, tolerance: float, letter: str, count: int
+) -> str:
+    if min(len(one), len(other)) < 2:
+        return ""
+    first, second = float(np.mean(one)), float(np.mean(other))
+    chance = chance_difference(list(one), list(other), 1.0 - (1.0 - CONFIDENCE) / count)
+    if abs(second - first) <= max(tolerance * max(abs(first), abs(second)), chance):
+        return ""
+    return letter if sign * second < sign * first else "A"
+
+
+def cost_table(found: Sequence[Cost], units: UnitSystem) -> Table:
+    """Mean and standard deviation of each cost, and which case is better where the runs show it."""
+    letters = [chr(ord("A") + k) for k in range(len(found[0].values))] if found else ["A"]
+    rows = []
+    for of in found:
+        size, unit = units.in_unit(of.unit)
+        cells = [_mean_text(size, row) for row in of.values]
+        rows.append((of.name, "" if unit == "-" else unit, *cells, ", ".join(one or "-" for one in of.better)))
+    count = max((len(row) for of in found for row in of.values), default=0)
+    title = f"what costs bits and joints: mean +- standard deviation of {count} runs"
+    return Table(("cost", "", *letters, "better"), rows, title=title, right=range(2, 2 + len(letters)))
+
+
+def _mean_text(size: float, row: Sequence[float]) -> str:
+    moved = len(row) > 1 and np.ptp(row) > NOTHING * abs(row[0])
+    spread = f" +- {size * np.std(row, ddof=1):.2g}" if moved else ""
+    return f"{size * np.mean(row):.4g}{spread}" if row else "none"
+
+
+def verdicts(found: Sequence[Cost], units: UnitSystem) -> list[str]:
+    """Sentence on each case but the first."""
+    if any(len(row) < 2 for of in found for row in of.values):
+        return ["no verdict: one run of a case shows no spread; --seeds 3 repeats those that are scenes"]
+    return [_verdict(found, k, units) for k in range(len(found[0].better))] if found else [NONE]
+
+
+def _verdict(found: Sequence[Cost], case: int, units: UnitSystem) -> str:
+    letter = chr(ord("B") + case)
+    wins = {who: [of for of in found if of.better[case] == who] for who in ("A", letter)}
+    told = {who: ", ".join(_told(of, case, units) for of in costs) for who, costs in wins.items()}
+    if all(wins.values()):
+        return f"neither is better in all: A in {told['A']}; {letter} in {told[letter]}"
+    for who, costs in wins.items():
+        if costs:
+            return f"{who} is better than {letter if who == 'A' else 'A'}: {told[who]}"
+    return f"A and {letter}: {NONE}"
+
+
+def _told(of: Cost, case: int, units: UnitSystem) -> str:
+    size, unit = units.in_unit(of.unit)
+    means = [size * float(np.mean(row)) for row in (of.values[0], of.values[case + 1])]
+    lower, higher = (means[0], means[1]) if of.better[case] == "A" else (means[1], means[0])
+    return f"{of.name} {lower:.3g} against {higher:.3g}{'' if unit == '-' else f' {unit}'}"

@@ -1,0 +1,53 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A verdict names the worse assembly, and none of two that are the same."""
+
+import pytest
+
+from drill_twin.api.compare import finish, prepare
+from drill_twin.api.verdict import NONE, Cost, _better, again, costs, verdicts
+from drill_twin.core.units.system import SYSTEMS
+
+
+@pytest.fixture(scope="module")
+def first():
+    return prepare("pa6_bench", {"duration": "6 s"})
+
+
+def verdict(first, other):
+    scenes = [first, prepare(other, {"duration": "6 s"})]
+    cases = [finish(str(k), scene) for k, scene in enumerate(scenes)]
+    found = costs([cases, *(again(cases, scenes, seed) for seed in (1, 2))], 0.05)
+    return verdicts(found, SYSTEMS["lab"])[0]
+
+
+def test_the_same_assembly_in_other_seeds_is_no_better(first):
+    assert verdict(first, "pa6_bench,numerics.seed=70") == f"A and B: {NONE}"
+
+
+def test_the_worse_assembly_is_named_with_figures(first):
+    said = verdict(first, "pa6_bench,wob=80 N")
+    assert said.startswith("A is better than B: ")
+    assert "largest bending stress" in said
+    assert "MPa" in said
+
+
+@pytest.mark.parametrize(
+    ("one", "other", "sign", "better"),
+    [
+        ((1.0, 1.1, 0.9), (2.0, 2.1, 1.9), 1.0, "A"), ((1.0, 1.1, 0.9), (2.0, 2.1, 1.9), -1.0, "B"),
+        ((1.0, 1.8, 0.4), (1.5, 2.2, 0.6), 1.0, ""),  # within the spread
+        ((1.0, 1.0, 1.0), (1.01, 1.01, 1.01), 1.0, ""),  # within the tolerance
+        ((1.0,), (9.0,), 1.0, ""),  # one run has no spread
+    ],
+)  # fmt: skip
+def test_a_difference_is_beyond_tolerance_and_chance(one, other, sign, better):
+    assert _better(one, other, sign, 0.05, "B", 8) == better
+
+
+def test_both_sides_are_told():
+    row = ((1.0, 1.0), (2.0, 2.0))
+    found = [Cost("stick-slip index", "-", row, ("A",)), Cost("rate of penetration", "m/s", row, ("B",))]
+    said = verdicts(found, SYSTEMS["si"])[0]
+    assert said.startswith("neither is better in all: A in stick-slip index 1 against 2; B in rate of penetration ")
+    single = [Cost("stick-slip index", "-", ((1.0,), (2.0,)), ("",))]
+    assert verdicts(single, SYSTEMS["si"])[0].startswith("no verdict")
