@@ -4,7 +4,10 @@
 import re
 import sys
 from pathlib import Path
+from typing import Any
 
+from docutils import nodes
+from docutils.utils.math.latex2mathml import tex2mathml
 from sphinx.application import Sphinx
 
 HERE = Path(__file__).parent
@@ -17,13 +20,14 @@ import drill_twin  # noqa: E402
 project, author, copyright = "drill_twin", "The drill_twin contributors", "The drill_twin contributors, Apache-2.0"  # noqa: A001
 version = release = drill_twin.__version__
 
-extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.mathjax", "sphinx.ext.napoleon"]
+extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.napoleon"]
 exclude_patterns = ["examples", "_printed"]
 html_theme = "furo"
 html_title = f"drill_twin {release}"
 html_theme_options = {"source_repository": "", "navigation_with_keys": True}
 html_show_sphinx = False
 html_copy_source = False
+html_math_renderer = "mathml"  # drawn by the browser itself: the site opens without a network
 
 # Markdown as GitHub reads it: headings are link targets.
 myst_heading_anchors = 4
@@ -57,7 +61,20 @@ def _no_type_in_the_text(
         lines[:0] = ["..", ""]  # an empty comment: a first line without a colon
 
 
+def _formula(page: Any, node: nodes.math) -> None:
+    """Write a formula in a line as MathML."""
+    page.body.append(tex2mathml(node.astext()))
+    raise nodes.SkipNode
+
+
+def _formula_apart(page: Any, node: nodes.math_block) -> None:
+    """Write a formula in a paragraph of its own as MathML."""
+    page.body.append(tex2mathml(node.astext(), as_block=True))
+    raise nodes.SkipNode
+
+
 def setup(app: Sphinx) -> None:
-    """Connect the parts that are printed from the code, and a filter of docstrings that comes before napoleon."""
+    """Connect the printed parts, formulas as MathML, and a filter of docstrings that comes before napoleon."""
+    app.add_html_math_renderer("mathml", (_formula, None), (_formula_apart, None))
     app.connect("source-read", _insert_printed)
     app.connect("autodoc-process-docstring", _no_type_in_the_text, priority=400)
