@@ -30,7 +30,7 @@ else
 endif
 PIP := $(CLEAN) $(PYTHON) -m pip install --disable-pip-version-check -qq -c $(STAMPS)/constraints.txt
 
-.PHONY: help setup setup-test demo docs test test-long evidence faults faults-seeded kills soak fuzz day damage random-scenes fit-coverage browser bench bag-window map-boundary advice-loop peers check clean
+.PHONY: help setup setup-test demo docs test test-long evidence faults faults-seeded kills soak fuzz day damage random-scenes fit-coverage sub-onsets browser bench bag-window map-boundary advice-loop peers check clean
 
 help:
 	@echo 'make demo       the paper'"'"'s drillstring over DDS: four nodes, a bag, a report in out/demo/'
@@ -47,6 +47,7 @@ help:
 	@echo 'make random-scenes  10 000 random scenes: finite, in the hole, energy accounted for; goes on where it was broken off'
 	@echo 'make day        a day of simulated rotation; goes on where it was broken off'
 	@echo 'make fit-coverage  90 % intervals of 200 random twins; goes on where it was broken off'
+	@echo 'make sub-onsets  onsets from one sub beside their true times, 330 random scenes and motions'
 	@echo 'make browser    the page of drill-twin watch in a headless Chromium'
 	@echo 'make bench      speed of the kernel: by effect, by elements, and against earlier runs'
 	@echo 'make bag-window  cost of one minute out of a bag of 2 GB, MCAP and SQLite'
@@ -169,6 +170,9 @@ day: setup-test
 
 fit-coverage: setup-test
 	@nice $(PYTHON) -m drill_twin_evidence.fitting.interval_coverage 200 out/fit_coverage.jsonl
+
+sub-onsets: setup-test
+	@nice $(PYTHON) -m drill_twin_evidence.detection.sub_onsets 330 out/sub_onsets.jsonl
 
 browser: setup-test
 	@$(PYTEST) test/ros/test_live_page.py -q -m 'long or not long'

@@ -17,9 +17,10 @@ from drill_twin.report.load_text import (
     number_text,
     severity_rows,
     sub_rows,
+    surface_rows,
     units_of,
 )
-from drill_twin.whirl import MotionState
+from drill_twin.whirl import Criteria, MotionState
 
 _OF_THE_STRING = {MotionState.SPIRAL.value, MotionState.SECOND_BENDING.value}
 """States that only the string has, by its shape."""
@@ -78,6 +79,7 @@ def findings(summary: Summary) -> Iterator[Row]:
         yield "whirl", "not observable: no positions of marks"
         yield "rotation", rotation(summary, units_of(summary))
         yield from load_rows(summary)
+        yield from surface_rows(summary)
         yield from severity_rows(summary)
         yield from fatigue_rows(summary)
         yield from bit_rows(summary)
@@ -126,9 +128,14 @@ def _wall(summary: Summary) -> Iterator[Row]:
 
 
 def provenance(summary: Summary) -> Iterator[Row]:
-    """Rows on the run: scene, resolution, speed, version."""
+    """Rows on the run: scene, resolution, speed, version; of a recording that is no run of a twin, those that are known."""
+    yield from (row for row in _of_the_run(summary) if summary["version"] or row[1] not in {"unknown", "none recorded", ""})
+
+
+def _of_the_run(summary: Summary) -> Iterator[Row]:
     yield "scene", _text(summary["scene"])
-    yield "simulated time", f"{summary['duration_s']:.2f} s, {summary['samples']} samples"
+    time = "simulated time" if summary["version"] else "recorded time"
+    yield time, f"{summary['duration_s']:.2f} s, {summary['samples']} samples"
     yield "real-time factor", number_text(summary["realtime_factor"], "{:.3g}")
     yield "speed of the physics alone", number_text(summary["physics_speed"], "{:.3g} x real time")
     yield "elements", _text(summary["elements"])
@@ -186,7 +193,7 @@ def _lasting(summary: Summary) -> str:
 
 def _onset(summary: Summary) -> str:
     if summary["onset_s"] is None:
-        return "none found"
+        return _no_onset(summary)
     if summary.get("onset_at_start"):
         first = "; a sub is analysed from its first revolutions at a steady speed" if summary.get("sub") else ""
         return (
@@ -202,6 +209,14 @@ def _onset(summary: Summary) -> str:
         f"{summary['onset_s']:.2f} s{known}, first at {summary['onset_mark']} "
         f"(confidence {summary['onset_confidence']:.2f}){ended}"
     )
+
+
+def _no_onset(summary: Summary) -> str:
+    """What it means that no onset was found."""
+    rate, slowest = summary["quality"].get("samples_per_revolution"), (summary.get("sub") or {}).get("slowest_hz")
+    if rate is not None and rate < Criteria().fewest_samples:
+        return f"not observable: {rate:.1f} samples in a revolution, {Criteria().fewest_samples:g} are needed"
+    return "none found" if slowest is None else f"none found; a whirl slower than {slowest:.2g} Hz shows in no reading"
 
 
 def interval(summary: Summary) -> str:

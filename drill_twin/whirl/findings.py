@@ -33,13 +33,11 @@ class Onset:
     criterion: str
     """The criterion that decided it, as text."""
     uncertainty_s: float | None = None
-    """From a downhole sub: how far from it the onset may be, with a radius one standard deviation off [s]; None where
-    that is not estimated."""
+    """From a downhole sub: the true onset is so near in nine of ten cases or more [s]; None where not estimated."""
     dated: bool = True
     """False where the time is not known within a revolution."""
     at_start: bool = False
-    """True where the string whirled already in the first revolution of the record, while it turned: the onset was
-    before."""
+    """True where the string whirled in the first revolution of the record, turning already: the onset was before."""
 
 
 @dataclass(frozen=True)
@@ -225,8 +223,9 @@ class SubFindings:
     share_at_rest: float | None
     """Share of the time of stick-slip in which the section is at rest; None without stick-slip."""
     radius_m: float | None
-    """Distance of the sensor from the axis by radial acceleration and gyroscope; None where the speed varies too
-    little."""
+    """Distance of the sensor from the axis by its readings; None where the speed varies too little."""
+    slowest_hz: float | None
+    """Slowest whirl that the readings show [Hz]; None before the first place of the section."""
 
 
 @dataclass(frozen=True)

@@ -89,6 +89,17 @@ def test_depth_in_a_soft_wall_beside_that_at_rest(tmp_path):
     assert deepest > 0.1 * clearance
 
 
+def test_no_onset_is_not_said_of_too_few_samples_nor_of_what_a_sub_cannot_see(summary):
+    def onset(rate, sub):
+        quality = {**summary["quality"], "samples_per_revolution": rate}
+        return dict(findings({**summary, "onset_s": None, "quality": quality, "sub": sub}))["onset of whirl"]
+
+    sub = {"slowest_hz": 0.12, "share_at_rest": None, "largest_impact": None, "impacts": 0}
+    assert onset(50.0, None) == "none found"
+    assert onset(50.0, sub) == "none found; a whirl slower than 0.12 Hz shows in no reading"
+    assert onset(3.14, None) == "not observable: 3.1 samples in a revolution, 4 are needed"
+
+
 def test_without_contact_no_depth_is_told(summary):
     assert summary["wall"]["deepest_m"] == 0.0
     assert "deepest in the wall" not in dict(findings(summary))

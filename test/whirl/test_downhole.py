@@ -95,14 +95,22 @@ def corner_noise(corner):
     return math.sqrt(np.sum(density * passed) * (frequency[1] - frequency[0]) / math.pi)
 
 
-@pytest.mark.parametrize("what", ["with gaps", "still"])
+def test_a_whirl_slower_than_the_corner_is_not_found_and_the_corner_is_told():
+    found = analyse_sub(*read(30.0, 0.04, 14.0, level=0.1, growth=0.5), MARK, RADIUS, NOISE)
+    assert found.onset is None
+    assert found.sub.slowest_hz >= 0.06 * TURN / math.tau
+
+
+@pytest.mark.parametrize("what", ["with gaps", "still", "too few"])
 def test_readings_that_cannot_be_used_are_refused(what):
     stamp, values = read(30.0, 0.5, 10.0)
     if what == "still":
         values[:, 5] = 0.0
+    elif what == "too few":
+        stamp, values = stamp[::20], values[::20]
     else:
         stamp += np.arange(stamp.size) // 100 * 500_000_000
-    with pytest.raises(AnalysisError, match="more than 4 revolutions of a sub without a gap"):
+    with pytest.raises(AnalysisError, match="more than 4 revolutions of a sub without a gap, of 4 readings or more"):
         analyse_sub(stamp, values, MARK, RADIUS, NOISE)
 
 
@@ -138,9 +146,13 @@ def test_a_whirl_that_is_there_at_the_start_is_found_and_said_to_be():
 
 
 def test_the_onset_has_an_uncertainty_and_that_of_a_creeping_orbit_is_not_dated():
-    known = analyse_sub(*read(30.0, 0.5, 14.0), MARK, RADIUS, NOISE).onset
+    quiet = ToolNoise(0.00125, 0.00025)
+    known = analyse_sub(*read(30.0, 0.5, 14.0, noise=quiet), MARK, RADIUS, quiet).onset
     assert known.dated
-    assert 0.0 < known.uncertainty_s < 0.25
+    assert known.uncertainty_s < 0.5
+    usual = analyse_sub(*read(30.0, 0.5, 14.0), MARK, RADIUS, NOISE).onset
+    assert usual.uncertainty_s > 2.0 * known.uncertainty_s
+    assert abs(usual.time_s - (14.0 - math.log(9.0) / 4.0)) < usual.uncertainty_s
     noise = ToolNoise(0.02, 0.004)
     unknown = analyse_sub(*read(50.0, 0.3, 30.0, noise=noise, growth=0.07), MARK, RADIUS, noise).onset
     assert not unknown.dated

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from drill_twin.core.arrays import Array
 from drill_twin.whirl.analyzer import Analyzer
-from drill_twin.whirl.criteria import BitMotion, MotionState
+from drill_twin.whirl.criteria import BitMotion, Criteria, MotionState
 from drill_twin.whirl.downhole.dating import date_onset
 from drill_twin.whirl.downhole.high_pass import ToolNoise
 from drill_twin.whirl.downhole.motion import CALIBRATION, Place, SubMotion
@@ -21,6 +21,7 @@ from drill_twin.whirl.whirl_estimator import AT_START
 
 LARGEST = 1e6
 """Readings are below this [m/s^2, rad/s]; others are skipped as incomplete."""
+FEWEST = Criteria().fewest_samples
 WAITING = f"no {CALIBRATION:g} revolutions at a steady speed so far"
 
 
@@ -103,6 +104,7 @@ class SubAnalyzer:
             math.fsum(peaks) / len(peaks) if peaks else None,
             torsion.share_at_rest,
             torsion.radius,
+            self.motion.corner / math.tau or None,
         )
 
     def checked_summary(self) -> Summary:
@@ -113,8 +115,8 @@ class SubAnalyzer:
         """
         if not self.quality.accepted:
             raise AnalysisError(
-                f"expected more than {CALIBRATION:g} revolutions of a sub without a gap, "
-                f"found {self.motion.revolutions:.2f}"
+                f"expected more than {CALIBRATION:g} revolutions of a sub without a gap, of {FEWEST:g} readings or more "
+                f"each, found {self.motion.revolutions:.2f}"
             )
         return self.summary()
 
@@ -139,13 +141,15 @@ class SubAnalyzer:
         uncertainty = max(date.time_s - date.earliest_s, date.latest_s - date.time_s)
         between = f"between {date.earliest_s:.2f} and {date.latest_s:.2f} s"
         note = f"; {between}" if date.dated else f"; not dated within a revolution: {between}"
+        if date.first:
+            note = AT_START if record.whole else "; not dated: it was before all that is kept of the readings"
         dated = replace(
             onset,
             time_s=min(date.time_s, onset.detected_s),
-            uncertainty_s=None if date.at_start else uncertainty,
+            uncertainty_s=None if date.first else uncertainty,
             dated=date.dated,
-            criterion=f"{onset.criterion.removesuffix(AT_START)}{AT_START if date.at_start else note}",
-            at_start=date.at_start,
+            criterion=f"{onset.criterion.removesuffix(AT_START)}{note}",
+            at_start=date.first and record.whole,
         )
         self._analyzer.date_onset(dated)
 

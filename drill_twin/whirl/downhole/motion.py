@@ -77,6 +77,8 @@ class MotionRecord(NamedTuple):
     """Unit vector of the spin."""
     revolutions: Array
     """[rev]"""
+    whole: bool
+    """True if they go back to the first of the analysis."""
 
 
 class SubMotion:
@@ -103,7 +105,7 @@ class SubMotion:
     def _restart(self) -> None:
         self._kept: deque[Kept] = deque(maxlen=MOST_KEPT)
         self._waiting: list[tuple[int, list[float]]] = []
-        self._interval = 0
+        self._interval, self._whole = 0, True
         self._tilt, self._axial, self._synchronous, self._due = 0j, GRAVITY, 0j, 0.0
         self._begin = self._revolutions
         self.impacts.restart()
@@ -186,6 +188,7 @@ class SubMotion:
         length = CALIBRATION if self._filter is None else MEMORY
         while self._revolutions - self._kept[0].revolutions > length:
             self._kept.popleft()
+            self._whole = self._filter is None
         return kept
 
     def _try_to_start(self, newest: Kept) -> None:
@@ -217,4 +220,4 @@ class SubMotion:
         """The last readings."""
         stamp, acceleration, tilt, turn, _, _, _, revolutions = zip(*self._kept, strict=True)
         total: ComplexArray = np.array(acceleration, np.complex128) + self._axial * np.array(tilt, np.complex128)
-        return MotionRecord(np.array(stamp) * 1e-9, total, np.array(turn, np.complex128), np.array(revolutions))
+        return MotionRecord(np.array(stamp) * 1e-9, total, np.array(turn, np.complex128), np.array(revolutions), self._whole)
