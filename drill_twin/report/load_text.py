@@ -49,6 +49,37 @@ def severity_rows(summary: Summary) -> Iterator[Row]:
         yield "specific energy", f"{units.text(summary['specific_energy_pa'], 'stress', '.3g')} (Teale)"
 
 
+def surface_rows(summary: Summary) -> Iterator[Row]:
+    """Rows on what the surface channels tell: swing of the torque, gaps and spikes."""
+    found = summary.get("surface")
+    if not found:
+        return
+    if swing := found["torque_swing"]:
+        (last, largest), unit = in_kilo([swing["last_nm"], swing["largest_nm"]], "N m")
+        period = "" if swing["period_s"] is None else f", period {swing['period_s']:.2f} s"
+        yield (
+            "swing of the torque",
+            f"{last:.4g} {unit} over the last {TIME_BASE} s at a steady speed, {swing['last']:.2f} of the mean{period}; "
+            f"at most {largest:.4g} {unit}",
+        )
+        if summary["largest_stick_slip_index"] is None:
+            index = found["stick_slip_index_by_torque"]
+            yield "stick-slip index", (
+                "unknown: no speed of the bit is recorded; with the string (--scene) the torque tells"
+                if index is None
+                else f"about {index:.2f}, by the torque and the string of the scene without its friction"
+            )
+    for name, channel in found["channels"].items():
+        lost, odd = channel["gaps"], channel["spikes"]
+        if lost or odd:
+            longest = max(lost, key=lambda gap: gap[1] - gap[0], default=None)
+            gap = f", the longest from {longest[0]:.2f} to {longest[1]:.2f} s" if longest else ""
+            spike = f", the first at {odd[0]:.2f} s" if odd else ""
+            yield f"gaps and spikes, {name}", f"{len(lost)} gaps{gap}; {len(odd)} samples in spikes{spike}"
+    if not any(channel["gaps"] or channel["spikes"] for channel in found["channels"].values()):
+        yield "gaps and spikes", "none"
+
+
 def fatigue_rows(summary: Summary) -> Iterator[Row]:
     """Rows on stress and damage of the sections of `fatigue`."""
     for name, found in (summary.get("fatigue") or {}).items():

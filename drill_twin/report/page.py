@@ -13,6 +13,7 @@ from typing import Any
 
 from drill_twin.core import __version__
 from drill_twin.core.table import Column, Table
+from drill_twin.io.bag.virtual_bags import RecordBag
 from drill_twin.io.messages.drawing.geometry import default_exaggeration
 from drill_twin.report.charts import plotly_packed, view_data
 from drill_twin.report.figures import CAPTIONS, OVER_TIME, left_out
@@ -63,7 +64,7 @@ def build_page(
         '<div class="columns"><section>',
         Table((), findings(summary)).html(),
         "</section><section>",
-        Table((), (row for row in provenance(summary) if scene or row[1] not in {"unknown", "none", ""})).html(),
+        Table((), provenance(summary)).html(),
         "</section></div>",
         _view(scene) if scene and len(recording.poses) else "",
         f"<h2>Over time</h2><p>{_HOW}</p>",
@@ -98,7 +99,9 @@ def _scene(scene: Scene) -> str:
 
 
 def _not_drawn(recording: Recording) -> list[str]:
-    """A sentence for each reason for which figures are left out."""
+    """A sentence for each reason for which figures are left out; none for the record of a rig, which has one figure."""
+    if isinstance(recording.bag, RecordBag):
+        return []
     reasons: dict[str, list[str]] = {}
     for figure, why in left_out(recording).items():
         reasons.setdefault(why, []).append(figure.replace("_", " "))
@@ -113,7 +116,12 @@ def _cards(summary: Mapping[str, Any]) -> str:
     if not summary["whirl_observable"]:
         known = {name: value for name, value in load_rows(summary) if name != "drag"}
         means = (card(value.partition(" on average")[0], "{}", f"{name}, mean") for name, value in known.items())
-        return f'<div class="cards">{"".join(means)}{index}</div>'
+        found = summary["surface"] or {}
+        swing = found.get("torque_swing") or {}
+        swings = card(swing.get("last"), "{:.2f}", "swing of the torque over its mean, last 20 s", "unknown")
+        if (by_torque := found.get("stick_slip_index_by_torque")) is not None:
+            index = card(by_torque, "{:.2f}", "stick-slip index, about, by the torque")
+        return f'<div class="cards">{"".join(means)}{swings}{index}</div>'
     radii = {mark: radius for mark, radius in summary["max_radius_m"].items() if radius is not None}
     widest = max(radii, key=lambda mark: radii[mark], default=None)
     return (

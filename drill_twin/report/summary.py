@@ -16,6 +16,7 @@ from drill_twin.io.bag.reader import Bag
 from drill_twin.report.quantities import applied, fatigue, loads, precession, soft_wall, wall_depth
 from drill_twin.report.recording import Recording, read_recording
 from drill_twin.report.severity import severity
+from drill_twin.report.surface import surface
 from drill_twin.whirl import AnalysisError, BitMotion, MotionPeriod, MotionState, two_sided_spectrum
 
 SLOWEST = 0.1
@@ -56,6 +57,8 @@ def summarise(bag: Recording | Bag | str | Path) -> dict[str, Any]:
           bit [N m] (`drill_twin.report.quantities`).
         * `acceleration`, `acceleration_rate_hz`, `stick_slip_level`, `rate_of_penetration_m_s`, `specific_energy_pa`:
           `drill_twin.report.severity`.
+        * `surface`: of a recording without marks, gaps and spikes of the channels of the rig, swing of the torque, and the
+          stick-slip index that it means for the string of the scene (`drill_twin.report.surface`).
         * `fatigue`: by section of the effect `fatigue`, stress, cycles, damage and time to a damage of 1
           (`drill_twin.report.quantities`); None without it.
         * `wall`: the largest penetration of the wall, its place and time, and that at rest under the largest weight on
@@ -115,6 +118,7 @@ def summarise(bag: Recording | Bag | str | Path) -> dict[str, Any]:
         "load_at": bag.scene.rig.weight_on_bit.at if bag.scene_known else None,
         "loads": loads(bag),
         **severity(bag),
+        "surface": surface(bag),
         "fatigue": fatigue(bag),
         "wall": wall,
         "realtime_factor": log.realtime_factor,

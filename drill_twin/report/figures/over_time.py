@@ -29,6 +29,7 @@ from drill_twin.report.figures.style import (
     mark_style,
     note,
     over_time,
+    unbridged,
 )
 from drill_twin.report.recording import Recording
 from drill_twin.whirl import Criteria, MotionPeriod, MotionState
@@ -52,7 +53,8 @@ def set_points(recording: Recording) -> Figure:
             panel.plot(recording.commands.time, wanted, color=GREY, linewidth=4.5, alpha=0.4, label="commanded")
         for name, values in lines.items():
             colour, line = (ORANGE, "--") if name == "bit" else (BLUE, "-")
-            panel.plot(recording.rig.time, units.show(values, quantity), color=colour, linestyle=line, label=name)
+            time, drawn = unbridged(recording.rig.time, units.show(values, quantity))
+            panel.plot(time, drawn, color=colour, linestyle=line, label=name)
         panel.set_ylabel(f"{label} [{getattr(units, quantity)}]")
         panel.margins(y=0.12)
         if len(panel.get_lines()) > 1:

@@ -6,16 +6,19 @@ Figures are drawn without pyplot, which has global state and may need a display.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from io import BytesIO
 from pathlib import Path
 from typing import Any
 
 import matplotlib as mpl
+import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
+from drill_twin.core.arrays import Array
 from drill_twin.core.errors import BagError
 from drill_twin.core.files.output import whole_file
 from drill_twin.core.units.system import UnitSystem
@@ -45,6 +48,8 @@ STATE_COLOURS = {
 DPI = 130
 WIDTH = 10.0
 """Width of every figure [inch]."""
+GAP = 1.5
+"""A line is broken between samples that are more than this many usual intervals apart."""
 LEFT, RIGHT = 0.098, 0.975
 """Edges of the time axis, as a share of the width."""
 
@@ -121,6 +126,15 @@ def over_time(
         panel.tick_params(labelbottom=False)
     panels[-1].set_xlabel("time [s]")
     return figure, panels
+
+
+def unbridged(time: Array, values: Array) -> tuple[Array, Array]:
+    """Times and values of a line that is broken where samples are missing for more than `GAP` usual intervals."""
+    known = np.isfinite(values)
+    time, values = time[known], values[known]
+    steps = np.diff(time)
+    wide = np.flatnonzero(steps > GAP * np.median(steps)) + 1 if steps.size else []
+    return np.insert(time, wide, time[wide]), np.insert(values, wide, math.nan)
 
 
 def head(figure: Figure, title: str) -> None:

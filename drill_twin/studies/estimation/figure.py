@@ -27,7 +27,7 @@ def estimate_figure(found: Sequence[Estimate], record: Record, units: UnitSystem
         record: The record that they follow; a channel of a sensor's name is drawn beside it.
         units: Of the sensors.
     """
-    from drill_twin.report.figures.style import BLUE, LIGHT, VERMILION, laid_out, styled
+    from drill_twin.report.figures.style import BLUE, LIGHT, VERMILION, laid_out, styled, unbridged
 
     time = np.array([one.time for one in found])
     names = [(name, 1.0, "SI") for name in found[0].numbers]
@@ -44,7 +44,7 @@ def estimate_figure(found: Sequence[Estimate], record: Record, units: UnitSystem
             axes.plot(time, mean, color=VERMILION, marker=".", linewidth=1.2, label="mean at the end of a window")
             if name in record.series:
                 times, values = record.series[name]
-                axes.plot(times, size * values, color=BLUE, linewidth=0.8, label="record")
+                axes.plot(*unbridged(times, size * values), color=BLUE, linewidth=0.8, label="record")
             axes.set_ylabel(f"{name.rpartition('.')[2].replace('_', ' ')} [{unit}]")
         for name in channels:
             panels[-2].plot(time, [one.misfit.get(name, np.nan) for one in found], label=name.replace("_", " "))

@@ -1,0 +1,127 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What the surface channels of a rig tell without positions of marks: gaps, spikes, torque swing, stick-slip."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+
+from drill_twin.core.arrays import Array
+from drill_twin.core.rig_channels import RIG_CHANNELS
+from drill_twin.dynamics.discretisation.discretise import tubes_of
+from drill_twin.dynamics.discretisation.resolution import MOST
+from drill_twin.physics.model.mesh import build_rod
+from drill_twin.report.figures.style import GAP
+from drill_twin.report.recording import Recording
+from drill_twin.scene import Scene
+from drill_twin.scene.set_points.tables import find_spikes
+from drill_twin.whirl import AnalysisError, two_sided_spectrum
+from drill_twin.whirl.motion.stick_slip_index import REST, TIME_BASE
+
+CHANNELS = ("bit_force", "top_drive_speed", "top_drive_torque", "hookload", "bit_speed")
+"""Channels that are looked at."""
+SPIKE_WINDOW, FEWEST = 0.5, 7
+"""Window of the running median from which a spike departs [s], and its fewest samples."""
+EVEN = 0.1
+"""Largest change of the speed of the top drive over a window that counts, over its mean."""
+SLOWEST = 0.1
+"""Lowest frequency of a swing [Hz]."""
+
+
+def surface(bag: Recording) -> dict[str, Any] | None:
+    """Quantities of the surface channels; None for a recording with marks, or without states of the rig.
+
+    Keys: `rate_hz`, samples in a second; `channels`, by name of the channel `gaps` (pairs of times [s]) and `spikes`
+    (times [s] of their samples, which the others leave out); `torque_swing`, None without torque: `last_nm` and
+    `largest_nm`, largest less least torque of the top drive over 20 s at a steady speed, their shares of the mean torque
+    `last` and `largest`, and `period_s` of the last; `stick_slip_index_by_torque` (`index_by_torque`), None where the
+    speed of the bit is known or the string is not.
+    """
+    rig = bag.rig
+    if bag.places or len(rig) < FEWEST:
+        return None
+    time, interval = rig.time, float(np.median(np.diff(rig.time)))
+    channels, kept = {}, {}
+    for name in CHANNELS:
+        values = getattr(rig, name)
+        known = np.isfinite(values)
+        if known.any():
+            spikes = np.zeros(known.size, bool)
+            spikes[known] = find_spikes(values[known], window=max(FEWEST, round(SPIKE_WINDOW / interval)))
+            channels[RIG_CHANNELS[name].heading] = {
+                "gaps": gaps(time, known, interval), "spikes": time[spikes].tolist(),
+            }  # fmt: skip
+            kept[name] = np.where(spikes, math.nan, values)
+    swing, index, torque = None, None, kept.get("top_drive_torque")
+    if torque is not None and (found := _torque_swing(time, torque, kept.get("top_drive_speed"))):
+        swing, speed = found
+        if swing["period_s"] and bag.scene_known and "bit_speed" not in kept:
+            index = index_by_torque(bag.scene, swing["last_nm"], swing["period_s"], speed)
+    return {"rate_hz": 1.0 / interval, "channels": channels, "torque_swing": swing, "stick_slip_index_by_torque": index}
+
+
+def gaps(time: Array, known: Array, interval: float) -> list[tuple[float, float]]:
+    """Times [s] between which samples are missing, from those `known` at the usual `interval` [s]."""
+    at = np.concatenate((time[:1] - interval, time[known], time[-1:] + interval))
+    return [(float(at[k]), float(at[k + 1])) for k in np.flatnonzero(np.diff(at) > GAP * interval)]
+
+
+def _torque_swing(time: Array, torque: Array, speed: Array | None) -> tuple[dict[str, Any], float] | None:
+    """Swing over the windows of 20 s in which the top drive turns steadily, and its speed in the last [rad/s].
+
+    All windows, and no speed (NaN), where that is not recorded.
+    """
+    swings = []
+    for end in np.arange(time[0] + TIME_BASE, time[-1] + 1.0):
+        window = slice(*np.searchsorted(time, (end - TIME_BASE, end)).tolist())
+        values = torque[window][np.isfinite(torque[window])]
+        turn = math.nan if speed is None else _steady(speed[window])
+        if values.size >= FEWEST and (speed is None or turn):
+            swings.append((float(np.ptp(values)), float(values.mean()), window, turn))
+    if not swings:
+        return None
+    size, mean, window, turn = swings[-1]
+    largest = max(swings, key=lambda one: one[0])
+    good = np.isfinite(torque[window])
+    try:
+        peak = two_sided_spectrum(time[window][good], torque[window][good].astype(complex)).peak(SLOWEST, math.inf)
+    except AnalysisError:
+        peak = None
+    return {
+        "last_nm": size, "largest_nm": largest[0], "last": size / abs(mean), "largest": largest[0] / abs(largest[1]),
+        "period_s": 1.0 / peak.frequency if peak else None,
+    }, turn  # fmt: skip
+
+
+def _steady(speed: Array) -> float:
+    """Mean speed of a window [rad/s]; 0 where it rests or changes."""
+    known = speed[np.isfinite(speed)]
+    if known.size < FEWEST or abs(known.mean()) < REST:
+        return 0.0
+    first, last = np.array_split(known, 2)
+    even = abs(first.mean() - last.mean()) < EVEN * abs(known.mean())
+    return float(abs(known.mean())) if even else 0.0
+
+
+def index_by_torque(scene: Scene, swing: float, period: float, speed: float) -> float:
+    """Stick-slip index that a swing of the surface torque means: that of the bit's speed over twice the mean.
+
+    The string twists as a chain of shafts that is free at the bit: from there up, each adds its twist and its inertia
+    at this period, the body of `bit_mass` first. Friction along the string and the harmonics of stick-slip are left out.
+
+    Args:
+        scene: The string.
+        swing: Largest less least torque of the top drive [N m].
+        period: Of the swing [s].
+        speed: Mean speed of rotation [rad/s].
+    """
+    rod, turn = build_rod(tubes_of(scene), MOST), math.tau / period
+    body = getattr(scene.effects, "bit_mass", None)
+    angle, torque = 1.0, 0.0 if body is None else -(turn**2) * body.inertia  # of the bit [rad], along the string [N m]
+    for length, stiffness, inertia in zip(rod.length, rod.torsion, rod.spin_mass, strict=True):
+        torque -= 0.5 * turn**2 * inertia * angle
+        angle += torque * length / stiffness
+        torque -= 0.5 * turn**2 * inertia * angle
+    return float(swing * turn / abs(torque) / (2.0 * speed))
