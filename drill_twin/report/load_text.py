@@ -55,12 +55,12 @@ def surface_rows(summary: Summary) -> Iterator[Row]:
     if not found:
         return
     if swing := found["torque_swing"]:
-        (last, largest), unit = in_kilo([swing["last_nm"], swing["largest_nm"]], "N m")
+        last, largest = (units_of(summary).text(swing[key], "torque") for key in ("last_nm", "largest_nm"))
         period = "" if swing["period_s"] is None else f", period {swing['period_s']:.2f} s"
         yield (
             "swing of the torque",
-            f"{last:.4g} {unit} over the last {TIME_BASE} s at a steady speed, {swing['last']:.2f} of the mean{period}; "
-            f"at most {largest:.4g} {unit}",
+            f"{last} over the last {TIME_BASE} s at a steady speed, {swing['last']:.2f} of the mean{period}; "
+            f"at most {largest}",
         )
         if summary["largest_stick_slip_index"] is None:
             index = found["stick_slip_index_by_torque"]
@@ -75,7 +75,7 @@ def surface_rows(summary: Summary) -> Iterator[Row]:
             longest = max(lost, key=lambda gap: gap[1] - gap[0], default=None)
             gap = f", the longest from {longest[0]:.2f} to {longest[1]:.2f} s" if longest else ""
             spike = f", the first at {odd[0]:.2f} s" if odd else ""
-            yield f"gaps and spikes, {name}", f"{len(lost)} gaps{gap}; {len(odd)} samples in spikes{spike}"
+            yield f"gaps, {name}", f"gaps: {len(lost)}{gap}; samples in spikes: {len(odd)}{spike}"
     if not any(channel["gaps"] or channel["spikes"] for channel in found["channels"].values()):
         yield "gaps and spikes", "none"
 

@@ -9,7 +9,6 @@ from typing import Any
 import numpy as np
 
 from drill_twin.core.arrays import Array
-from drill_twin.core.rig_channels import RIG_CHANNELS
 from drill_twin.dynamics.discretisation.discretise import tubes_of
 from drill_twin.dynamics.discretisation.resolution import MOST
 from drill_twin.physics.model.mesh import build_rod
@@ -20,8 +19,11 @@ from drill_twin.scene.set_points.tables import find_spikes
 from drill_twin.whirl import AnalysisError, two_sided_spectrum
 from drill_twin.whirl.motion.stick_slip_index import REST, TIME_BASE
 
-CHANNELS = ("bit_force", "top_drive_speed", "top_drive_torque", "hookload", "bit_speed")
-"""Channels that are looked at."""
+CHANNELS = {
+    "bit_force": "weight", "top_drive_speed": "rotation", "top_drive_torque": "torque", "hookload": "hookload",
+    "bit_speed": "bit speed",
+}  # fmt: skip
+"""Channels that are looked at, and their short names."""
 SPIKE_WINDOW, FEWEST = 0.5, 7
 """Window of the running median from which a spike departs [s], and its fewest samples."""
 EVEN = 0.1
@@ -44,13 +46,13 @@ def surface(bag: Recording) -> dict[str, Any] | None:
         return None
     time, interval = rig.time, float(np.median(np.diff(rig.time)))
     channels, kept = {}, {}
-    for name in CHANNELS:
+    for name, short in CHANNELS.items():
         values = getattr(rig, name)
         known = np.isfinite(values)
         if known.any():
             spikes = np.zeros(known.size, bool)
             spikes[known] = find_spikes(values[known], window=max(FEWEST, round(SPIKE_WINDOW / interval)))
-            channels[RIG_CHANNELS[name].heading] = {
+            channels[short] = {
                 "gaps": gaps(time, known, interval), "spikes": time[spikes].tolist(),
             }  # fmt: skip
             kept[name] = np.where(spikes, math.nan, values)
