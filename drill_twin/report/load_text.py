@@ -64,10 +64,13 @@ def surface_rows(summary: Summary) -> Iterator[Row]:
         )
         if summary["largest_stick_slip_index"] is None:
             index = found["stick_slip_index_by_torque"]
-            yield "stick-slip index", (
-                "unknown: no speed of the bit is recorded; with the string (--scene) the torque tells"
-                if index is None
-                else f"about {index:.2f}, by the torque and the string of the scene without its friction"
+            yield (
+                "stick-slip index",
+                (
+                    "unknown: no speed of the bit is recorded; with the string (--scene) the torque tells"
+                    if index is None
+                    else f"about {index:.2f}, by the torque and the string of the scene without its friction"
+                ),
             )
     for name, channel in found["channels"].items():
         lost, odd = channel["gaps"], channel["spikes"]

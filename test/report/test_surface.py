@@ -73,8 +73,9 @@ def test_the_torque_tells_the_index_of_the_bit():
 @pytest.mark.skipif(not WELL_B.is_dir(), reason="the record of well B is not in this checkout")
 def test_swing_of_well_b(tmp_path):
     time = np.arange(0.0, 60.0, 0.05)
-    columns = [np.interp(time, *np.loadtxt(WELL_B / f"B1714_{name}_rec.csv", delimiter=",").T) for name in ("top", "torque")]
-    np.savetxt(tmp_path / "b.csv", np.column_stack([time, *columns]), delimiter=",",
+    files = (WELL_B / f"B1714_{name}_rec.csv" for name in ("top", "torque"))
+    columns = [time, *(np.interp(time, *np.loadtxt(file, delimiter=",").T) for file in files)]
+    np.savetxt(tmp_path / "b.csv", np.column_stack(columns), delimiter=",",
                header="time [s],RPM [rpm],TQA [kN.m]", comments="")  # fmt: skip
     swing = summarise(read_recording(tmp_path / "b.csv"))["surface"]["torque_swing"]
     assert swing["period_s"] == pytest.approx(3.95, rel=0.03)

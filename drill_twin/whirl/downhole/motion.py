@@ -220,4 +220,6 @@ class SubMotion:
         """The last readings."""
         stamp, acceleration, tilt, turn, _, _, _, revolutions = zip(*self._kept, strict=True)
         total: ComplexArray = np.array(acceleration, np.complex128) + self._axial * np.array(tilt, np.complex128)
-        return MotionRecord(np.array(stamp) * 1e-9, total, np.array(turn, np.complex128), np.array(revolutions), self._whole)
+        return MotionRecord(
+            np.array(stamp) * 1e-9, total, np.array(turn, np.complex128), np.array(revolutions), self._whole
+        )

@@ -33,8 +33,6 @@ class SubScore:
 
     onset_error: list[float] = field(default_factory=list)
     """Found minus true onset [rev]."""
-    dated: list[bool] = field(default_factory=list)
-    """True if the sub says that it knows the time within a revolution, by onset found."""
     missed: int = 0
     """Onsets that were not found."""
     slow: int = 0
@@ -49,11 +47,9 @@ class SubScore:
     def to_dict(self) -> dict[str, Any]:
         """Plain types for JSON."""
         onsets, met = len(self.onset_error) + self.missed, [abs(error) <= WITHIN for error in self.onset_error]
-        dated = [one for one, sure in zip(met, self.dated, strict=True) if sure]
         return {
             "onsets": onsets, "met": sum(met) / onsets if onsets else None,
             "missed": self.missed, "slow": self.slow, "false": self.false,
-            "dated": len(dated), "dated_met": sum(dated) / len(dated) if dated else None,
             "early": self.early, "sense": float(np.mean(self.senses)) if self.senses else None,
             "median_error_rev": float(np.median(np.abs(self.onset_error))) if self.onset_error else None,
         }  # fmt: skip
@@ -72,7 +68,6 @@ class SubScore:
             self.slow += abs(_precession(run, true)) < SLOWEST
         else:
             self.onset_error.append(float(np.interp(found.onset.time_s, run.time, revolutions)) - began)
-            self.dated.append(found.onset.dated)
             if found.mode_ratio is not None:
                 self.senses.append((found.mode_ratio > 0.0) == (_swept(run, true) > 0.0))
 
@@ -102,8 +97,6 @@ def markdown(plain: dict[str, Any]) -> str:
     rows = [
         ("onsets after 12 revolutions", [str(one["onsets"]) for one in sets]),
         ("found within a revolution (90 % asked for)", [_share(one["met"]) for one in sets]),
-        ("dated: the sub says that it knows the time within a revolution", [str(one["dated"]) for one in sets]),
-        ("of these found within a revolution", [_share(one["dated_met"]) for one in sets]),
         ("missed, of these slower than the corner", [f"{one['missed']}, {one['slow']}" for one in sets]),
         ("false", [str(one["false"]) for one in sets]),
         ("median error [rev]", [_number(one["median_error_rev"]) for one in sets]),
