@@ -57,11 +57,8 @@ def surface_rows(summary: Summary) -> Iterator[Row]:
     if swing := found["torque_swing"]:
         last, largest = (units_of(summary).text(swing[key], "torque") for key in ("last_nm", "largest_nm"))
         period = "" if swing["period_s"] is None else f", period {swing['period_s']:.2f} s"
-        yield (
-            "swing of the torque",
-            f"{last} over the last {TIME_BASE} s at a steady speed, {swing['last']:.2f} of the mean{period}; "
-            f"at most {largest}",
-        )
+        words = f"{last} over the last {TIME_BASE} s at a steady speed, {swing['last']:.2f} of the mean{period}"
+        yield "swing of the torque", f"{words}; at most {largest}"
         if summary["largest_stick_slip_index"] is None:
             index = found["stick_slip_index_by_torque"]
             yield (

@@ -57,8 +57,8 @@ def summarise(bag: Recording | Bag | str | Path) -> dict[str, Any]:
           bit [N m] (`drill_twin.report.quantities`).
         * `acceleration`, `acceleration_rate_hz`, `stick_slip_level`, `rate_of_penetration_m_s`, `specific_energy_pa`:
           `drill_twin.report.severity`.
-        * `surface`: of a recording without marks, gaps and spikes of the channels of the rig, swing of the torque, and the
-          stick-slip index that it means for the string of the scene (`drill_twin.report.surface`).
+        * `surface`: of a recording without marks, gaps and spikes of the channels of the rig, swing of the torque, and
+          the stick-slip index that it means for the string of the scene (`drill_twin.report.surface`).
         * `fatigue`: by section of the effect `fatigue`, stress, cycles, damage and time to a damage of 1
           (`drill_twin.report.quantities`); None without it.
         * `wall`: the largest penetration of the wall, its place and time, and that at rest under the largest weight on

@@ -37,7 +37,7 @@ def surface(bag: Recording) -> dict[str, Any] | None:
 
     Keys: `rate_hz`, samples in a second; `channels`, by name of the channel `gaps` (pairs of times [s]) and `spikes`
     (times [s] of their samples, which the others leave out); `torque_swing`, None without torque: `last_nm` and
-    `largest_nm`, largest less least torque of the top drive over 20 s at a steady speed, their shares of the mean torque
+    `largest_nm`, largest less least torque of the top drive over 20 s at a steady speed, their shares of the mean
     `last` and `largest`, and `period_s` of the last; `stick_slip_index_by_torque` (`index_by_torque`), None where the
     speed of the bit is known or the string is not.
     """
@@ -111,7 +111,7 @@ def index_by_torque(scene: Scene, swing: float, period: float, speed: float) -> 
     """Stick-slip index that a swing of the surface torque means: that of the bit's speed over twice the mean.
 
     The string twists as a chain of shafts that is free at the bit: from there up, each adds its twist and its inertia
-    at this period, the body of `bit_mass` first. Friction along the string and the harmonics of stick-slip are left out.
+    at this period, the body of `bit_mass` first. Friction along the string and harmonics of stick-slip are left out.
 
     Args:
         scene: The string.

@@ -110,7 +110,7 @@ def test_readings_that_cannot_be_used_are_refused(what):
         stamp, values = stamp[::20], values[::20]
     else:
         stamp += np.arange(stamp.size) // 100 * 500_000_000
-    with pytest.raises(AnalysisError, match="more than 4 revolutions of a sub without a gap, of 4 readings or more"):
+    with pytest.raises(AnalysisError, match="over 4 revolutions of a sub without a gap, of 4 readings or more"):
         analyse_sub(stamp, values, MARK, RADIUS, NOISE)
 
 
