@@ -128,10 +128,9 @@ def _wall(summary: Summary) -> Iterator[Row]:
 
 
 def provenance(summary: Summary) -> Iterator[Row]:
-    """Rows on the run: scene, resolution, speed, version; of a recording that is no run of a twin, those that are known."""
-    yield from (
-        row for row in _of_the_run(summary) if summary["version"] or row[1] not in {"unknown", "none recorded", ""}
-    )
+    """Rows on the run: scene, resolution, speed, version; of a recording that is no run, those that are known."""
+    unknown = () if summary["version"] else ("unknown", "none recorded", "")
+    yield from (row for row in _of_the_run(summary) if row[1] not in unknown)
 
 
 def _of_the_run(summary: Summary) -> Iterator[Row]:

@@ -115,8 +115,8 @@ class SubAnalyzer:
         """
         if not self.quality.accepted:
             raise AnalysisError(
-                f"expected more than {CALIBRATION:g} revolutions of a sub without a gap, of {FEWEST:g} readings or more "
-                f"each, found {self.motion.revolutions:.2f}"
+                f"expected over {CALIBRATION:g} revolutions of a sub without a gap, of {FEWEST:g} readings or more, "
+                f"found {self.motion.revolutions:.2f}"
             )
         return self.summary()
 

@@ -92,7 +92,7 @@ def _ratio(draw: np.random.Generator) -> tuple[str, float]:
 
 
 def _orbit(draw: np.random.Generator, angle: Array, ratio: float, growth: float, begin: float) -> ComplexArray:
-    """Motion over the clearance: an orbit that reaches the threshold at `begin`, and what the section does beside it."""
+    """Motion over the clearance: an orbit that reaches the threshold at `begin`, and what the section does beside."""
     level = float(draw.uniform(0.08, 0.9))
     revolutions = angle / math.tau
     if draw.random() < 0.7:  # exponential, to a limit
