@@ -133,7 +133,7 @@ def unbridged(time: Array, values: Array) -> tuple[Array, Array]:
     known = np.isfinite(values)
     time, values = time[known], values[known]
     steps = np.diff(time)
-    wide = np.flatnonzero(steps > GAP * np.median(steps)) + 1 if steps.size else []
+    wide = np.flatnonzero(steps > GAP * np.median(steps)) + 1 if steps.size else np.zeros(0, np.int64)
     return np.insert(time, wide, time[wide]), np.insert(values, wide, math.nan)
 
 

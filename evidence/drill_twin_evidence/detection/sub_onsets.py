@@ -80,7 +80,7 @@ def shares(rows: list[Row]) -> list[str]:
             if inside:
                 held = stats.binomtest(sum(inside), len(inside))
                 low, high = held.proportion_ci(0.95)
-                size = np.median([row["uncertainty"] for row in chosen])  # type: ignore[type-var]
+                size = np.median([row["uncertainty"] for row in chosen])
                 lines.append(
                     f"{kind}s, onsets {name}: {held.statistic:.1%} of {len(inside)} hold the true one; 95 % interval "
                     f"of the share {low:.1%} to {high:.1%}; median uncertainty {size:.2f} s"
