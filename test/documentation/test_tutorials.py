@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The tutorials and the how-to pages are followed as they stand: every command and snippet, in a clean folder.
+"""README, tutorials and how-to pages are followed as they stand: every command and snippet, in a clean folder.
 
 Blocks `sh` are the commands of one shell, blocks `python` one script; a block `text` behind one is what it prints.
 Blocks `console` set the machine up, as `make setup` does.
@@ -22,7 +22,7 @@ CUT = "====="
 def blocks(page):
     """Kind and text of the blocks of a page, in order; the page has no others."""
     found = BLOCK.findall((DOCS / page).read_text("utf-8"))
-    assert {kind for kind, _ in found} <= {"sh", "python", "text", "console", "yaml"}
+    assert {kind for kind, _ in found} <= {"sh", "python", "text", "console", "yaml", "mermaid"}
     return found
 
 
@@ -72,6 +72,10 @@ def follow_shell(page, folder, domain=None):
 def test_the_tutorial_in_python_prints_what_it_shows(tmp_path):
     follow_python("tutorial/python.md", tmp_path)
     assert {"bag_0", "displacement.png", "orbits.png"} <= {path.name for path in tmp_path.iterdir()}
+
+
+def test_the_readme_prints_what_it_shows(tmp_path):
+    follow_python("../README.md", tmp_path)
 
 
 @pytest.mark.long
