@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import contextlib
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
@@ -12,13 +11,16 @@ import numpy as np
 from drill_twin.api.scenes import Overrides, as_scene
 from drill_twin.core.arrays import Array
 from drill_twin.core.errors import ArgumentError, RunError, SceneError
-from drill_twin.dynamics.discretisation.kernel_arguments import SPATIAL
+from drill_twin.dynamics.discretisation.kernel_arguments import SPATIAL, form_of
 from drill_twin.dynamics.discretisation.resolution import LONG
 from drill_twin.dynamics.rotordynamics import campbell as _campbell
 from drill_twin.dynamics.rotordynamics import modes as _modes
+from drill_twin.dynamics.rotordynamics.assembly import Assembly, Extent, table_of
 from drill_twin.dynamics.rotordynamics.campbell import Campbell, GrowthMap
 from drill_twin.dynamics.rotordynamics.equations import EquationsOfMotion, meshed, without
-from drill_twin.dynamics.rotordynamics.modes import ModeTable, Resting
+from drill_twin.dynamics.rotordynamics.forced_response import ForcedResponse
+from drill_twin.dynamics.rotordynamics.forced_response import forced_response as _forced_response
+from drill_twin.dynamics.rotordynamics.modes import LATERAL, ModeTable, Resting
 from drill_twin.dynamics.rotordynamics.steady import branches as _branches
 from drill_twin.dynamics.rotordynamics.steady import whirl_states as _whirl_states
 from drill_twin.dynamics.rotordynamics.steady.branches import Branch
@@ -63,20 +65,13 @@ def final_command(scene: Scene) -> Command:
 
 
 def resting_in(equations: EquationsOfMotion) -> Resting:
-    """Function from a command to a balance under it, to start from.
-
-    In a long hole that is the balance of torque and drag, found in a second; else that of `rig.start: equilibrium`.
-    """
+    """Function from a command to a balance under it, to start from: that of `rig.start: equilibrium`."""
     scene = equations.scene
 
     def resting(command: Command) -> Array:
         from drill_twin.dynamics.twin.dynamics import Dynamics
 
         rig = scene.rig
-        if scene.length >= LONG and equations.form == SPATIAL and rig.weight_on_bit.at == "bit":
-            turning = Operation("turning", command.weight_on_bit, 0.0, command.rotation)
-            with contextlib.suppress(RunError):  # the search below may find one
-                return SlidingBalance(equations).solve(turning).u
         load = rig.weight_on_bit.model_copy(update={"initial": command.weight_on_bit, "value": command.weight_on_bit})
         turn = rig.rotation.model_copy(update={"initial": command.rotation, "value": command.rotation})
         held = rig.model_copy(update={"weight_on_bit": load, "rotation": turn, "start": "equilibrium"})
@@ -84,6 +79,28 @@ def resting_in(equations: EquationsOfMotion) -> Resting:
         return u.copy()
 
     return resting
+
+
+def fastest_of(command: Command) -> float:
+    """Rotation up to which critical speeds and responses are sought: twice that of the scene [rad/s]."""
+    return 2.0 * (abs(command.rotation) or 10.0)
+
+
+def _sliding(equations: EquationsOfMotion, command: Command) -> Array:
+    """Balance of a long string that turns on bottom."""
+    return SlidingBalance(equations).solve(Operation("turning", command.weight_on_bit, 0.0, command.rotation)).u
+
+
+def forced_response(scene: Scene, table: ModeTable) -> ForcedResponse:
+    """Response to mass unbalance and to a bend over the speed of rotation, up to twice that of the scene.
+
+    Args:
+        scene: A scene of `steady_scene`.
+        table: Its modes.
+    """
+    command, whole = table.balance.command, Extent(scene.length, scene.length)
+    assembly = table.assembly or Assembly(EquationsOfMotion(scene), command, table.balance.u, whole)
+    return _forced_response(assembly, [mode for mode in table.of(LATERAL) if mode.frequency > 0.0], fastest_of(command))
 
 
 def modes(
@@ -95,7 +112,9 @@ def modes(
 ) -> ModeTable:
     """Damped modes of the string, turning in balance under the final set-points of a scene.
 
-    Each is computed on a mesh twice as fine too, if that has not too many unknowns: its `change`.
+    Each is computed on a mesh twice as fine too, if that has not too many unknowns: its `change`. Lateral modes of a long
+    string (1,000 m and more, its weight at the bit) are those of its assembly on the low side
+    (`drill_twin.dynamics.rotordynamics.assembly`).
 
     >>> table = modes("pa6_bench", {"wob": 5, "rps": 2})
     >>> [(mode.kind, mode.frequency, mode.growth) for mode in table.modes]
@@ -111,7 +130,10 @@ def modes(
         RunError: There is no balance.
     """
     own = steady_scene(scene, overrides, without)
-    equations, command = EquationsOfMotion(own), final_command(own)
+    command = final_command(own)
+    if own.length >= LONG and form_of(own) == SPATIAL and own.rig.weight_on_bit.at == "bit":
+        return table_of(own, command, fastest_of(command), _sliding, count)
+    equations = EquationsOfMotion(own)
     table = _modes.modes(equations, command, resting_in(equations), count)
     finer = EquationsOfMotion(meshed(own, 2 * equations.model.rod.length.size))
     if finer.unknowns > (MOST_COMPARED if table.on_axis else MOST_AT_REST):

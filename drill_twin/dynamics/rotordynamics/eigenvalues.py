@@ -98,35 +98,43 @@ def damped_modes(pencil: Pencil) -> tuple[ComplexArray, ComplexArray]:
     Raises:
         RunError: The iteration does not converge.
     """
-    size = pencil.mass.shape[0]
-    if size <= MOST_UNKNOWNS:
+    if pencil.mass.shape[0] <= MOST_UNKNOWNS:
         return eigenvalues(Pencil(*(as_dense(matrix) for matrix in pencil)))
+    return modes_near(pencil)
+
+
+def modes_near(pencil: Pencil, shift: complex = SHIFT, count: int = NEAREST) -> tuple[ComplexArray, ComplexArray]:
+    """Eigenvalues nearest to a point [rad/s], as of `nearest_to`, and their shapes as columns."""
+    size = pencil.mass.shape[0]
     unit = scipy.sparse.diags_array(np.ones(size))
     left = scipy.sparse.block_array([[None, unit], [-_sparse(pencil.stiffness), -_sparse(pencil.damping)]])
-    values, vectors = nearest_to_zero(left, scipy.sparse.block_diag([unit, _sparse(pencil.mass)]))
+    values, vectors = nearest_to(left, scipy.sparse.block_diag([unit, _sparse(pencil.mass)]), shift, count)
     return values, vectors[:size]
 
 
-def nearest_to_zero(left: Any, right: Any, count: int = NEAREST) -> tuple[ComplexArray, ComplexArray]:
-    """Eigenvalues s of A z = s B z nearest to zero, and their vectors as columns: Arnoldi's method, shifted, inverted.
+def nearest_to(
+    left: Any, right: Any, shift: complex = SHIFT, count: int = NEAREST
+) -> tuple[ComplexArray, ComplexArray]:
+    """Eigenvalues s of A z = s B z nearest to a point, and their vectors as columns: Arnoldi's method, shifted, inverted.
 
     Args:
         left: A, sparse, shape (k, k).
         right: B.
+        shift: The point [rad/s].
         count: Number of eigenvalues.
 
     Raises:
         RunError: The iteration does not converge.
     """
     size = left.shape[0]
-    inverse = scipy.sparse.linalg.splu((left - SHIFT * right).tocsc())
-    kind = np.result_type(left.dtype, right.dtype)
+    inverse = scipy.sparse.linalg.splu((left - shift * right).tocsc())
+    kind = np.result_type(left.dtype, right.dtype, type(shift))
     operator = scipy.sparse.linalg.LinearOperator((size, size), matvec=lambda z: inverse.solve(right @ z), dtype=kind)
     try:
         values, vectors = scipy.sparse.linalg.eigs(operator, k=min(count, size - 2), v0=np.ones(size, kind))
     except scipy.sparse.linalg.ArpackError as error:
         raise RunError(f"expected the modes of the string, found none: {error}; try other elements") from error
-    return SHIFT + 1.0 / values, vectors
+    return shift + 1.0 / values, vectors
 
 
 def as_dense(matrix: Any) -> NDArray[Any]:
@@ -194,6 +202,6 @@ def delayed_modes(pencil: Pencil, delay: Delay, points: int = POINTS) -> tuple[C
     if m <= MOST_UNKNOWNS:
         values, vectors = np.linalg.eig(np.linalg.solve(as_dense(right), as_dense(left)))
     else:
-        values, vectors = nearest_to_zero(left, right)
+        values, vectors = nearest_to(left, right)
     kept = np.abs(values) * delay.time > NEUTRAL
     return values[kept], vectors[:m, kept]

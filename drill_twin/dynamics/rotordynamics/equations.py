@@ -29,7 +29,7 @@ from drill_twin.dynamics.solver.linearisation import DAMPING, MASS, STIFFNESS
 from drill_twin.dynamics.solver.spatial.linear_solver import make_workspace
 from drill_twin.physics.effects.bit_regenerative import READY, Regeneration, regeneration
 from drill_twin.physics.model.bit import INITIAL, WEIGHT
-from drill_twin.physics.model.mesh import SPIN
+from drill_twin.physics.model.mesh import SPIN, Rod
 from drill_twin.scene import Scene
 from drill_twin.scene.set_points.command import Command
 
@@ -148,16 +148,20 @@ class EquationsOfMotion:
         evaluations: How often they have been evaluated: the work of a search, whatever else the machine does.
     """
 
-    def __init__(self, scene: Scene) -> None:
+    def __init__(self, scene: Scene, rod: Rod | None = None) -> None:
         """Build the model and load or compile its equations.
+
+        Args:
+            scene: The scene.
+            rod: Mesh of its string; None: that of the scene.
 
         Raises:
             SceneError: An effect depends on time, or the scene asks for an accuracy instead of elements.
         """
         refuse_time_dependent(scene)
         self.scene, self.form = scene, form_of(scene)
-        elements, _ = resolution_of(scene)
-        rod = mesh(scene, elements)
+        if rod is None:
+            rod = mesh(scene, resolution_of(scene)[0])
         self.model = discretise(scene, rod)
         hole = "straight" if self.model.wellbore.axis is None else "curved"
         self._kernel = build_linearisation(variants_of(scene), self.form, hole)
@@ -274,7 +278,8 @@ class EquationsOfMotion:
 
     def rows(self, free: Array) -> Array:
         """Rows of seven, shape (n + 1, 7), from values of the free unknowns, shape (m,); zero elsewhere."""
-        result, own = np.zeros((self.free.shape[0], 7)), np.zeros(self.free.shape)
+        kind = free.dtype
+        result, own = np.zeros((self.free.shape[0], 7), kind), np.zeros(self.free.shape, kind)
         own[self.free] = free
         result[:, self.columns] = own
         return result

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from typing import NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from scipy.optimize import linear_sum_assignment
@@ -27,9 +27,12 @@ from drill_twin.dynamics.rotordynamics.eigenvalues import (
     delayed_modes,
 )
 from drill_twin.dynamics.rotordynamics.equations import EquationsOfMotion, Linearised
-from drill_twin.dynamics.rotordynamics.turning_frame import TurningFrame
+from drill_twin.dynamics.rotordynamics.turning_frame import HoleFrame, TurningFrame
 from drill_twin.dynamics.solver.linearisation import STIFFNESS
 from drill_twin.scene.set_points.command import Command
+
+if TYPE_CHECKING:
+    from drill_twin.dynamics.rotordynamics.assembly import Assembly
 
 NEWTON_STEPS = 30
 NEWTON_TOLERANCE = 1e-9
@@ -50,11 +53,14 @@ class Mode(NamedTuple):
     eigenvalue: complex
     """Growth [1/s] and angular frequency [rad/s]; positive in the sense of rotation for lateral modes on the axis."""
     shape: ComplexArray
-    """x + i y [m], angle [rad] or displacement along the axis [m] at the nodes from the bit, largest 1; (n + 1,)."""
+    """x + i y [m] (in an inclined hole low + i side), angle [rad] or displacement along the axis [m] at the nodes from
+    the bit, largest 1; (n + 1,)."""
     number: int = 0
     """Among the modes of its kind, by the size of the eigenvalue, from 1."""
     change: complex = complex(math.nan, math.nan)
     """Change of the eigenvalue on a mesh twice as fine; NaN: not known."""
+    cut_change: complex = complex(math.nan, math.nan)
+    """Change of the eigenvalue of a mode of the assembly where more pipe is added above it; NaN for other modes."""
 
     @property
     def growth(self) -> float:
@@ -101,6 +107,8 @@ class ModeTable(NamedTuple):
     """Decay [1/s] of the slowest motion without oscillation, by kind, where there are some. They are no modes."""
     reach: float
     """Size of the eigenvalues up to which all are computed [rad/s]; less than infinity in a large string."""
+    assembly: Assembly | None = None
+    """The part of a long string whose lateral modes these are; None: the whole string."""
 
     def of(self, kind: str) -> tuple[Mode, ...]:
         """Modes of one kind."""
@@ -181,6 +189,11 @@ def modes(
     else:
         all_modes = _real(equations, np.arange(equations.unknowns), pencil, delay)
         reach = _reach(all_modes, equations.unknowns)
+    return ModeTable(found, on_axis, *listed(all_modes, count), reach)
+
+
+def listed(all_modes: list[Mode], count: int) -> tuple[tuple[Mode, ...], dict[str, int], dict[str, float]]:
+    """Modes of a table with their numbers, how many grow, and the slowest decays without oscillation, by kind."""
     kept: list[Mode] = []
     growing: dict[str, int] = {}
     creeping: dict[str, float] = {}
@@ -193,7 +206,7 @@ def modes(
         growing[kind] = sum(mode.growth > 0.0 for mode in numbered)
         if slowest := [-mode.growth for mode in own if mode.is_creep]:
             creeping[kind] = min(slowest)
-    return ModeTable(found, on_axis, tuple(kept), growing, creeping, reach)
+    return tuple(kept), growing, creeping
 
 
 def compared(table: ModeTable, finer: ModeTable) -> ModeTable:
@@ -230,19 +243,29 @@ def bit_unknowns(equations: EquationsOfMotion, frame: TurningFrame) -> Numbers:
 def _real(equations: EquationsOfMotion, part: Numbers, pencil: Pencil, delay: Delay | None) -> list[Mode]:
     """Modes of real equations, one of each conjugate pair, classed by their kinetic energy."""
     values, vectors = damped_modes(pencil) if delay is None else delayed_modes(pencil, delay)
-    result = []
-    for k in np.flatnonzero(values.imag >= 0.0):
-        whole = np.zeros(equations.unknowns, dtype=complex)
-        whole[part] = vectors[:, k]
-        energy = np.zeros(equations.unknowns)
-        energy[part] = np.abs(vectors[:, k]) * np.abs(pencil.mass @ vectors[:, k])
-        rows = equations.rows(whole.real) + 1j * equations.rows(whole.imag)
-        shares = equations.rows(energy)
-        own = {LATERAL: shares[:, [0, 1, 3, 4]], AXIAL: shares[:, [2, 5]], TORSIONAL: shares[:, 6]}
-        kind = max(own, key=lambda key: float(own[key].sum()))
-        shape = {LATERAL: rows[:, 0] + 1j * rows[:, 1], AXIAL: rows[:, 2], TORSIONAL: rows[:, 6]}[kind]
-        result.append(Mode(kind, complex(values[k]), normed(shape)))
-    return result
+    keep = np.flatnonzero(values.imag >= 0.0)
+    frame = HoleFrame.of(equations)
+    return [classed(equations, frame, part, pencil.mass, complex(values[k]), vectors[:, k]) for k in keep]
+
+
+def classed(
+    equations: EquationsOfMotion, frame: HoleFrame, part: Numbers, mass: Any, value: complex, vector: ComplexArray
+) -> Mode:
+    """Mode of some of the unknowns, of the kind that has most of its kinetic energy.
+
+    Across the hole its shape is low + i side at the instant at which the largest displacement is reached.
+    """
+    whole = np.zeros((2, equations.unknowns), dtype=complex)
+    whole[:, part] = vector, mass @ vector
+    rows, momenta = (frame.local(equations.rows(one)) for one in whole)
+    energy = np.abs(rows) * np.abs(momenta)
+    own = {LATERAL: energy[:, [0, 1, 3, 4]], AXIAL: energy[:, [2, 5]], TORSIONAL: energy[:, 6]}
+    kind = max(own, key=lambda key: float(own[key].sum()))
+    squares = rows[:, 0] ** 2 + rows[:, 1] ** 2
+    largest = squares[int(np.argmax(np.abs(rows[:, 0]) ** 2 + np.abs(rows[:, 1]) ** 2))]
+    at = (rows * np.exp(-0.5j * np.angle(largest))).real
+    shape = {LATERAL: at[:, 0] + 1j * at[:, 1], AXIAL: rows[:, 2], TORSIONAL: rows[:, 6]}[kind]
+    return Mode(kind, value, shape / np.abs(shape).max() if kind == LATERAL else normed(shape))
 
 
 def normed(shape: ComplexArray) -> ComplexArray:

@@ -1,16 +1,22 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Unknowns across the axis of the hole, and the quarter turn J that takes x to y and y to minus x."""
+"""Unknowns across the axis of the hole, the quarter turn J that takes x to y and y to minus x, and the hole's frame."""
 
 from __future__ import annotations
+
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from drill_twin.core.arrays import Array, ComplexArray
+from drill_twin.dynamics.discretisation.discretise import axis_at
 from drill_twin.dynamics.rotordynamics.equations import EquationsOfMotion
 
 ISOTROPIC = 1e-4
 """Largest difference between the directions x and y, over the largest entry, of equations without a direction."""
+
+UPRIGHT = 1e-6
+"""Sine of the inclination below which a hole has no low side."""
 
 
 def quarter_turn(rows: Array) -> Array:
@@ -81,3 +87,46 @@ class TurningFrame:
         turn = 0.5 * (matrix[np.ix_(y, x)] - matrix[np.ix_(x, y)])
         result: ComplexArray = same + 1j * turn
         return result
+
+
+class HoleFrame(NamedTuple):
+    """Directions of the hole at the n + 1 nodes, unit vectors, shape (n + 1, 3) each."""
+
+    low: Array
+    """Across the hole, to its low side; x in a vertical hole."""
+    side: Array
+    """Across the hole, level: along times low, so that a string that turns goes from low to side."""
+    along: Array
+    """Along the hole, upwards."""
+    bit: Array
+    """Rotation into the frame of the bit's row (`drill_twin.dynamics.solver.boundary`), shape (3, 3)."""
+
+    @classmethod
+    def of(cls, equations: EquationsOfMotion) -> HoleFrame:
+        """Frame of the nodes of a string."""
+        scene, model = equations.scene, equations.model
+        axis = axis_at(scene, scene.length - model.rod.arc)
+        along = np.tile([0.0, 0.0, 1.0], (model.rod.arc.size, 1)) if axis is None else axis.tangent
+        down = np.array([np.sin(model.inclination), 0.0, -np.cos(model.inclination)])
+        low = down - (along @ down)[:, None] * along
+        upright = np.linalg.norm(low, axis=1) < UPRIGHT
+        x = np.array([1.0, 0.0, 0.0])
+        low[upright] = (x - (along @ x)[:, None] * along)[upright]
+        low /= np.linalg.norm(low, axis=1)[:, None]
+        return cls(low, np.cross(along, low), along, equations.bit_frame[:, :3])
+
+    def local(self, rows: Any) -> Any:
+        """Rows (r, r', psi) of small motions of the free unknowns, as components low, side and along; (n + 1, 7)."""
+        result = rows.copy()
+        for first in (0, 3):
+            part = rows[:, first : first + 3].copy()
+            part[0] = part[0] @ self.bit
+            for k, direction in enumerate((self.low, self.side, self.along)):
+                result[:, first + k] = (part * direction).sum(axis=1)
+        return result
+
+    def forces(self, low: ComplexArray, side: ComplexArray) -> ComplexArray:
+        """Vectors at the nodes from their components across the hole, that of the bit in its frame; (n + 1, 3)."""
+        vectors = np.asarray(low[:, None] * self.low + side[:, None] * self.side)
+        vectors[0] = self.bit @ vectors[0]
+        return vectors

@@ -1,0 +1,153 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Forced response of an assembly to mass unbalance and to a bend, over the speed of rotation.
+
+Both turn with the string: f(t) = Re(F exp(i Omega t)) with F of low - i side. The response about the balance is the
+solution of (K + i Omega C - Omega^2 M) q = F with the equations at that speed: small motions, in which every contact
+holds. Where an amplitude is larger than the clearance, or a side force changes by more than it is, the string hits the
+wall or lifts off it: the speed is right then, the amplitude is not.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from scipy.linalg import solve_banded
+
+from drill_twin.core.arrays import Array, ComplexArray
+from drill_twin.dynamics.audit.energy import gauss_positions
+from drill_twin.dynamics.rotordynamics.assembly import Assembly
+from drill_twin.dynamics.rotordynamics.modes import Mode
+from drill_twin.physics.effects.wall import Parameters as Wall
+from drill_twin.physics.model.mesh import locate
+from drill_twin.physics.model.wellbore import offsets
+
+OFFSET = 1e-3
+"""Distance of the mass centre from the centre line, all along the assembly [m]."""
+BEND, JOINT = 1e-3, 9.0
+"""Bend: deflection at the middle of a joint, and the length of one, in one plane all along the assembly [m]."""
+SPEEDS, SLOWEST = 120, 0.05
+"""Speeds, and the lowest over the fastest."""
+BESIDE = (-3.0, -1.0, 0.0, 1.0, 3.0)
+"""Speeds about each critical one, in half widths of its peak."""
+SPAN = 5.0
+"""Length of a contact that is looked at, from its lower end [m]."""
+
+
+class ForcedResponse(NamedTuple):
+    """Amplitudes over p speeds, for each cause: unbalance, bend."""
+
+    speeds: Array
+    """[rad/s], shape (p,)."""
+    marks: dict[str, float]
+    """Marks of the scene below the cut and their distance from the bit [m]."""
+    contacts: tuple[tuple[float, float], ...]
+    """Ends of the parts that touch the wall, at most `SPAN` of each, from the bit [m]; c of them."""
+    static: Array
+    """Side force of each in the balance [N], shape (c,)."""
+    amplitude: Array
+    """Largest distance from the balance at the marks, and the largest of the assembly [m]; (p, 2, marks + 1)."""
+    side_force: Array
+    """Sum of the amplitudes of each contact's side force [N], shape (p, 2, c)."""
+
+
+def forced_response(assembly: Assembly, modes: list[Mode], fastest: float) -> ForcedResponse:
+    """Response of an assembly up to a speed [rad/s], finer about the critical speeds of its modes."""
+    equations, model = assembly.equations, assembly.equations.model
+    places = np.linspace(SLOWEST * fastest, fastest, SPEEDS)
+    near = [abs(mode.eigenvalue.imag) - share * mode.growth for mode in modes for share in BESIDE]
+    speeds = np.unique(np.concatenate([places, [one for one in near if SLOWEST * fastest < one < fastest]]))
+    marks = {mark.name: mark.distance_from_bit for mark in equations.scene.string.marks}
+    marks = {name: place for name, place in marks.items() if place < assembly.extent.cut}
+    at, inside = locate(model.rod, list(marks.values())), model.rod.arc <= assembly.extent.assembly
+    wall = getattr(equations.parameters, "wall", None)
+    contacts, static, gradient = _contacts(assembly, wall)
+    loads = _loads(assembly)
+    absorbed = np.zeros(equations.unknowns)
+    absorbed[assembly.part] = assembly.absorption(fastest)
+    number = np.full(equations.unknowns, -1)
+    number[assembly.part] = np.arange(assembly.part.size)
+    amplitude, force = np.zeros((speeds.size, 2, len(marks) + 1)), np.zeros((speeds.size, 2, len(contacts)))
+    for k, speed in enumerate(speeds):
+        rows = _solve(assembly, float(speed), loads * np.array([speed**2, 1.0]), number, np.sqrt(absorbed))
+        for cause in (0, 1):
+            local = assembly.frame.local(rows[cause])
+            radius = _radius(local)
+            shape = np.stack([local[at.element, :2], local[at.element, 3:5],
+                              local[at.element + 1, :2], local[at.element + 1, 3:5]], axis=1)  # fmt: skip
+            amplitude[k, cause] = [*_radius(np.einsum("pi,pic->pc", at.shape[:, 0], shape)), radius[inside].max()]
+            if contacts:
+                turned = rows[cause].copy()
+                turned[0, 0:3], turned[0, 3:6] = turned[0, 0:3] @ assembly.frame.bit, turned[0, 3:6] @ assembly.frame.bit
+                changes = np.abs((gauss_positions(model.rod, turned) * gradient).sum(axis=1)).reshape(-1, 2).sum(axis=1)
+                force[k, cause] = [changes[elements].sum() for elements in contacts.values()]
+    return ForcedResponse(speeds, marks, tuple(contacts), static, amplitude, force)
+
+
+def _radius(local: ComplexArray) -> Array:
+    """Largest distance in an elliptic motion of components low and side, the first two columns [m]."""
+    low, side = local[:, 0], local[:, 1]
+    return np.asarray(0.5 * (np.abs(low + 1j * side) + np.abs(low - 1j * side)))
+
+
+def _solve(assembly: Assembly, speed: float, loads: ComplexArray, number: Array, root: Array) -> list[ComplexArray]:
+    """Rows of the response to loads on the unknowns of the part, shape (m, 2), at a speed [rad/s]."""
+    system = assembly.linearised(speed)
+    mass, damping, stiffness = (system.rows.entries(tangent) for tangent in system.tangents)
+    row, column = system.rows.row, system.rows.column
+    entries = stiffness - speed**2 * mass + 1j * speed * (damping + mass * root[row] * root[column])
+    kept = (number[row] >= 0) & (number[column] >= 0)
+    row, column = number[row[kept]], number[column[kept]]
+    half = int(np.abs(row - column).max())
+    band = np.zeros((2 * half + 1, assembly.part.size), complex)
+    band[half + row - column, column] = entries[kept]
+    whole = np.zeros((2, assembly.equations.unknowns), complex)
+    whole[:, assembly.part] = solve_banded((half, half), band, loads, overwrite_ab=True, check_finite=False).T
+    return [assembly.equations.rows(one) for one in whole]
+
+
+def _loads(assembly: Assembly) -> ComplexArray:
+    """Loads by unknown of the part: unbalance over the square of the speed, and bend; shape (m, 2).
+
+    Unbalance m e Omega^2 with the consistent mass of the element; a bend of curvature k bends with the moment EI k, which
+    acts on the slopes at both ends of an element.
+    """
+    rod = assembly.equations.model.rod
+    nodes = rod.arc.size
+    nodal = np.zeros((2, nodes, 2))  # by cause, node, position or slope
+    curvature = 8.0 * BEND / JOINT**2
+    for element in np.flatnonzero(rod.arc[1:] <= assembly.extent.assembly + 1e-6):
+        weights = OFFSET * rod.mass[element][:, [0, 2]].sum(axis=1)
+        nodal[0, element : element + 2] += weights.reshape(2, 2)
+        moment = rod.bending[element] * curvature
+        nodal[1, element : element + 2, 1] += [-moment, moment]
+    result = []
+    for cause in nodal:
+        rows = np.zeros((nodes, 7), complex)
+        for first, values in ((0, cause[:, 0]), (3, cause[:, 1])):
+            rows[:, first : first + 3] = assembly.frame.forces(values, -1j * values)
+        result.append(rows[:, assembly.equations.columns][assembly.equations.free][assembly.part])
+    return np.stack(result, axis=1)
+
+
+def _contacts(assembly: Assembly, wall: Wall | None) -> tuple[dict[tuple[float, float], Array], Array, Array]:
+    """Parts in contact and their elements, their side force [N], and its gradient at the Gauss points; (2 n, 3)."""
+    model = assembly.equations.model
+    rod, bore = model.rod, model.wellbore
+    if wall is None:
+        return {}, np.zeros(0), np.zeros((2 * rod.length.size, 3))
+    places = gauss_positions(rod, assembly.u)
+    off = places * [1.0, 1.0, 0.0] if bore.axis is None else offsets(bore.axis, places).off
+    radius = np.linalg.norm(off, axis=1)
+    depth, power = np.maximum(radius - bore.clearance, 0.0), 1.0 if wall.linear else 1.5
+    weight = 0.5 * np.repeat(rod.length, 2) * wall.stiffness
+    force = (weight * depth**power).reshape(-1, 2).sum(axis=1)
+    slope = weight * power * np.where(depth > 0.0, depth ** (power - 1.0), 0.0)
+    gradient = (slope / np.maximum(radius, 1e-12))[:, None] * off
+    touching = np.flatnonzero((force > 0.0) & (rod.arc[1:] <= assembly.extent.assembly))
+    found: dict[tuple[float, float], Array] = {}
+    for part in np.split(touching, np.flatnonzero(np.diff(touching) > 1) + 1):
+        part = part[rod.arc[part] < rod.arc[part[0]] + SPAN] if part.size else part
+        if part.size:
+            found[float(rod.arc[part[0]]), float(rod.arc[part[-1] + 1])] = part
+    return found, np.array([force[part].sum() for part in found.values()]), gradient
