@@ -15,7 +15,8 @@ from drill_twin.dynamics.discretisation.kernel_arguments import SPATIAL, form_of
 from drill_twin.dynamics.discretisation.resolution import LONG
 from drill_twin.dynamics.rotordynamics import campbell as _campbell
 from drill_twin.dynamics.rotordynamics import modes as _modes
-from drill_twin.dynamics.rotordynamics.assembly import Assembly, Extent, table_of
+from drill_twin.dynamics.rotordynamics.assembly import Assembly, Extent
+from drill_twin.dynamics.rotordynamics.assembly_modes import table_of
 from drill_twin.dynamics.rotordynamics.campbell import Campbell, GrowthMap
 from drill_twin.dynamics.rotordynamics.equations import EquationsOfMotion, meshed, without
 from drill_twin.dynamics.rotordynamics.forced_response import ForcedResponse
@@ -112,8 +113,8 @@ def modes(
 ) -> ModeTable:
     """Damped modes of the string, turning in balance under the final set-points of a scene.
 
-    Each is computed on a mesh twice as fine too, if that has not too many unknowns: its `change`. Lateral modes of a long
-    string (1,000 m and more, its weight at the bit) are those of its assembly on the low side
+    Each is computed on a mesh twice as fine too, if that has not too many unknowns: its `change`. Lateral modes of a
+    long string (1,000 m and more, its weight at the bit) are those of its assembly on the low side
     (`drill_twin.dynamics.rotordynamics.assembly`).
 
     >>> table = modes("pa6_bench", {"wob": 5, "rps": 2})

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import cmath
 import math
+import os
 from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -30,6 +31,7 @@ from drill_twin.core.table import Table
 
 if TYPE_CHECKING:
     from drill_twin.core.units.system import UnitSystem
+    from drill_twin.dynamics.rotordynamics.assembly import Assembly
     from drill_twin.dynamics.rotordynamics.campbell import Campbell
     from drill_twin.dynamics.rotordynamics.modes import ModeTable
     from drill_twin.scene import Scene
@@ -53,11 +55,15 @@ def modes(
     units: UnitsOption = "",
     json: JsonOption = False,
 ) -> None:
-    """Damped modes of the turning string under its final set-points: frequency, growth, shape.
+    """Damped modes of the turning string under its final set-points: frequency, growth, shape; critical speeds.
 
-    Campbell diagram and map go up to twice the speed and the load of the scene. Bow and eccentricity are left out: they
-    excite, and change no mode.
+    Of a long string the lateral modes are those of the assembly on the low side of its hole. With --out or --json also
+    the response to unbalance and bend over the rotation. Campbell diagram and map go up to twice the speed and the load
+    of the scene. Bow and eccentricity are left out of the modes: they excite, and change none.
     """
+    # threads of BLAS wait for each other longer than the small matrices here take
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+
     import numpy as np
 
     from drill_twin.api import rotordynamics
@@ -68,6 +74,8 @@ def modes(
         growth_data,
         growth_figure,
         modes_data,
+        response_data,
+        response_figure,
         shapes_figure,
     )
 
@@ -78,7 +86,8 @@ def modes(
     command = rotordynamics.final_command(own)
     with shown_progress("computing"):
         table = rotordynamics.modes(own, count=count)
-        fastest, heaviest = 2.0 * (abs(command.rotation) or 10.0), 2.0 * (abs(command.weight_on_bit) or 1.0)
+        response = rotordynamics.forced_response(own, table) if json or out is not None else None
+        fastest, heaviest = rotordynamics.fastest_of(command), 2.0 * (abs(command.weight_on_bit) or 1.0)
         diagram = growth_rates = None
         if campbell:
             speeds = np.linspace(0.0, fastest, campbell + 1)[1:]
@@ -89,8 +98,11 @@ def modes(
             speeds, loads = np.linspace(0.0, fastest, growth + 1)[1:], np.linspace(0.0, heaviest, growth)
             growth_rates = rotordynamics.growth_map(own, weights=loads, speeds=speeds)
     result, named = modes_data(table), own.name
-    arc = mesh(own, resolution_of(own)[0]).arc
+    arc = table.assembly.equations.model.rod.arc if table.assembly else mesh(own, resolution_of(own)[0]).arc
     figures = {"modes.png": lambda: shapes_figure(table, arc, named, own.unit_system)}
+    if response is not None:
+        result["response"] = response_data(response)
+        figures["response.png"] = lambda: response_figure(response, table, named, own.unit_system)
     if diagram is not None:
         result["campbell"] = campbell_data(diagram)
         figures["campbell.png"] = lambda: campbell_figure(diagram, named, own.unit_system)
@@ -104,33 +116,66 @@ def _shown(table: ModeTable, diagram: Campbell | None, scene: Scene) -> Iterator
     units = scene.unit_system
     yield _table(table, scene.name, units)
     yield from _sentences(table)
+    if table.assembly is not None:
+        yield from _assembly(table, table.assembly, units)
     if diagram is not None:
         named = ", ".join(f"{units.text(speed, 'rotation')} (mode {mode + 1})" for mode, speed in diagram.critical)
         yield f"critical speeds: {named or 'none up to the largest speed'}"
 
 
 def _table(table: ModeTable, name: str, units: UnitSystem) -> Table:
-    command = table.balance.command
+    command, part = table.balance.command, table.assembly
     rows = []
     for mode in table.modes:
         sense = ""
         if mode.kind == "lateral" and table.on_axis and abs(mode.frequency) > 1e-9:
             sense = "forward" if mode.frequency * command.rotation >= 0.0 else "backward"
-        rows.append((
-            f"{mode.kind} {mode.number}", sense, f"{abs(mode.frequency):.4g}", _change(mode.change.imag / math.tau),
-            f"{mode.growth:+.4g}", _change(mode.change.real), f"{mode.damping_ratio:.3g}",
-        ))  # fmt: skip
+        shown = [f"{mode.kind} {mode.number}", sense, f"{abs(mode.frequency):.4g}"]
+        shown += [_change(mode.change.imag / math.tau), f"{mode.growth:+.4g}", _change(mode.change.real)]
+        if part is not None:
+            at = part.equations.model.rod.arc[abs(mode.shape).argmax()]
+            lateral = (mode.plane, units.number(mode.eigenvalue.imag, "rotation"), units.number(at, "length"))
+            plane, critical, largest = lateral if mode.kind == "lateral" else ("", "", "")
+            shown = [shown[0], plane, critical, largest, *shown[2:5]]
+        rows.append((*shown, f"{mode.damping_ratio:.2g}"))
     place = "on the axis" if table.on_axis else "on the wall"
-    title = (
-        f"{name}: {units.set_point(command.weight_on_bit, command.rotation)}, string {place}. "
-        "Frequency in Hz, growth in 1/s (above 0: unstable), +- their change on a mesh twice as fine, damping ratio."
+    title = f"{name}: {units.set_point(command.weight_on_bit, command.rotation)}, string {place}. Frequency in Hz, "
+    if part is None:
+        title += "growth in 1/s (above 0: unstable), +- their change on a mesh twice as fine, damping ratio."
+        return Table(("mode", "whirl", "frequency", "+-", "growth", "+-", "damping"), rows, title=title,
+                     right=(2, 3, 4, 5, 6))  # fmt: skip
+    title += (
+        "+- its change on a mesh half as fine, growth in 1/s (above 0: unstable), damping ratio. Lateral modes are "
+        f"those of the assembly: critical speed, place of the largest motion in {units.length} from the bit."
     )
-    columns = ("mode", "whirl", "frequency", "+-", "growth", "+-", "damping")
-    return Table(columns, rows, title=title, right=(2, 3, 4, 5, 6))
+    columns = ("mode", "plane", units.rotation, "at", "Hz", "+-", "growth", "damping")
+    return Table(columns, rows, title=title, right=(2, 3, 4, 5, 6, 7))
 
 
 def _change(value: float) -> str:
     return "?" if math.isnan(value) else f"{abs(value):.1g}"
+
+
+def _assembly(table: ModeTable, part: Assembly, units: UnitSystem) -> Iterator[str]:
+    """Sentences on the extent of the assembly, its cut, and the critical speeds."""
+    from drill_twin.dynamics.rotordynamics.assembly import ABOVE, LEAN, MOVED
+
+    lateral, rotation = table.of("lateral"), abs(table.balance.command.rotation)
+    speeds = [mode.eigenvalue.imag for mode in lateral]
+    named = ", ".join(units.number(speed, "rotation") for speed in speeds)
+    line = f"critical speeds of the lowest {units.text(part.extent.assembly, 'length')}, up to twice the rotation: "
+    if speeds and rotation > 0.0:
+        nearest = min(speeds, key=lambda speed: abs(speed - rotation))
+        named += f" {units.rotation}; the nearest is {nearest / rotation - 1.0:+.0%} from the rotation"
+    yield line + (named or "none")
+    moved = max((abs(mode.cut_change) / abs(mode.eigenvalue) for mode in lateral), default=0.0)
+    yield (
+        f"the pipe is cut {units.text(ABOVE, 'length')} above the assembly; with the cut at "
+        f"{units.text(MOVED, 'length')} the modes listed change by at most {moved:.2%}; those that change by more than "
+        "1 % belong to the pipe and are not listed"
+    )
+    if part.leans:
+        yield f"the hole is vertical: the string leans as at {math.degrees(LEAN):g} degree of inclination"
 
 
 def _sentences(table: ModeTable) -> Iterator[str]:
@@ -145,8 +190,10 @@ def _sentences(table: ModeTable) -> Iterator[str]:
             "are not listed"
         )
     if math.isfinite(table.reach):
+        kinds = "torsional and axial " if table.assembly else ""
         yield (
-            f"of this large string eigenvalues up to {table.reach:.3g} rad/s are computed: faster growth is not known"
+            f"of this large string {kinds}eigenvalues up to {table.reach:.3g} rad/s are computed: faster growth is not "
+            "known"
         )
     if any(cmath.isnan(mode.change) for mode in table.modes):
-        yield "+- ?: not compared with a mesh twice as fine, which has too many unknowns or no balance"
+        yield "+- ?: not compared with another mesh"

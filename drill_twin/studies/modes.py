@@ -15,6 +15,7 @@ from matplotlib.figure import Figure
 from drill_twin.core.arrays import Array
 from drill_twin.core.units.system import UnitSystem
 from drill_twin.dynamics.rotordynamics.campbell import Campbell, GrowthMap
+from drill_twin.dynamics.rotordynamics.forced_response import BEND, JOINT, OFFSET, ForcedResponse
 from drill_twin.dynamics.rotordynamics.modes import LATERAL, ModeTable
 from drill_twin.report.figures.style import BLUE, GREY, INK, MARK_COLOURS, PURPLE, VERMILION, blank, head, styled
 
@@ -35,6 +36,8 @@ def modes_data(table: ModeTable) -> dict[str, Any]:
                 "frequency_hz": mode.frequency,
                 "growth_per_s": mode.growth,
                 "damping_ratio": mode.damping_ratio,
+                "critical_speed_rev_s": mode.frequency if table.assembly and mode.kind == LATERAL else None,
+                "cut_change_hz": None if cmath.isnan(mode.cut_change) else mode.cut_change.imag / math.tau,
                 "frequency_change_hz": None if cmath.isnan(mode.change) else mode.change.imag / math.tau,
                 "growth_change_per_s": None if cmath.isnan(mode.change) else mode.change.real,
                 "shape_real": mode.shape.real.tolist(),
@@ -43,6 +46,20 @@ def modes_data(table: ModeTable) -> dict[str, Any]:
             for mode in table.modes
         ],
     }
+
+
+def response_data(response: ForcedResponse) -> dict[str, Any]:
+    """Amplitudes [m] and side forces [N] by cause, place and speed, shape (p,) each."""
+    places = [*response.marks, "largest of the assembly"]
+    contacts = [{"from_m": low, "to_m": high, "static_n": float(force)}
+                for (low, high), force in zip(response.contacts, response.static, strict=True)]  # fmt: skip
+    data: dict[str, Any] = {"rotation_rev_s": (response.speeds / math.tau).tolist(), "contacts": contacts}
+    for k, cause in enumerate(("unbalance", "bend")):
+        data[cause] = {
+            "amplitude_m": {name: response.amplitude[:, k, i].tolist() for i, name in enumerate(places)},
+            "side_force_n": response.side_force[:, k].T.tolist(),
+        }
+    return data | {"offset_m": OFFSET, "bend_m": BEND, "bend_length_m": JOINT}
 
 
 def campbell_data(diagram: Campbell) -> dict[str, Any]:
@@ -71,12 +88,14 @@ def growth_data(growth: GrowthMap) -> dict[str, Any]:
 
 
 SHAPES = 6
+CONTACTS = 4
+"""Contacts drawn, from the bit up."""
 
 
 def shapes_figure(table: ModeTable, arc: Array, name: str, units: UnitSystem) -> Figure:
     """Lateral mode shapes along the string, bit at the bottom: component along the largest point and across it."""
-    lateral = table.of(LATERAL)[:SHAPES]
-    command = table.balance.command
+    lateral, command = table.of(LATERAL)[:SHAPES], table.balance.command
+    end = table.assembly.extent.cut if table.assembly else arc[-1]
     with styled():
         figure = blank(4.2)
         head(figure, f"{name}: lateral modes at {units.set_point(command.weight_on_bit, command.rotation)}")
@@ -89,8 +108,59 @@ def shapes_figure(table: ModeTable, arc: Array, name: str, units: UnitSystem) ->
             panel.set_xlim(-1.15, 1.15)
             panel.set_xlabel("shape [-]")
         panels[0].set_ylabel(f"distance from bit [{units.length}]")
+        panels[0].set_ylim(0.0, units.show(end, "length"))
         if len(lateral):
-            panels[0].legend(["x", "y"], loc="upper left", fontsize=8)
+            panels[0].legend(
+                ["x", "y"] if table.on_axis else ["to the low side", "level"], loc="upper left", fontsize=8
+            )
+    return figure
+
+
+def response_figure(response: ForcedResponse, table: ModeTable, name: str, units: UnitSystem) -> Figure:
+    """Amplitudes and side forces over the speed for unbalance (left) and bend, critical speeds dotted."""
+    command, turns = table.balance.command, units.show(response.speeds, "rotation")
+    causes = (f"mass centre {OFFSET * 1e3:g} mm off", f"lowest joint bent by {BEND * 1e3:g} mm in {JOINT:g} m")
+    names = [f"{mark}, {units.text(at, 'length')}" for mark, at in response.marks.items()]
+    touching = [f"{units.text(low, 'length')} to {units.text(high, 'length')}" for low, high in response.contacts]
+    with styled():
+        figure = blank(6.4 if touching else 4.0)
+        load = units.text(command.weight_on_bit, "force")
+        head(figure, f"{name}: forced response at {load}; dotted: critical speeds, red: its rotation")
+        panels = figure.subplots(2 if touching else 1, 2, sharex=True, sharey="row", squeeze=False)
+        figure.subplots_adjust(
+            left=0.085,
+            right=0.98,
+            top=0.8 if touching else 0.7,
+            bottom=0.1 if touching else 0.16,
+            wspace=0.06,
+            hspace=0.42,
+        )
+        for k, cause in enumerate(causes):
+            for i, label in enumerate([*names, "largest of the assembly"]):
+                colour = INK if i == len(names) else MARK_COLOURS[i % len(MARK_COLOURS)]
+                panels[0, k].plot(turns, 1e3 * response.amplitude[:, k, i], color=colour, label=label)
+            for i, label in enumerate(touching[:CONTACTS]):
+                colour = MARK_COLOURS[i % len(MARK_COLOURS)]
+                panels[1, k].plot(turns, units.show(response.side_force[:, k, i], "force"), color=colour, label=label)
+                panels[1, k].axhline(
+                    units.show(response.static[i], "force"), color=colour, linestyle=":", linewidth=1.0
+                )
+            panels[0, k].set_title(cause)
+            panels[-1, k].set_xlabel(f"rotation [{units.rotation}]")
+        for panel in panels.ravel():
+            panel.set_yscale("log")
+            panel.axvline(units.show(abs(command.rotation), "rotation"), color=VERMILION, linewidth=0.9)
+            for mode in table.of(LATERAL):
+                if 0.0 < mode.eigenvalue.imag < response.speeds[-1]:
+                    panel.axvline(
+                        units.show(mode.eigenvalue.imag, "rotation"), color=GREY, linestyle=":", linewidth=0.9
+                    )
+        panels[0, 0].set_ylabel("amplitude [mm]")
+        panels[0, 0].legend(loc="lower left", bbox_to_anchor=(0.0, 1.12), ncol=4, fontsize=8.5)
+        if touching:
+            panels[1, 0].set_ylabel(f"side force +- [{units.force}]")
+            panels[1, 0].legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncol=4, fontsize=8.5)
+            panels[1, 1].set_title("dotted: side force at rest", fontsize=9)
     return figure
 
 

@@ -1,10 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Lateral modes of the bottom-hole assembly of a long string about its balance on the low side.
+"""Bottom-hole assembly of a long string in balance on the low side, with its equations linearised there.
 
 The balance is that of the whole string. Of its equations there, those of the nodes below a cut are kept; a damping that
 rises from the top of the assembly to the cut takes away the waves that run up the pipe, as if it had no end. So a mode
-of the assembly has the damping of what it radiates into the pipe, and modes of the pipe are damped. A mode that
-is one of the assembly stays where it is when the cut is moved; one that moves is left out.
+of the assembly has the damping of what it radiates into the pipe, and modes of the pipe are damped.
 """
 
 from __future__ import annotations
@@ -16,14 +15,12 @@ from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
-import scipy.sparse as sp
 
-from drill_twin.core.arrays import Array, ComplexArray
+from drill_twin.core.arrays import Array
 from drill_twin.dynamics.discretisation.discretise import tubes_of
 from drill_twin.dynamics.discretisation.resolution import LONGEST
-from drill_twin.dynamics.rotordynamics.eigenvalues import Numbers, Pencil, delayed_modes, modes_near
+from drill_twin.dynamics.rotordynamics.eigenvalues import Numbers, Pencil
 from drill_twin.dynamics.rotordynamics.equations import EquationsOfMotion, Linearised
-from drill_twin.dynamics.rotordynamics.modes import LATERAL, Balance, Mode, ModeTable, classed, listed
 from drill_twin.dynamics.rotordynamics.turning_frame import HoleFrame
 from drill_twin.dynamics.solver.linearisation import DAMPING, MASS, STIFFNESS
 from drill_twin.physics.model.mesh import SPIN, Rod, rod_of, tube_constants
@@ -31,19 +28,13 @@ from drill_twin.scene import Scene
 from drill_twin.scene.set_points.command import Command
 
 SHORTEST, LONGEST_ASSEMBLY = 30.0, 300.0
-"""Least and largest length of an assembly [m]: less where the string is of nothing but pipe, more is far from the bit."""
+"""Least and largest length of an assembly [m]."""
 ABOVE, MOVED = 150.0, 250.0
 """Pipe above the assembly, and the same with the cut moved up [m]."""
 PER_WAVE, PER_WAVE_ABOVE = 16, 8
 """Elements a bending wave at the fastest rotation, in the assembly and up to the cut: contact begins between nodes."""
 LEAN = math.radians(1.0)
 """Inclination whose side load a vertical hole has here: no hole is exactly vertical [rad]."""
-NEAREST = 60
-"""Eigenvalues computed around a point of the imaginary axis."""
-STAYS = 0.01
-"""Change of an eigenvalue, over its size, up to which a mode does not move with the cut."""
-LIGHT = 0.15
-"""Damping ratio below which a mode has a critical speed: above it, it is hardly felt."""
 
 
 class Extent(NamedTuple):
@@ -99,6 +90,8 @@ class Assembly:
     u: Array
     """Rows of the whole string in balance, shape (n + 1, 7)."""
     extent: Extent
+    leans: bool = False
+    """True in a vertical hole with the side load of `LEAN`."""
 
     @cached_property
     def frame(self) -> HoleFrame:
@@ -131,8 +124,7 @@ class Assembly:
         """Mass, damping and stiffness of the unknowns below the cut, sparse."""
         system = self.linearised(rotation)
         mass, damping, stiffness = (
-            system.rows.sparse(system.tangents[which])[self.part][:, self.part]
-            for which in (MASS, DAMPING, STIFFNESS)
+            system.rows.sparse(system.tangents[which])[self.part][:, self.part] for which in (MASS, DAMPING, STIFFNESS)
         )
         root = np.sqrt(self.absorption(fastest))
         return Pencil(mass, damping + mass * root[:, None] * root[None, :], stiffness)
@@ -161,101 +153,8 @@ def assembly_of(
     extent = Extent.of(scene, above)
     equations = EquationsOfMotion(scene, graded_rod(scene, extent, fastest, finer))
     gravity = getattr(equations.parameters, "gravity", None)
-    if equations.model.inclination == 0.0 and equations.model.wellbore.axis is None and gravity is not None:
+    upright = equations.model.inclination == 0.0 and equations.model.wellbore.axis is None
+    leans = upright and gravity is not None
+    if gravity is not None and leans:
         gravity.weight[:, 0] = math.sin(LEAN) * np.abs(gravity.weight[:, 2])
-    return Assembly(equations, command, resting(equations, command), extent)
-
-
-def lateral_modes(assembly: Assembly, fastest: float) -> list[Mode]:
-    """Lateral modes up to the frequency of the fastest rotation [rad/s] whose motion is mostly in the assembly."""
-    pencil = assembly.pencil(assembly.command.rotation, fastest)
-    spectrum = _along_axis(pencil, 0.0, fastest)
-    found: list[Mode] = []
-    inside = assembly.equations.model.rod.arc <= assembly.extent.assembly
-    for value, vector in spectrum:
-        if any(abs(value - mode.eigenvalue) < 1e-6 * abs(value) for mode in found):
-            continue
-        if 0.0 < value.imag <= fastest and -value.real < LIGHT * abs(value):
-            mode = classed(assembly.equations, assembly.frame, assembly.part, pencil.mass, complex(value), vector)
-            if mode.kind == LATERAL and inside[int(np.argmax(np.abs(mode.shape)))]:
-                found.append(mode)
-    return sorted(found, key=lambda mode: mode.eigenvalue.imag)
-
-
-def _along_axis(pencil: Pencil, low: float, high: float) -> list[tuple[complex, ComplexArray]]:
-    """Eigenvalues near a stretch of the imaginary axis [rad/s], without gaps, and their shapes; some of them twice."""
-    middle = 0.5j * (low + high)
-    values, vectors = modes_near(pencil, middle, min(NEAREST, pencil.mass.shape[0] - 2))
-    found, reach = list(zip(values, vectors.T, strict=True)), float(np.abs(values - middle).max())
-    if reach < 0.5 * (high - low):
-        found += _along_axis(pencil, low, middle.imag - reach) + _along_axis(pencil, middle.imag + reach, high)
-    return found
-
-
-def assembly_modes(scene: Scene, command: Command, fastest: float, resting: Resting) -> tuple[Assembly, list[Mode]]:
-    """Assembly of a string, and its lateral modes that stay where they are when the cut is moved.
-
-    Each has its changes on a mesh half as fine, and there with the cut moved from `ABOVE` to `MOVED`.
-
-    Raises:
-        RunError: There is no balance.
-    """
-    coarse = lateral_modes(assembly_of(scene, command, fastest, resting), fastest)
-    moved = lateral_modes(assembly_of(scene, command, fastest, resting, above=MOVED), fastest)
-    assembly, kept = assembly_of(scene, command, fastest, resting, finer=2), []
-    fine = lateral_modes(assembly, fastest)
-    for mode in coarse:
-        away = _change(mode, moved)
-        if fine and abs(away) < STAYS * abs(mode.eigenvalue):
-            change = _change(mode, fine)
-            same = next(other for other in fine if other.eigenvalue == mode.eigenvalue + change)
-            kept.append(same._replace(number=len(kept) + 1, change=change, cut_change=away))
-    return assembly, kept
-
-
-def modes_along(assembly: Assembly) -> tuple[list[Mode], float]:
-    """Torsional and axial modes of the whole string, held across by the hole, and the size up to which all are known."""
-    equations, frame = assembly.equations, assembly.frame
-    along, nodes = frame.along.copy(), frame.along.shape[0]
-    along[0] = frame.bit @ along[0]
-    directions = np.zeros((nodes, 7, 3))
-    directions[:, 0:3, 0] = directions[:, 3:6, 1] = along
-    directions[:, SPIN, 2] = 1.0
-    directions[~equations.free] = 0.0
-    row, column = np.repeat(np.arange(7 * nodes), 3), (3 * np.arange(nodes)[:, None, None] + np.arange(3)).repeat(7, 1)
-    basis = sp.csr_array((directions.ravel(), (row, column.ravel())), shape=(7 * nodes, 3 * nodes))
-    basis = basis[equations.free.ravel()]
-    basis = basis[:, np.flatnonzero(abs(basis).sum(axis=0))]
-    system, delay = assembly.linearised(assembly.command.rotation), equations.delay(assembly.command)
-    own = Pencil(*system.sparse)
-    pencil = own.on(basis)
-    values, vectors = modes_near(pencil) if delay is None else delayed_modes(pencil, delay.on(basis))
-    part, keep = np.arange(equations.unknowns), np.flatnonzero(values.imag >= 0.0)
-    found = [classed(equations, frame, part, own.mass, complex(values[k]), basis @ vectors[:, k]) for k in keep]
-    return found, float(np.abs(values).max())
-
-
-def table_of(scene: Scene, command: Command, fastest: float, resting: Resting, count: int) -> ModeTable:
-    """Lateral modes of the assembly of a long string, torsional and axial ones of the whole of it.
-
-    Args:
-        scene: The scene.
-        command: Weight on bit and rotation.
-        fastest: Rotation up to whose frequency lateral modes are sought [rad/s].
-        resting: Balance of a string.
-        count: Torsional and axial modes; of lateral ones all are given.
-
-    Raises:
-        RunError: There is no balance.
-    """
-    assembly, lateral = assembly_modes(scene, command, fastest, resting)
-    others, reach = modes_along(assembly)
-    kept, growing, creeping = listed([*lateral, *others], count=max(count, len(lateral)))
-    balance = Balance(command, assembly.u, assembly.linearised(command.rotation))
-    return ModeTable(balance, False, kept, growing, creeping, reach, assembly)
-
-
-def _change(mode: Mode, others: list[Mode]) -> complex:
-    """Change to the nearest eigenvalue; NaN where there is none."""
-    changes = (other.eigenvalue - mode.eigenvalue for other in others)
-    return min(changes, key=abs, default=complex(math.nan, math.nan))
+    return Assembly(equations, command, resting(equations, command), extent, leans)

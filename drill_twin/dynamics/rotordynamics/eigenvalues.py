@@ -115,7 +115,7 @@ def modes_near(pencil: Pencil, shift: complex = SHIFT, count: int = NEAREST) -> 
 def nearest_to(
     left: Any, right: Any, shift: complex = SHIFT, count: int = NEAREST
 ) -> tuple[ComplexArray, ComplexArray]:
-    """Eigenvalues s of A z = s B z nearest to a point, and their vectors as columns: Arnoldi's method, shifted, inverted.
+    """Eigenvalues s of A z = s B z nearest to a point, their vectors as columns: Arnoldi's method, shifted, inverted.
 
     Args:
         left: A, sparse, shape (k, k).

@@ -25,7 +25,7 @@ from drill_twin.physics.model.wellbore import offsets
 OFFSET = 1e-3
 """Distance of the mass centre from the centre line, all along the assembly [m]."""
 BEND, JOINT = 1e-3, 9.0
-"""Bend: deflection at the middle of a joint, and the length of one, in one plane all along the assembly [m]."""
+"""Bend of the lowest joint, or of half a shorter string: deflection at the middle of a joint of that length [m]."""
 SPEEDS, SLOWEST = 120, 0.05
 """Speeds, and the lowest over the fastest."""
 BESIDE = (-3.0, -1.0, 0.0, 1.0, 3.0)
@@ -77,9 +77,10 @@ def forced_response(assembly: Assembly, modes: list[Mode], fastest: float) -> Fo
                               local[at.element + 1, :2], local[at.element + 1, 3:5]], axis=1)  # fmt: skip
             amplitude[k, cause] = [*_radius(np.einsum("pi,pic->pc", at.shape[:, 0], shape)), radius[inside].max()]
             if contacts:
-                turned = rows[cause].copy()
-                turned[0, 0:3], turned[0, 3:6] = turned[0, 0:3] @ assembly.frame.bit, turned[0, 3:6] @ assembly.frame.bit
-                changes = np.abs((gauss_positions(model.rod, turned) * gradient).sum(axis=1)).reshape(-1, 2).sum(axis=1)
+                row = rows[cause].copy()
+                row[0, 0:3], row[0, 3:6] = row[0, 0:3] @ assembly.frame.bit, row[0, 3:6] @ assembly.frame.bit
+                moved = gauss_positions(model.rod, row.real) + 1j * gauss_positions(model.rod, row.imag)
+                changes = np.abs((moved * gradient).sum(axis=1)).reshape(-1, 2).sum(axis=1)
                 force[k, cause] = [changes[elements].sum() for elements in contacts.values()]
     return ForcedResponse(speeds, marks, tuple(contacts), static, amplitude, force)
 
@@ -103,29 +104,30 @@ def _solve(assembly: Assembly, speed: float, loads: ComplexArray, number: Array,
     band[half + row - column, column] = entries[kept]
     whole = np.zeros((2, assembly.equations.unknowns), complex)
     whole[:, assembly.part] = solve_banded((half, half), band, loads, overwrite_ab=True, check_finite=False).T
-    return [assembly.equations.rows(one) for one in whole]
+    return [np.asarray(assembly.equations.rows(one), complex) for one in whole]
 
 
 def _loads(assembly: Assembly) -> ComplexArray:
     """Loads by unknown of the part: unbalance over the square of the speed, and bend; shape (m, 2).
 
-    Unbalance m e Omega^2 with the consistent mass of the element; a bend of curvature k bends with the moment EI k, which
-    acts on the slopes at both ends of an element.
+    Unbalance m e Omega^2 with the consistent mass of the element; a bend of curvature k acts with the moment EI k on
+    the slopes at both ends of an element.
     """
     rod = assembly.equations.model.rod
     nodes = rod.arc.size
     nodal = np.zeros((2, nodes, 2))  # by cause, node, position or slope
-    curvature = 8.0 * BEND / JOINT**2
+    curvature, bent = 8.0 * BEND / JOINT**2, min(JOINT, 0.5 * rod.arc[-1])
     for element in np.flatnonzero(rod.arc[1:] <= assembly.extent.assembly + 1e-6):
         weights = OFFSET * rod.mass[element][:, [0, 2]].sum(axis=1)
         nodal[0, element : element + 2] += weights.reshape(2, 2)
-        moment = rod.bending[element] * curvature
-        nodal[1, element : element + 2, 1] += [-moment, moment]
-    result = []
+        if rod.arc[element + 1] <= bent:
+            moment = rod.bending[element] * curvature
+            nodal[1, element : element + 2, 1] += [-moment, moment]
+    result: list[ComplexArray] = []
     for cause in nodal:
         rows = np.zeros((nodes, 7), complex)
         for first, values in ((0, cause[:, 0]), (3, cause[:, 1])):
-            rows[:, first : first + 3] = assembly.frame.forces(values, -1j * values)
+            rows[:, first : first + 3] = assembly.frame.forces(values.astype(complex))
         result.append(rows[:, assembly.equations.columns][assembly.equations.free][assembly.part])
     return np.stack(result, axis=1)
 
@@ -147,7 +149,7 @@ def _contacts(assembly: Assembly, wall: Wall | None) -> tuple[dict[tuple[float, 
     touching = np.flatnonzero((force > 0.0) & (rod.arc[1:] <= assembly.extent.assembly))
     found: dict[tuple[float, float], Array] = {}
     for part in np.split(touching, np.flatnonzero(np.diff(touching) > 1) + 1):
-        part = part[rod.arc[part] < rod.arc[part[0]] + SPAN] if part.size else part
         if part.size:
-            found[float(rod.arc[part[0]]), float(rod.arc[part[-1] + 1])] = part
+            lower = part[rod.arc[part] < rod.arc[part[0]] + SPAN]
+            found[float(rod.arc[lower[0]]), float(rod.arc[lower[-1] + 1])] = lower
     return found, np.array([force[part].sum() for part in found.values()]), gradient

@@ -38,6 +38,10 @@ NEWTON_STEPS = 30
 NEWTON_TOLERANCE = 1e-9
 LATERAL, TORSIONAL, AXIAL = "lateral", "torsional", "axial"
 COUNT = 12
+PLANE = 0.7
+"""Share of the squared shape that makes a plane: friction takes the string up the wall, and turns both."""
+MIXED = 0.1
+"""Share of the kinetic energy across the hole from which a mode is lateral."""
 CREEP = 1e-6
 """Largest frequency over the size of an eigenvalue of a motion without oscillation."""
 
@@ -49,7 +53,7 @@ class Mode(NamedTuple):
     """A damped mode, displacement Re(shape exp(eigenvalue t))."""
 
     kind: str
-    """`lateral`, `torsional` or `axial`: where most of its kinetic energy is."""
+    """`lateral`, `torsional` or `axial`, by its kinetic energy."""
     eigenvalue: complex
     """Growth [1/s] and angular frequency [rad/s]; positive in the sense of rotation for lateral modes on the axis."""
     shape: ComplexArray
@@ -71,6 +75,12 @@ class Mode(NamedTuple):
     def frequency(self) -> float:
         """Frequency [Hz], with the sign of the eigenvalue."""
         return self.eigenvalue.imag / math.tau
+
+    @property
+    def plane(self) -> str:
+        """Of a lateral mode in an inclined hole: `up-down`, `sideways`, or `both`."""
+        low = float(np.sum(self.shape.real**2) / np.sum(np.abs(self.shape) ** 2))
+        return "up-down" if low > PLANE else "sideways" if low < 1.0 - PLANE else "both"
 
     @property
     def is_creep(self) -> bool:
@@ -184,10 +194,10 @@ def modes(
         if frame.rest.size:
             part = np.ix_(frame.rest, frame.rest)
             about = delay if delay is None else delay.of(frame.rest)
-            others = _real(equations, frame.rest, Pencil(*(matrix[part] for matrix in pencil)), about)
+            others = coupled_modes(equations, frame.rest, Pencil(*(matrix[part] for matrix in pencil)), about)
             all_modes, reach = all_modes + others, min(reach, _reach(others, frame.rest.size))
     else:
-        all_modes = _real(equations, np.arange(equations.unknowns), pencil, delay)
+        all_modes = coupled_modes(equations, np.arange(equations.unknowns), pencil, delay)
         reach = _reach(all_modes, equations.unknowns)
     return ModeTable(found, on_axis, *listed(all_modes, count), reach)
 
@@ -240,7 +250,7 @@ def bit_unknowns(equations: EquationsOfMotion, frame: TurningFrame) -> Numbers:
     return np.arange(int(np.isin(np.flatnonzero(equations.free[0]), frame.x).sum()))
 
 
-def _real(equations: EquationsOfMotion, part: Numbers, pencil: Pencil, delay: Delay | None) -> list[Mode]:
+def coupled_modes(equations: EquationsOfMotion, part: Numbers, pencil: Pencil, delay: Delay | None) -> list[Mode]:
     """Modes of real equations, one of each conjugate pair, classed by their kinetic energy."""
     values, vectors = damped_modes(pencil) if delay is None else delayed_modes(pencil, delay)
     keep = np.flatnonzero(values.imag >= 0.0)
@@ -251,7 +261,7 @@ def _real(equations: EquationsOfMotion, part: Numbers, pencil: Pencil, delay: De
 def classed(
     equations: EquationsOfMotion, frame: HoleFrame, part: Numbers, mass: Any, value: complex, vector: ComplexArray
 ) -> Mode:
-    """Mode of some of the unknowns, of the kind that has most of its kinetic energy.
+    """Mode of some of the unknowns: lateral, or of the kind along the hole that has more of its kinetic energy.
 
     Across the hole its shape is low + i side at the instant at which the largest displacement is reached.
     """
@@ -260,7 +270,10 @@ def classed(
     rows, momenta = (frame.local(equations.rows(one)) for one in whole)
     energy = np.abs(rows) * np.abs(momenta)
     own = {LATERAL: energy[:, [0, 1, 3, 4]], AXIAL: energy[:, [2, 5]], TORSIONAL: energy[:, 6]}
-    kind = max(own, key=lambda key: float(own[key].sum()))
+    shares = {key: float(part.sum()) for key, part in own.items()}
+    kind = max((AXIAL, TORSIONAL), key=lambda key: shares[key])
+    if shares[LATERAL] > MIXED * sum(shares.values()):  # friction takes twist and stretch along
+        kind = LATERAL
     squares = rows[:, 0] ** 2 + rows[:, 1] ** 2
     largest = squares[int(np.argmax(np.abs(rows[:, 0]) ** 2 + np.abs(rows[:, 1]) ** 2))]
     at = (rows * np.exp(-0.5j * np.angle(largest))).real

@@ -125,8 +125,8 @@ class HoleFrame(NamedTuple):
                 result[:, first + k] = (part * direction).sum(axis=1)
         return result
 
-    def forces(self, low: ComplexArray, side: ComplexArray) -> ComplexArray:
-        """Vectors at the nodes from their components across the hole, that of the bit in its frame; (n + 1, 3)."""
-        vectors = np.asarray(low[:, None] * self.low + side[:, None] * self.side)
+    def forces(self, size: ComplexArray) -> ComplexArray:
+        """Forces that turn with the string, low - i side, at the nodes, that of the bit in its frame; (n + 1, 3)."""
+        vectors: ComplexArray = size[:, None] * (self.low - 1j * self.side)
         vectors[0] = self.bit @ vectors[0]
         return vectors

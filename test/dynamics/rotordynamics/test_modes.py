@@ -5,7 +5,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from variants import one_of
 
 import drill_twin as dt
 from drill_twin.api import rotordynamics
@@ -77,15 +76,23 @@ def test_few_modes_of_a_string_on_the_wall_are_those_of_the_full_matrices():
     assert abs(found.modes[0].eigenvalue) == pytest.approx(np.abs(swinging).min(), rel=1e-6)
 
 
-@pytest.mark.parametrize("elements", one_of(2, ["60", "auto"]))
-def test_a_deviated_well_has_modes_about_its_low_side(elements):
-    """A string of 3,000 m winds up and back in some six seconds; and it is stable there."""
-    scene = CONFIG / "wells" / "s_shaped.yaml"
-    found = rotordynamics.modes(scene, {"numerics.elements": elements})
-    assert not found.on_axis
-    assert found.of("torsional")[0].frequency == pytest.approx(0.1733, rel=2e-3)
-    # at 60 elements 4e-6, of a lateral mode that is short for them
-    assert max(mode.growth for mode in found.modes) < (0.0 if elements == "auto" else 1e-5)
+LONG = [pytest.param(well, marks=pytest.mark.long) for well in ("s_shaped", "vertical_3000")]
+
+
+@pytest.mark.parametrize("well", ["extended_reach", *LONG])
+def test_a_well_has_modes_of_its_assembly_and_a_forced_response(well):
+    """Critical speeds do not move with the cut, and the response to unbalance is largest at one of them."""
+    scene = rotordynamics.steady_scene(CONFIG / "wells" / f"{well}.yaml", None, ())
+    table = rotordynamics.modes(scene)
+    lateral = table.of("lateral")
+    assert not table.on_axis
+    assert table.assembly.leans == (well == "vertical_3000")
+    assert all(mode.growth < 0.0 and abs(mode.cut_change) < 0.01 * abs(mode.eigenvalue) for mode in lateral)
+    if well == "s_shaped":  # a string of 3,000 m winds up and back in some six seconds
+        assert table.of("torsional")[0].frequency == pytest.approx(0.1733, rel=2e-3)
+    response = rotordynamics.forced_response(scene, table)
+    peak = response.speeds[response.amplitude[:, 0, -1].argmax()]
+    assert min(abs(mode.eigenvalue.imag - peak) for mode in lateral) < 0.02 * peak
 
 
 def test_the_mode_that_grows_fastest_is_always_in_the_table(equations):

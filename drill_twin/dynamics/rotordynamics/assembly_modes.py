@@ -1,0 +1,117 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Lateral modes of the bottom-hole assembly of a long string about its balance on the low side.
+
+A mode that is one of the assembly stays where it is when the cut is moved; one that moves belongs to the pipe and is
+left out. Torsional and axial modes are those of the whole string.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from drill_twin.core.arrays import ComplexArray
+from drill_twin.dynamics.rotordynamics.assembly import MOVED, Assembly, Resting, assembly_of
+from drill_twin.dynamics.rotordynamics.eigenvalues import Pencil, modes_near
+from drill_twin.dynamics.rotordynamics.modes import (
+    AXIAL,
+    LATERAL,
+    TORSIONAL,
+    Balance,
+    Mode,
+    ModeTable,
+    classed,
+    coupled_modes,
+    listed,
+)
+from drill_twin.scene import Scene
+from drill_twin.scene.set_points.command import Command
+
+NEAREST = 60
+"""Eigenvalues computed around a point of the imaginary axis."""
+STAYS = 0.01
+"""Change of an eigenvalue, over its size, up to which a mode does not move with the cut."""
+LIGHT = 0.15
+"""Damping ratio below which a mode has a critical speed: above it, it is hardly felt."""
+
+
+def lateral_modes(assembly: Assembly, fastest: float) -> list[Mode]:
+    """Lateral modes up to the frequency of the fastest rotation [rad/s] whose motion is mostly in the assembly."""
+    pencil = assembly.pencil(assembly.command.rotation, fastest)
+    spectrum = _along_axis(pencil, 0.0, fastest)
+    found: list[Mode] = []
+    inside = assembly.equations.model.rod.arc <= assembly.extent.assembly
+    for value, vector in spectrum:
+        if any(abs(value - mode.eigenvalue) < 1e-6 * abs(value) for mode in found):
+            continue
+        if 0.0 < value.imag <= fastest and -value.real < LIGHT * abs(value):
+            mode = classed(assembly.equations, assembly.frame, assembly.part, pencil.mass, complex(value), vector)
+            if mode.kind == LATERAL and inside[int(np.argmax(np.abs(mode.shape)))]:
+                found.append(mode)
+    return sorted(found, key=lambda mode: mode.eigenvalue.imag)
+
+
+def _along_axis(pencil: Pencil, low: float, high: float) -> list[tuple[complex, ComplexArray]]:
+    """Eigenvalues near a stretch of the imaginary axis [rad/s], without gaps, and their shapes; some of them twice."""
+    middle = 0.5j * (low + high)
+    values, vectors = modes_near(pencil, middle, min(NEAREST, pencil.mass.shape[0] - 2))
+    found, reach = list(zip(values, vectors.T, strict=True)), float(np.abs(values - middle).max())
+    if reach < 0.5 * (high - low):
+        found += _along_axis(pencil, low, middle.imag - reach) + _along_axis(pencil, middle.imag + reach, high)
+    return found
+
+
+def assembly_modes(
+    scene: Scene, command: Command, fastest: float, resting: Resting
+) -> tuple[Assembly, Assembly, list[Mode]]:
+    """Assembly on two meshes, and its lateral modes on the finer one that stay where they are when the cut is moved.
+
+    Each has its changes on a mesh half as fine, and there with the cut moved from `ABOVE` to `MOVED`.
+
+    Raises:
+        RunError: There is no balance.
+    """
+    first = assembly_of(scene, command, fastest, resting)
+    coarse = lateral_modes(first, fastest)
+    moved = lateral_modes(assembly_of(scene, command, fastest, resting, above=MOVED), fastest)
+    assembly = assembly_of(scene, command, fastest, resting, finer=2)
+    kept: list[Mode] = []
+    fine = lateral_modes(assembly, fastest)
+    for mode in coarse:
+        away = _change(mode, moved)
+        if fine and abs(away) < STAYS * abs(mode.eigenvalue):
+            change = _change(mode, fine)
+            same = next(other for other in fine if other.eigenvalue == mode.eigenvalue + change)
+            if all(same.eigenvalue != other.eigenvalue for other in kept):
+                kept.append(same._replace(number=len(kept) + 1, change=change, cut_change=away))
+    return first, assembly, kept
+
+
+def table_of(scene: Scene, command: Command, fastest: float, resting: Resting, count: int) -> ModeTable:
+    """Lateral modes of the assembly of a long string, torsional and axial ones of the whole of it.
+
+    Args:
+        scene: The scene.
+        command: Weight on bit and rotation.
+        fastest: Rotation up to whose frequency lateral modes are sought [rad/s].
+        resting: Balance of a string.
+        count: Torsional modes and axial modes; of lateral ones all are given.
+
+    Raises:
+        RunError: There is no balance.
+    """
+    coarse, assembly, lateral = assembly_modes(scene, command, fastest, resting)
+    whole, equations = Pencil(*coarse.linearised(command.rotation).sparse), coarse.equations
+    found = coupled_modes(equations, np.arange(equations.unknowns), whole, equations.delay(command))
+    reach = max(abs(mode.eigenvalue) for mode in found)
+    others = [mode for kind in (TORSIONAL, AXIAL) for mode in listed(found, count)[0] if mode.kind == kind]
+    kept, growing, creeping = listed([*lateral, *others], max(count, len(lateral)))
+    balance = Balance(command, assembly.u, assembly.linearised(command.rotation))
+    return ModeTable(balance, False, kept, growing, creeping, reach, assembly)
+
+
+def _change(mode: Mode, others: list[Mode]) -> complex:
+    """Change to the nearest eigenvalue; NaN where there is none."""
+    changes = (other.eigenvalue - mode.eigenvalue for other in others)
+    return min(changes, key=abs, default=complex(math.nan, math.nan))
