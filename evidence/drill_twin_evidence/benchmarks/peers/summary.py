@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The comparison in one table, for the README."""
+"""The comparison in one table, as in docs/peers.md."""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The results as tables: in the terminal, and as Markdown for the README and docs."""
+"""The results as tables: in the terminal, and as Markdown for the pages."""
 
 from __future__ import annotations
 
