@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What the surface channels of a rig tell without positions of marks: gaps, spikes, torque swing, stick-slip."""
+"""Findings from the surface channels of a rig, without positions of marks: gaps, spikes, torque swing, stick-slip."""
 
 from __future__ import annotations
 

@@ -213,7 +213,7 @@ def _onset(summary: Summary) -> str:
 
 
 def _no_onset(summary: Summary) -> str:
-    """What it means that no onset was found."""
+    """Meaning of a run in which no onset was found."""
     rate, slowest = summary["quality"].get("samples_per_revolution"), (summary.get("sub") or {}).get("slowest_hz")
     if rate is not None and rate < Criteria().fewest_samples:
         return f"not observable: {rate:.1f} samples in a revolution, {Criteria().fewest_samples:g} are needed"
