@@ -7,9 +7,9 @@ from drill_twin.api.maps import operating_map as operating_map
 from drill_twin.api.parameter_fit import fit as fit
 from drill_twin.api.recorded_run import Rerun as Rerun
 from drill_twin.api.recorded_run import rerun as rerun
-from drill_twin.api.result import Cost as Cost
 from drill_twin.api.result import Result as Result
 from drill_twin.api.result import read_bag as read_bag
+from drill_twin.api.result_views import Cost as Cost
 from drill_twin.api.rotordynamics import branches as branches
 from drill_twin.api.rotordynamics import campbell as campbell
 from drill_twin.api.rotordynamics import growth_map as growth_map

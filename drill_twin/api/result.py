@@ -4,14 +4,13 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from drill_twin.api.result_views import Plots
+from drill_twin.api.result_views import Cost, Plots
 from drill_twin.api.whirl import Whirl
 from drill_twin.core.arrays import Array
 from drill_twin.core.errors import ArgumentError
@@ -27,27 +26,8 @@ from drill_twin.scene import Scene
 from drill_twin.whirl import Summary
 
 if TYPE_CHECKING:
+    import pandas as pd
     import xarray
-
-
-@dataclass(frozen=True)
-class Cost:
-    """Cost of a run; None where the bag does not say."""
-
-    realtime_factor: float | None
-    """Simulated over wall time."""
-    physics_speed: float | None
-    """Simulated time over the time spent computing the motion."""
-    elements: int | None
-    """Elements of the string."""
-    step: float | None
-    """Nominal time step [s]."""
-    steps: int | None
-    """Time steps taken."""
-    cut_steps: int | None
-    """Steps that had to be halved."""
-    steps_above_tolerance: int | None
-    """Steps taken within ten tolerances instead of one."""
 
 
 class Result(Plots):
@@ -233,6 +213,42 @@ class Result(Plots):
         found = {"onset_s": self.onset_s, "whirl_frequency_hz": self.whirl.frequency_hz}
         source = {"source": str(self.path), **{key: value for key, value in found.items() if value is not None}}
         return dataset(self.time, self.rig, self.marks, self.set_points, self.whirl, source)
+
+    def to_pandas(self) -> pd.DataFrame:
+        """The arrays of `to_xarray` as a table over the time [s]: a column a quantity, with its SI unit in the heading.
+
+        Columns are named `hookload [N]`, and those of marks `mark_1/position/x [m]`. Groups with times of their own
+        have rows of their own, empty elsewhere.
+
+        Raises:
+            ArgumentError: xarray, which brings pandas, is not installed.
+        """
+        from drill_twin.api.result_views import table
+
+        return table(self.to_xarray())
+
+    def animate(
+        self, path: str | Path, *, begin: float | None = None, end: float | None = None, speed: float = 1.0
+    ) -> Path:
+        """Write a moving picture: the string in its hole over depth towards x and y, and the orbits of the marks.
+
+        >>> result.animate("run.gif", begin=4, end=10)
+
+        Args:
+            path: File, .gif, or .mp4 where ffmpeg is on the PATH.
+            begin: Time of the first frame [s]; left out: ten seconds before the last.
+            end: Time of the last frame [s]; left out: the end of the run.
+            speed: Simulated over shown time.
+
+        Returns:
+            The file.
+
+        Raises:
+            ArgumentError: Another kind of file, times that hold nothing, or a recording without poses or marks.
+        """
+        from drill_twin.api.animation import animate
+
+        return animate(self, path, begin, end, speed)
 
     def to_bag(self, folder: str | Path) -> Path:
         """Write the messages of the run to a new bag folder; returns the folder.

@@ -1,9 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A result as figures, those of the report, and as an xarray dataset."""
+"""A result as figures, those of the report, as an xarray dataset and as a pandas table; the cost of its run."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from itertools import product
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -15,6 +17,7 @@ from drill_twin.core.rig_channels import channel_of, field_of
 from drill_twin.io.bag.series import CommandSeries, MarkSeries, RigSeries
 
 if TYPE_CHECKING:
+    import pandas as pd
     import xarray
     from matplotlib.figure import Figure
 
@@ -31,6 +34,26 @@ def _plot(name: str, what: str) -> Callable[[Plots], Figure]:
 
     draw_it.__name__, draw_it.__qualname__, draw_it.__doc__ = f"plot_{name}", f"Plots.plot_{name}", what
     return draw_it
+
+
+@dataclass(frozen=True)
+class Cost:
+    """Cost of a run; None where the bag does not say."""
+
+    realtime_factor: float | None
+    """Simulated over wall time."""
+    physics_speed: float | None
+    """Simulated time over the time spent computing the motion."""
+    elements: int | None
+    """Elements of the string."""
+    step: float | None
+    """Nominal time step [s]."""
+    steps: int | None
+    """Time steps taken."""
+    cut_steps: int | None
+    """Steps that had to be halved."""
+    steps_above_tolerance: int | None
+    """Steps taken within ten tolerances instead of one."""
 
 
 class Plots:
@@ -122,3 +145,22 @@ def dataset(
             variables[name] = ((at, "mark"), getattr(whirl, name), {"units": unit})
     labelled_arrays: xarray.Dataset = labelled.Dataset(variables, coordinates, dict(attributes))
     return labelled_arrays
+
+
+def table(data: xarray.Dataset) -> pd.DataFrame:
+    """Table of a dataset of `dataset` over time, units in the headings."""
+    pandas = import_extra("pandas")
+    columns: dict[str, dict[str, Any]] = {}
+    for name, variable in data.data_vars.items():
+        at, *others = variable.dims
+        whole, unit = variable.to_numpy().reshape(variable.shape[0], -1), variable.attrs["units"]
+        labels = product(*(data[dimension].to_numpy().tolist() for dimension in others))
+        short = str(name).removeprefix("mark_") if "mark" in others else str(name)
+        for column, label in zip(whole.T, labels, strict=True):
+            heading = "/".join([*label[:1], short, *label[1:]])
+            columns.setdefault(str(at), {})[f"{heading} [{unit}]"] = column
+    groups = [
+        pandas.DataFrame(of, index=pandas.Index(data[at].to_numpy(), name="time [s]")) for at, of in columns.items()
+    ]
+    joined: pd.DataFrame = pandas.concat(groups, axis=1)
+    return joined

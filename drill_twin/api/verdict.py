@@ -31,7 +31,7 @@ PUSH = 1e-4
 NONE = "no difference that the runs can show"
 
 
-class Cost(NamedTuple):
+class ComparedCost(NamedTuple):
     """A cost in the runs of each case, in SI."""
 
     name: str
@@ -71,7 +71,7 @@ def again(
     return found
 
 
-def costs(runs: Sequence[Sequence[Case]], tolerance: float) -> list[Cost]:
+def costs(runs: Sequence[Sequence[Case]], tolerance: float) -> list[ComparedCost]:
     """Costs of cases, ranked, those that no run has left out.
 
     A difference is shown where the means are further apart than the tolerance, a share of the larger one, and than
@@ -98,7 +98,7 @@ def costs(runs: Sequence[Sequence[Case]], tolerance: float) -> list[Cost]:
             if any(values):
                 found.append((cost, unit, values, sign))
     return [
-        Cost(cost, unit, values, tuple(
+        ComparedCost(cost, unit, values, tuple(
             _better(values[0], other, sign, tolerance, chr(ord("A") + k), len(found))
             for k, other in enumerate(values[1:], 1)
         ))
@@ -123,7 +123,7 @@ def _better(
     return letter if sign * second < sign * first else "A"
 
 
-def cost_table(found: Sequence[Cost], units: UnitSystem) -> Table:
+def cost_table(found: Sequence[ComparedCost], units: UnitSystem) -> Table:
     """Mean and standard deviation of each cost, and which case is better where the runs show it."""
     letters = [chr(ord("A") + k) for k in range(len(found[0].values))] if found else ["A"]
     rows = []
@@ -142,14 +142,14 @@ def _mean_text(size: float, row: Sequence[float]) -> str:
     return f"{size * np.mean(row):.4g}{spread}" if row else "none"
 
 
-def verdicts(found: Sequence[Cost], units: UnitSystem) -> list[str]:
+def verdicts(found: Sequence[ComparedCost], units: UnitSystem) -> list[str]:
     """Sentence on each case but the first."""
     if any(len(row) < 2 for of in found for row in of.values):
         return ["no verdict: one run of a case shows no spread; --seeds 3 repeats those that are scenes"]
     return [_verdict(found, k, units) for k in range(len(found[0].better))] if found else [NONE]
 
 
-def _verdict(found: Sequence[Cost], case: int, units: UnitSystem) -> str:
+def _verdict(found: Sequence[ComparedCost], case: int, units: UnitSystem) -> str:
     letter = chr(ord("B") + case)
     wins = {who: [of for of in found if of.better[case] == who] for who in ("A", letter)}
     told = {who: ", ".join(_told(of, case, units) for of in costs) for who, costs in wins.items()}
@@ -161,7 +161,7 @@ def _verdict(found: Sequence[Cost], case: int, units: UnitSystem) -> str:
     return f"A and {letter}: {NONE}"
 
 
-def _told(of: Cost, case: int, units: UnitSystem) -> str:
+def _told(of: ComparedCost, case: int, units: UnitSystem) -> str:
     size, unit = units.in_unit(of.unit)
     means = [size * float(np.mean(row)) for row in (of.values[0], of.values[case + 1])]
     lower, higher = (means[0], means[1]) if of.better[case] == "A" else (means[1], means[0])

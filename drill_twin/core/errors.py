@@ -116,7 +116,8 @@ class CheckpointError(DrillTwinError):
     """A checkpoint that cannot be written, read or resumed."""
 
 
-_EXTRAS = {"xarray": ("xarray", "to_xarray"), "lasio": ("las", "LAS file"), "distributed": ("dask", "--dask")}
+_EXTRAS = {"xarray": ("xarray", "to_xarray"), "lasio": ("las", "LAS file"), "distributed": ("dask", "--dask"),
+           "pandas": ("xarray", "to_pandas")}  # fmt: skip
 """Package -> its extra, and what it is for."""
 
 
@@ -124,7 +125,7 @@ def import_extra(package: str) -> Any:
     """Import a package.
 
     Args:
-        package: `xarray`, `lasio` or `distributed`.
+        package: `xarray`, `pandas`, `lasio` or `distributed`.
 
     Raises:
         ArgumentError: It is not installed.

@@ -125,8 +125,9 @@ def _section(panel: Axes, angle: Array, depth: Array, hole: Array, pipe: Array, 
         return out + wider * distance * np.cos(angle), down - wider * distance * np.sin(angle)
 
     bands: tuple[tuple[Array, Array, dict[str, Any]], ...] = (
-        (-hole, hole, {"facecolor": LIGHT, "edgecolor": INK, "linewidth": 1.4, "label": "hole"}),
-        (along - pipe, along + pipe, {"facecolor": BLUE, "edgecolor": BLUE, "linewidth": 0.5, "label": "string"}),
+        (-hole, hole, {"facecolor": LIGHT, "label": "hole"}),
+        (along - pipe, along + pipe, {"facecolor": BLUE, "label": "string"}),
+        (-hole, hole, {"facecolor": "none", "edgecolor": INK, "linewidth": 1.4}),  # on top: it holds the string
     )
     for near, far, looks in bands:
         if np.isfinite(near).all():
@@ -137,6 +138,7 @@ def _section(panel: Axes, angle: Array, depth: Array, hole: Array, pipe: Array, 
     panel.set(xlim=(centre - 0.62 * room, centre + 0.62 * room) if np.ptp(out) < 0.4 * size else None, aspect="equal")
     panel.set_ylim(float(down.max()) + 1.6 * _WIDE * size, float(down.min()) - 1.6 * _WIDE * size)
     panel.set(xlabel=f"along the section [{unit}]", ylabel=f"vertical depth [{unit}]")
+    panel.yaxis.labelpad = 1.0
     panel.set_title(f"widths drawn {wider:.3g} times", fontsize=10, pad=_LEGEND)
     panel.xaxis.set_major_locator(MaxNLocator(3))
     panel.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=2, borderaxespad=0.2)
@@ -145,7 +147,7 @@ def _section(panel: Axes, angle: Array, depth: Array, hole: Array, pipe: Array, 
 def _bands(panel: Axes, depth: Array, hole: Array, pipe: Array, along: Array) -> None:
     """Hole and string over measured depth, positive towards the low side."""
     panel.fill_betweenx(depth, -hole, hole, color=LIGHT)
-    panel.plot(-hole, depth, color=INK, linewidth=1.4)
-    panel.plot(hole, depth, color=INK, linewidth=1.4)
-    panel.fill_betweenx(depth, along - pipe, along + pipe, color=BLUE, alpha=0.35)
+    for side in (-1.0, 1.0):
+        panel.plot(side * hole, depth, color=INK, linewidth=1.4, zorder=3)  # on top: it holds the string
+    panel.fill_betweenx(depth, along - pipe, along + pipe, color=BLUE, alpha=0.35, linewidth=0)
     panel.plot(along, depth, color=BLUE, linewidth=1.0)

@@ -4,7 +4,7 @@
 import pytest
 
 from drill_twin.api.compare import finish, prepare
-from drill_twin.api.verdict import NONE, Cost, _better, again, costs, verdicts
+from drill_twin.api.verdict import NONE, ComparedCost, _better, again, costs, verdicts
 from drill_twin.core.units.system import SYSTEMS
 
 
@@ -46,8 +46,11 @@ def test_a_difference_is_beyond_tolerance_and_chance(one, other, sign, better):
 
 def test_both_sides_are_told():
     row = ((1.0, 1.0), (2.0, 2.0))
-    found = [Cost("stick-slip index", "-", row, ("A",)), Cost("rate of penetration", "m/s", row, ("B",))]
+    found = [
+        ComparedCost("stick-slip index", "-", row, ("A",)),
+        ComparedCost("rate of penetration", "m/s", row, ("B",)),
+    ]
     said = verdicts(found, SYSTEMS["si"])[0]
     assert said.startswith("neither is better in all: A in stick-slip index 1 against 2; B in rate of penetration ")
-    single = [Cost("stick-slip index", "-", ((1.0,), (2.0,)), ("",))]
+    single = [ComparedCost("stick-slip index", "-", ((1.0,), (2.0,)), ("",))]
     assert verdicts(single, SYSTEMS["si"])[0].startswith("no verdict")
