@@ -3,7 +3,9 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, NamedTuple
@@ -13,13 +15,23 @@ import numpy as np
 from drill_twin.api import Ensemble, Posterior
 from drill_twin.core.arrays import Array
 from drill_twin.studies.fitting.posterior import full_key, predictive_band, weighted_quantile
-from drill_twin_evidence.validation.well_b import RATE, RPM, played, scene_at
+from drill_twin_evidence.validation.comparison import Comparison
+from drill_twin_evidence.validation.well_b import (
+    DEEPER,
+    LAST,
+    RATE,
+    RPM,
+    Channels,
+    columns,
+    comparisons,
+    played,
+    scene_at,
+    torque_record,
+)  # fmt: skip
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-DEPTH = 2235.0
-"""Depth of the bit [m]."""
 DURATION = 60.0
 MOST = 8
 """Draws that are run, those of the largest weight."""
@@ -53,7 +65,7 @@ def predict(folder: Path, found: Posterior) -> tuple[Array, Mapping[str, Band]]:
     stamps, speed = np.loadtxt(folder / "B2235_speed_set_point.csv", delimiter=",").T
     time = np.arange(0.05, DURATION, 0.05)
     with TemporaryDirectory() as place:
-        overrides = scene_at(DEPTH) | played(time, np.interp(time, stamps, speed) * RPM, Path(place))
+        overrides = scene_at(DEEPER) | played(time, np.interp(time, stamps, speed) * RPM, Path(place))
         runs = Ensemble("well_b", vary, zipped=True, overrides=overrides).run(
             DURATION, outputs="channels", mark_rate=RATE
         )
@@ -64,6 +76,28 @@ def predict(folder: Path, found: Posterior) -> tuple[Array, Mapping[str, Band]]:
         low, high = predictive_band(values, kept, share * float(values.std()), 0.9)
         bands[channel] = Band(low, weighted_quantile(values, kept, 0.5), high)
     return runs["time"], bands
+
+
+def verdict(folder: Path, table: Path) -> list[Comparison]:
+    """The prediction as it was written down, and the published model, beside the record at 2,235 m over 0 to 45 s.
+
+    Args:
+        folder: Folder of the record.
+        table: Bands that `csv_text` wrote before the record was opened.
+    """
+    found = np.loadtxt(table, delimiter=",", skiprows=1)
+    time, low, torque, high, _, speed, _ = found[found[:, 0] <= LAST].T
+    measured = torque_record(folder, DEEPER).at("motor_torque", time)
+    published = torque_record(folder, DEEPER, "sim").at("motor_torque", time)
+    bit = np.interp(time, *columns(folder, f"B{DEEPER:.0f}_bit_model.csv"))
+    inside = float(np.mean((low <= 1e-3 * measured) & (1e-3 * measured <= high)))
+    rows = [Comparison("share of the torque in the 90 % band [-]", "prediction", 0.9, inside, math.inf)]
+    for name, run in {
+        "twin": Channels(DEEPER, time, measured, 1e3 * torque, speed * RPM),
+        "published model": Channels(DEEPER, time, measured, published, bit * RPM),
+    }.items():
+        rows += [replace(row, what=f"{name}: {row.what}") for row in comparisons(folder, run, "prediction")]
+    return rows
 
 
 def csv_text(time: Array, bands: Mapping[str, Band]) -> str:
@@ -79,7 +113,7 @@ def figure(time: Array, bands: Mapping[str, Band]) -> Figure:
     from drill_twin.report.figures.style import BLUE, laid_out, styled
 
     with styled():
-        drawn = laid_out(6.0, f"Well B at {DEPTH:g} m: a prediction, before any comparison")
+        drawn = laid_out(6.0, f"Well B at {DEEPER:g} m: a prediction, before any comparison")
         panels = drawn.subplots(len(bands), sharex=True)
         for axes, (name, band) in zip(panels, bands.items(), strict=True):
             axes.fill_between(time, band.low, band.high, color=BLUE, alpha=0.2, linewidth=0, label="90 % band")

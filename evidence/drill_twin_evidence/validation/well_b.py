@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Well B with the bit at 1,714 m (Aarsnes and Shor 2018, Fig. 15): a start-up off bottom in a deviated well."""
+"""Well B (Aarsnes and Shor 2018, Fig. 15 and 16): two start-ups off bottom in a deviated well."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ import math
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import NamedTuple
+from typing import Literal, NamedTuple
 
 import numpy as np
 from scipy import optimize
@@ -19,6 +19,8 @@ from drill_twin.scene.schema import number_at
 from drill_twin_evidence.validation.comparison import Comparison, Trace, Validation, cycle_length, rms
 
 RPM = np.pi / 30.0
+DEPTH, DEEPER = 1714.0, 2235.0
+"""Depth of the bit in the two start-ups [m]."""
 ASSEMBLY = 259.08
 """Length of the bottom-hole assembly [m]."""
 LAST = 45.0
@@ -41,6 +43,8 @@ FREE = {
 NEAR = 0.1
 """Half width of the ranges of the blind test's fit, over the numbers of the scene."""
 GENERATIONS, POPULATION = 30, 32
+LEAD = 12.0
+"""Time before the start-up in which the string is wound, where torsion is locked in it [s]."""
 SPREAD, NEIGHBOURS = 0.01, 8
 """Standard deviation of the numbers of neighbours, over the numbers of the scene; stick-slip is sensitive to them."""
 STIFF = {"rig.top_drive.proportional_gain": 1e6, "rig.top_drive.integral_gain": 1e7}
@@ -56,7 +60,11 @@ ABOUT = (
 
 
 class Channels(NamedTuple):
-    """A run beside the record: time [s], motor torque measured and computed [N m], bit speed [rad/s]; shape (T,)."""
+    """A run beside the record: depth of the bit [m]; time [s], motor torque measured and computed [N m], bit speed
+    [rad/s], each of shape (T,).
+    """
+
+    depth: float
 
     time: Array
     measured: Array
@@ -74,43 +82,51 @@ def validate(folder: Path, *, refit: bool) -> Validation:
     with TemporaryDirectory() as place:
         scene = load_scene("well_b", set_point(folder, Path(place)))
         if refit:
-            scene = load_scene("well_b", set_point(folder, Path(place)) | search(folder, scene))
+            scene = load_scene("well_b", set_point(folder, Path(place)) | search(folder, [scene]))
         own = np.array([number_at(scene, key) or 0.0 for key in FREE])
         spread = 1.0 + SPREAD * np.random.default_rng(1).standard_normal((NEIGHBOURS, len(FREE)))
         values = np.vstack([own, own * spread])
         run, *near = runs_of(folder, scene, dict(zip(FREE, values.T.tolist(), strict=True)))
-    _, high, edges = _downhole(folder)
-    middle = np.where(run.time > STEADY, np.interp(run.time, edges - 0.25, high), np.nan)
-    traces = [
-        Trace("motor torque [N m]", run.time, run.measured, run.torque),
-        Trace("downhole speed [rad/s]", run.time, middle, run.bit),
-    ]
     error = float(np.median([comparisons(folder, other)[0].computed for other in near]))
     rows = [
         *comparisons(folder, run),
         Comparison("rms error, median of 8 draws of its numbers (normal, deviation 1 %)", "fit", None, error, 0.5),
     ]
-    return Validation("well_b", scene.name, ABOUT, rows, traces, LAST)
+    return Validation("well_b", scene.name, ABOUT, rows, traces(folder, run), LAST)
 
 
-def runs_of(folder: Path, scene: Scene, vary: Mapping[str, Sequence[float]]) -> list[Channels]:
+def traces(folder: Path, run: Channels) -> list[Trace]:
+    """Torque, and downhole speed with the largest measured one of each half second after 20 s."""
+    _, high, edges = _downhole(folder, run.depth)
+    middle = np.where(run.time > STEADY, np.interp(run.time, edges - 0.25, high), np.nan)
+    return [
+        Trace("motor torque [N m]", run.time, run.measured, run.torque),
+        Trace("downhole speed [rad/s]", run.time, middle, run.bit),
+    ]
+
+
+def runs_of(folder: Path, scene: Scene, vary: Mapping[str, Sequence[float]], *, lead: float = 0.0) -> list[Channels]:
     """Runs that differ in numbers, beside the record.
 
     Args:
         folder: Folder of the record.
         scene: The scene.
         vary: Values of each run by key [SI units].
+        lead: Time that the set-point has before the record begins [s].
     """
-    runs = Ensemble(scene, vary, zipped=True).run(LAST, outputs="channels", mark_rate=RATE)
-    measured = torque_record(folder).at("motor_torque", runs["time"])
+    depth = scene.hole.survey[-1].depth
+    runs = Ensemble(scene, vary, zipped=True).run(lead + LAST, outputs="channels", mark_rate=RATE)
+    part = runs["time"] > lead + 0.5 / RATE
+    time = runs["time"][part] - lead
+    measured = torque_record(folder, depth).at("motor_torque", time)
     pairs = zip(runs["motor_torque"], runs["bit_speed"], strict=True)
-    return [Channels(runs["time"], measured, torque, bit) for torque, bit in pairs]
+    return [Channels(depth, time, measured, torque[part], bit[part]) for torque, bit in pairs]
 
 
-def comparisons(folder: Path, run: Channels) -> list[Comparison]:
+def comparisons(folder: Path, run: Channels, kind: Literal["fit", "prediction"] = "fit") -> list[Comparison]:
     """Error of the torque, and features of torque and downhole speed."""
     steady, start = run.time > STEADY, run.time < STEADY
-    low, high, edges = _downhole(folder)
+    low, high, edges = _downhole(folder, run.depth)
     ends = [np.searchsorted(run.time, (edge - 0.5, edge), "right") for edge in edges]
     computed = np.array([(run.bit[i:j].min(), run.bit[i:j].max()) for i, j in ends])
     deviation = rms(run.torque - run.measured) / float(run.measured.std())
@@ -124,32 +140,42 @@ def comparisons(folder: Path, run: Channels) -> list[Comparison]:
         ],
     }
     return [
-        Comparison("rms error of the torque over its deviation", "fit", None, deviation, 0.5),
-        *(Comparison(what, "fit", measured, own, aim) for (what, aim), (measured, own) in pairs.items()),
+        Comparison("rms error of the torque over its deviation", kind, None, deviation, 0.5),
+        *(Comparison(what, kind, measured, own, aim) for (what, aim), (measured, own) in pairs.items()),
     ]
 
 
 def misfit(folder: Path, run: Channels) -> float:
-    """Error of the torque, and by how much features exceed two thirds of their aims; infinite for a run that failed."""
+    """Error of the torque, and by what share of their aims features exceed two thirds of them; infinite for a run that
+    failed.
+    """
     if not np.isfinite(run.torque).all():
         return math.inf
     error, *features = comparisons(folder, run)
-    return error.computed + sum(max(0.0, abs(of.difference) - of.aim / 1.5) for of in features)
+    return error.computed + sum(max(0.0, abs(of.difference) / of.aim - 2.0 / 3.0) for of in features)
 
 
-def search(folder: Path, scene: Scene) -> dict[str, float]:
-    """Numbers of least misfit by differential evolution (Storn and Price 1997), a generation an ensemble."""
-    own = np.array([number_at(scene, key) for key in FREE])
+def search(folder: Path, scenes: Sequence[Scene], free: Mapping[str, tuple[float, float]] = FREE) -> dict[str, float]:
+    """Numbers of least misfit by differential evolution (Storn and Price 1997), a generation an ensemble.
+
+    Args:
+        folder: Folder of the record.
+        scenes: A scene for each start-up that is fitted to; the search begins with the numbers of the first.
+        free: Ranges of the numbers [SI units].
+    """
+    own = np.array([number_at(scenes[0], key) for key in free])
 
     def misfits(values: Array) -> Array:
-        vary = {key: row.tolist() for key, row in zip(FREE, values, strict=True)}
-        return np.array([misfit(folder, run) for run in runs_of(folder, scene, vary)])
+        vary = {key: row.tolist() for key, row in zip(free, values, strict=True)}
+        each = [[misfit(folder, run) for run in runs_of(folder, scene, vary)] for scene in scenes]
+        total: Array = np.sum(each, axis=0)
+        return total
 
     best = optimize.differential_evolution(
-        misfits, list(FREE.values()), x0=own, seed=1, maxiter=GENERATIONS,
-        popsize=-(-POPULATION // len(FREE)), vectorized=True, updating="deferred", polish=False,
+        misfits, list(free.values()), x0=own, seed=1, maxiter=GENERATIONS,
+        popsize=-(-POPULATION // len(free)), vectorized=True, updating="deferred", polish=False,
     )  # fmt: skip
-    return dict(zip(FREE, best.x.tolist(), strict=True))
+    return dict(zip(free, best.x.tolist(), strict=True))
 
 
 def fitted(folder: Path, scene: Scene) -> Posterior:
@@ -159,20 +185,37 @@ def fitted(folder: Path, scene: Scene) -> Posterior:
     return fit(torque_record(folder), scene, ranges, end=LAST, rate=5.0, members=16, rounds=6, effective=16)
 
 
-def torque_record(folder: Path) -> Record:
-    """Recorded torque of the motor."""
-    time, torque = _columns(folder, "B1714_torque_rec.csv")
-    return Record("B1714_torque_rec.csv", {"motor_torque": (time, 1e3 * torque)})
+def torque_record(folder: Path, depth: float = DEPTH, kind: Literal["rec", "sim"] = "rec") -> Record:
+    """Torque of the motor, recorded or of the published model, at 100 Hz.
+
+    The file has the corners of the line drawn through it, so nothing is missing between them.
+    """
+    name = f"B{depth:.0f}_torque_{kind}.csv"
+    drawn, torque = columns(folder, name)
+    time = np.arange(drawn[0], drawn[-1], 0.01)
+    return Record(name, {"motor_torque": (time, 1e3 * np.interp(time, drawn, torque))})
 
 
-def set_point(folder: Path, place: Path) -> dict[str, float | str]:
-    """Overrides by which the top drive follows its smoothed speed."""
-    recorded, speed = _columns(folder, "B1714_top_rec.csv")
+def set_point(folder: Path, place: Path, depth: float = DEPTH, wound: float = 0.0) -> dict[str, float | str]:
+    """Overrides that put the bit at a depth, and by which the top drive follows the smoothed speed recorded there.
+
+    Args:
+        folder: Folder of the record.
+        place: Folder into which the table of the speed is written.
+        depth: Depth of the bit [m].
+        wound: Turn of the top before the start-up, half of which is taken back: where friction is uniform, the torque
+            at the top is zero again, and torsion stays locked below [rad]. The start-up then begins after `LEAD`.
+    """
+    recorded, speed = columns(folder, f"B{depth:.0f}_top_rec.csv")
     time = np.arange(0.05, 60.0, 0.05)
     wide = np.interp(time, recorded, speed * RPM)
     width = round(SMOOTHING / 0.05)
     smooth = np.convolve(np.pad(wide, width // 2, "edge"), np.ones(width + 1) / (width + 1), "valid")
-    return played(time, smooth, place)
+    if wound:
+        before = np.arange(0.05, LEAD, 0.05)
+        turn = wound / 3.0 * ((before > 1.0) & (before <= 4.0)) - wound / 4.0 * ((before > 5.0) & (before <= 7.0))
+        time, smooth = np.append(before, LEAD + time), np.append(turn, smooth)
+    return scene_at(depth) | played(time, smooth, place)
 
 
 def scene_at(depth: float) -> dict[str, float | str]:
@@ -181,7 +224,7 @@ def scene_at(depth: float) -> dict[str, float | str]:
         "string.sections.1.length": depth - ASSEMBLY,
         "hole.survey.5.depth": depth,
         "effects.wall_friction.intervals.0.bottom": depth - ASSEMBLY,
-        "numerics.elements": round(80 * depth / 1714.0),
+        "numerics.elements": round(80 * depth / DEPTH),
     }
 
 
@@ -194,15 +237,15 @@ def played(time: Array, speed: Array, place: Path) -> dict[str, float | str]:
     return gone | STIFF | {"rig.rotation.shape": "table", "rig.table.file": str(file), "rig.table.spike_window": 0.0}
 
 
-def _downhole(folder: Path) -> tuple[Array, Array, Array]:
+def _downhole(folder: Path, depth: float) -> tuple[Array, Array, Array]:
     """Least and largest downhole speed in the half seconds after 20 s [rad/s], and their ends [s]."""
-    low, high = (_columns(folder, f"B1714_bit_{name}.csv") for name in ("min", "max"))
+    low, high = (columns(folder, f"B{depth:.0f}_bit_{name}.csv") for name in ("min", "max"))
     part = (high[0] > STEADY) & (high[0] <= LAST)
     edges = high[0][part]
     return RPM * np.interp(edges, *low), RPM * high[1][part], edges
 
 
-def _columns(folder: Path, name: str) -> tuple[Array, Array]:
+def columns(folder: Path, name: str) -> tuple[Array, Array]:
     """Time [s] and values of a file."""
     time, values = np.loadtxt(folder / name, delimiter=",").T
     return time, values
