@@ -24,6 +24,7 @@ from drill_twin.api.scenes import write_scene as write_scene
 from drill_twin.api.simulation import Simulation as Simulation
 from drill_twin.api.simulation import State as State
 from drill_twin.api.torque_drag import statics as statics
+from drill_twin.api.torque_drag import statics_over_depth as statics_over_depth
 from drill_twin.api.whirl import Whirl as Whirl
 from drill_twin.api.whirl import analyze as analyze
 from drill_twin.core.errors import ArgumentError as ArgumentError

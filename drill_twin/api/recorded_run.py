@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A recorded run computed again: the commands of a bag, with the numbers of its scene or with others."""
+"""A recorded run computed again: the commands of a bag or a record, with the numbers of its scene or with others."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -16,6 +16,7 @@ from drill_twin.api.scenes import Overrides, as_scene, override
 from drill_twin.api.simulation import Simulation
 from drill_twin.core.errors import ArgumentError, RunError
 from drill_twin.io.bag.reader import Bag
+from drill_twin.io.bag.virtual_bags import RecordBag, is_record
 from drill_twin.io.messages.stamps import NANOSECONDS, unpack_stamp
 from drill_twin.io.messages.topics import MARKS_STATE, RIG_STATE, STRING_POSES
 from drill_twin.runs.recorded_commands import RecordedCommands, recorded_commands
@@ -71,6 +72,11 @@ class Rerun:
             return float("nan")
         return float(np.nanmax(np.linalg.norm(recorded.position[first] - computed.position[second], axis=-1)))
 
+    @property
+    def of_record(self) -> bool:
+        """True for the record of a rig, whose set-points may have been replaced."""
+        return isinstance(self.recorded.recording.bag, RecordBag)
+
     def table(self) -> list[tuple[str, str, str]]:
         """Quantity, recorded value and computed value, as text with units."""
         from drill_twin.report.comparison import comparison
@@ -92,25 +98,32 @@ def rerun(
     namespace: str | None = None,
     progress: Callable[[float, float], None] | None = None,
 ) -> Rerun:
-    """Compute a recorded run again, under the commands of the bag.
+    """Compute a recorded run again, under the commands of the bag, or the set-points that a rig recorded.
 
     Without overrides the frames of a bag are computed again bit for bit, if it was recorded in lockstep or without ROS
     by the same version on the same kind of processor. In real time a command may have come a frame late: the runs then
     differ by what that changes, and after the onset of whirl, where motion is chaotic, by more.
 
     Args:
-        bag: Folder of a run or a bag, or a bag file.
-        overrides: Values that replace those of the scene, but no set-points: those are the bag's.
-        scene: The scene, where the bag holds none.
+        bag: Folder of a run or a bag, or a bag file; or the record of a rig (CSV, MAT, LAS, WITSML).
+        overrides: Values that replace those of the scene, but no set-points: those are the bag's. A weight on bit or a
+            speed takes the place of that of a record.
+        scene: The scene, where the bag holds none; of a record always.
         namespace: Namespace of the twin, where the bag holds several.
         progress: Called with the simulated time and that at the end [s] after each frame.
 
     Raises:
-        ArgumentError: An override is a set-point.
+        ArgumentError: An override is a set-point of a bag, or a record comes without a scene.
         BagError: Not a bag of this package, without a scene where none is given, or without rig states.
         SceneError: An override does not fit the scene.
     """
-    for key in overrides or {}:
+    record = is_record(Path(bag))
+    if record and scene is None:
+        raise ArgumentError(
+            f"{bag}: expected the scene of the rig beside its record, found none; name it with --scene "
+            "(`drill-twin new` makes one of a well plan)"
+        )
+    for key in () if record else overrides or {}:
         if any(key == fixed or key.startswith(f"{fixed}.") for fixed in _OF_THE_BAG):
             raise ArgumentError(
                 f"{key}: expected a key that the bag does not decide, found one of the set-points, which are those "
@@ -118,8 +131,11 @@ def rerun(
             )
     recorded = read_bag(bag, scene=None if scene is None else as_scene(scene), namespace=namespace)
     described = recorded.scene
-    commands = recorded_commands(recorded.recording.bag, _plan(described), block=described.rig.moves_block)
-    described = override(described, {"numerics.frame_rate": NANOSECONDS / commands.period, **(overrides or {})})
+    if record:
+        described, commands = _of_record(recorded, dict(overrides or {}))
+    else:
+        commands = recorded_commands(recorded.recording.bag, _plan(described), block=described.rig.moves_block)
+        described = override(described, {"numerics.frame_rate": NANOSECONDS / commands.period, **(overrides or {})})
     simulation = Simulation(described)
     end, stopped = len(commands.commands) * commands.period / NANOSECONDS, ""
     try:
@@ -132,6 +148,28 @@ def rerun(
             raise
         stopped = str(error)
     return Rerun(recorded, simulation.result(), commands, stopped)
+
+
+def _of_record(recorded: Result, changes: dict[str, Any]) -> tuple[Scene, RecordedCommands]:
+    """The scene under the set-points of a record where no others are given, and the set-points of each frame."""
+    rig, path, told = recorded.recording.rig, recorded.recording.path, list[str]()
+    for name, keys, values in (
+        ("weight_on_bit", ("wob",), rig.bit_force), ("rotation", ("rps", "rpm"), rig.top_drive_speed),
+    ):  # fmt: skip
+        given = any(key in keys or key.startswith(f"rig.{name}") for key in changes)
+        if np.isfinite(values).any() and not given:
+            changes[f"rig.{name}"] = {"shape": "table"}
+            told.append(name.replace("_", " "))
+    length = float(rig.time[-1] - rig.time[0])
+    if told:
+        changes["rig.table"] = {"file": str(path.absolute()), "longest_gap": length}
+    scene = override(recorded.scene, {"rig.duration": length, **changes})
+    schedule, period = Schedule.from_scene(scene), round(NANOSECONDS / scene.numerics.frame_rate)
+    frames = range(1, round(length * NANOSECONDS / period) + 1)
+    source = f"{path.name}: {' and '.join(told) or 'none'}, without spikes and gaps; the others are those of the scene"
+    if rig.time[0] > 0.0:
+        source += f"; time 0 of the run is {rig.time[0]:g} s of the record"
+    return scene, RecordedCommands(source, period, [schedule.at(k * period / NANOSECONDS) for k in frames], 0.0)
 
 
 def _plan(scene: Scene) -> Callable[[float], Command]:

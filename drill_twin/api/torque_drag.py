@@ -11,6 +11,7 @@ from drill_twin.api.scenes import Overrides
 from drill_twin.dynamics.torque_drag import analysis
 from drill_twin.dynamics.torque_drag.analysis import Statics
 from drill_twin.dynamics.torque_drag.operations import FEED, TRIP_SPEED, Operation, operations
+from drill_twin.dynamics.torque_drag.over_depth import OverDepth, over_depth
 from drill_twin.report.quantities import string_weight
 from drill_twin.scene import Scene
 
@@ -48,3 +49,26 @@ def statics(
     hanging = string_weight(own) if own.rig.weight_on_bit.at == "top" else 0.0
     wanted = tuple(only) or operations(command.weight_on_bit + hanging, command.rotation, trip_speed, feed)
     return analysis.analyse(own, wanted)
+
+
+def statics_over_depth(
+    scene: Scene | str | Path,
+    friction: Sequence[float],
+    overrides: Overrides | None = None,
+    *,
+    without: Sequence[str] = (),
+    depths: int = 40,
+) -> OverDepth:
+    """Hookload and torque of the soft string while its bit goes from the surface to the depth of the scene.
+
+    Args:
+        scene: The scene, or its name or file.
+        friction: Coefficients on the wall; an interval with a coefficient of its own keeps that.
+        overrides: Values that replace those of the scene.
+        without: Effects to leave out.
+        depths: Number of depths.
+
+    Raises:
+        SceneError: The scene cannot be loaded.
+    """
+    return over_depth(steady_scene(scene, overrides, without), friction, depths)

@@ -8,13 +8,16 @@ from typing import TYPE_CHECKING, Annotated
 
 from drill_twin.cli.emit import emit, new_folder
 from drill_twin.cli.options import (
-    BagArgument,
     JsonOption,
     NamespaceOption,
+    RecordedArgument,
     ReplaceOption,
+    RpmOption,
     SceneOption,
     SetOption,
+    TurnOption,
     UnitsOption,
+    WeightOption,
     folder_option,
     overrides,
 )
@@ -26,7 +29,10 @@ if TYPE_CHECKING:
 
 
 def rerun(
-    bag: BagArgument,
+    bag: RecordedArgument,
+    wob: WeightOption = "",
+    rps: TurnOption = "",
+    rpm: RpmOption = "",
     change: SetOption = [],  # noqa: B006  typer makes a new list of it
     out: Annotated[Path | None, folder_option("New folder of the result.", "beside the bag: BAG_rerun")] = None,
     scene: SceneOption = "",
@@ -37,13 +43,14 @@ def rerun(
 ) -> None:
     """Run the commands of a bag again, with other numbers, and show both runs: a table, a figure, the new bag.
 
+    The set-points of a rig's record are played on the string of --scene; --wob, --rps or --rpm take the place of one.
     Without --set the frames of the bag come again: bit for bit where its commands came in lockstep, else with the
     difference that is printed.
     """
     from drill_twin.api.recorded_run import rerun as run_again
     from drill_twin.cli.analyze import default_folder
 
-    changes = overrides(change)
+    changes = overrides(change, wob=wob, rps=rps, rpm=rpm)
     folder = out or default_folder(bag).with_name(f"{default_folder(bag).name.removesuffix('_report')}_rerun")
     new_folder(folder, replace=replace)
     with shown_progress("reading the bag") as bar:
@@ -66,6 +73,9 @@ def rerun(
 
 def agreement(both: Rerun, changes: dict[str, str]) -> str:
     """Sentence on how far both runs agree."""
+    if both.of_record:
+        stopped = f"; the computed run stopped early: {both.stopped}" if both.stopped else ""
+        return f"set-points from {both.commands.source}{stopped}"
     source = f"commands from {both.commands.source}"
     if both.commands.known_from:
         source += f" (before {both.commands.known_from:.2f} s, which the bag does not hold, those of the scene)"

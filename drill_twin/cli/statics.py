@@ -51,6 +51,20 @@ def statics(
     feed: Annotated[
         str, typer.Option("--rop", metavar="SPEED", help='Rate of penetration when sliding and drilling, as "18 m/h".')
     ] = "18 m/h",
+    friction: Annotated[
+        str,
+        typer.Option(
+            "--friction", metavar="RANGE", help='Over the depth of the bit instead, as "0.15..0.35:5" or "0.2,0.3".'
+        ),
+    ] = "",
+    measured: Annotated[
+        Path | None,
+        typer.Option(
+            "--measured",
+            metavar="FILE",
+            help="With --friction: record with columns of depth and of trip out, trip in, off bottom or torque.",
+        ),
+    ] = None,
     units: UnitsOption = "",
     out: Annotated[Path | None, folder_option("Write statics.json, statics.csv and statics.png there.")] = None,
     json: JsonOption = False,
@@ -58,14 +72,21 @@ def statics(
     """Torque, drag and buckling without a run: tripping, rotating off bottom, sliding, drilling.
 
     The string of the scene in balance in its hole, with friction in the direction of the operation; beside it the
-    soft string. JSON and CSV are in SI.
+    soft string. JSON and CSV are in SI. With --friction, hookload and torque of the soft string while its bit goes down
+    the hole, with measured points (the broomstick plot); writes over_depth.json and over_depth.png.
     """
     from drill_twin.api.torque_drag import statics as computed
     from drill_twin.studies.statics import depth_table, statics_data, tracks
 
     speeds = {option: _speed(option, text) for option, text in (("--trip-speed", trip_speed), ("--rop", feed))}
+    if measured is not None and not friction:
+        raise SceneError("--measured: expected --friction beside it, found none; as --friction 0.15..0.35:5")
     if out is not None:
         make_folder(out)
+    if friction:
+        changes = overrides(change, wob=wob, rps=rps, rpm=rpm, units=units)
+        _over_depth(scene, changes, without, friction, measured, out, json=json)
+        return
     with shown_progress("computing"):
         found = computed(
             scene, overrides(change, wob=wob, rps=rps, rpm=rpm, units=units), without=without,
@@ -76,6 +97,23 @@ def statics(
         data, _shown(found, shown), json=json, folder=out,
         files={"statics.json": data, "statics.csv": lambda: depth_table(found).csv(),
                "statics.png": lambda: tracks(found, shown)},
+    )  # fmt: skip
+
+
+def _over_depth(
+    scene: str, changes: dict[str, str], without: list[str], friction: str, measured: Path | None, out: Path | None,
+    *, json: bool,
+) -> None:  # fmt: skip
+    from drill_twin.api.torque_drag import statics_over_depth
+    from drill_twin.studies.over_depth import broomstick, coefficients, over_depth_data, read_measured, shown
+
+    wanted, points = coefficients(friction), read_measured(measured) if measured else {}
+    with shown_progress("computing"):
+        found = statics_over_depth(scene, wanted, changes, without=without)
+    data = over_depth_data(found, points)
+    emit(
+        data, shown(found, points), json=json, folder=out,
+        files={"over_depth.json": data, "over_depth.png": lambda: broomstick(found, points)},
     )  # fmt: skip
 
 

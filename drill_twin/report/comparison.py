@@ -10,7 +10,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from drill_twin.core.units.system import UnitSystem
-from drill_twin.report.figures.style import BLUE, GREEN, PURPLE, RIGHT, VERMILION, over_time, styled
+from drill_twin.report.figures.style import BLUE, GREEN, PURPLE, RIGHT, VERMILION, over_time, styled, unbridged
 from drill_twin.report.load_text import units_of
 from drill_twin.report.recording import Recording
 from drill_twin.report.text import rotation
@@ -94,7 +94,7 @@ def draw_runs(
             strict=True,
         ):
             for run, style in styled_runs:
-                panel.plot(run.rig.time, units.show(getattr(run.rig, name), quantity), **style)
+                panel.plot(*unbridged(run.rig.time, units.show(getattr(run.rig, name), quantity)), **style)
             panel.set_title(heading, fontsize=10.5, pad=3)
             panel.set_ylabel(f"[{getattr(units, quantity)}]")
         for run, style in styled_runs:

@@ -9,6 +9,7 @@ import pytest
 
 import drill_twin as dt
 from drill_twin.cli import run_command
+from drill_twin.core.errors import ArgumentError
 from drill_twin.io.bag.metadata import contract_topic
 from drill_twin.io.bag.reader import Bag
 from drill_twin.io.bag.writer import BagWriter
@@ -111,3 +112,21 @@ def test_the_command_writes_bag_figure_and_numbers(bench_run, tmp_path, capsys):
     assert found["recorded"]["onset_s"] == found["computed"]["onset_s"] is not None
     assert run_command(["rerun", str(again), "--out", str(tmp_path / "third"), "--set", "rig.rotation.value=1"]) == 2
     assert "expected a key that the bag does not decide" in capsys.readouterr().err
+
+
+def test_a_record_of_a_rig_is_run_on_the_string_named_with_another_weight(tmp_path):
+    time = np.arange(0.0, 2.0, 0.05)
+    rpm = np.where((time > 0.9) & (time < 1.2), np.nan, 60.0 + 10.0 * time)
+    np.savetxt(tmp_path / "rig.csv", np.column_stack([time, 0.0 * time + 30.0, rpm]), delimiter=",",
+               header="time [s],WOB [N],RPM [rpm]", comments="")  # fmt: skip
+    with pytest.raises(ArgumentError, match="name it with --scene"):
+        dt.rerun(tmp_path / "rig.csv")
+    same = dt.rerun(tmp_path / "rig.csv", scene="pa6_bench")
+    assert same.of_record
+    assert same.commands.source.startswith("rig.csv: weight on bit and rotation")
+    rig = same.computed.recording.rig
+    assert rig.bit_force[-1] == pytest.approx(30.0)
+    assert rig.top_drive_speed[100] == pytest.approx((60.0 + 10.0 * rig.time[100]) * np.pi / 30.0, rel=1e-3)
+    other = dt.rerun(tmp_path / "rig.csv", {"wob": "50 N"}, scene="pa6_bench")
+    assert other.commands.source.startswith("rig.csv: rotation,")
+    assert other.computed.recording.rig.bit_force[-1] == pytest.approx(50.0)

@@ -174,30 +174,35 @@ def analyse(scene: Scene, operations: Sequence[Operation]) -> Statics:
     """
     own = steady(scene)
     balance = SlidingBalance(EquationsOfMotion(own))
-    string = hole_and_string(balance)
+    string = hole_and_string(balance.equations)
     found = tuple(_loads(own, balance, string, operation) for operation in operations)
     return Statics(scene, found)
 
 
-def hole_and_string(balance: SlidingBalance) -> HoleAndString:
-    """The elements of a string in its hole, for the soft string."""
-    equations = balance.equations
+def hole_and_string(equations: EquationsOfMotion, bit_depth: float | None = None) -> HoleAndString:
+    """The elements of a string in its hole, for the soft string; of its lower part, with the bit at a depth [m]."""
     scene, model = equations.scene, equations.model
     rod = model.rod
-    middle = 0.5 * (rod.arc[1:] + rod.arc[:-1])
-    axis = axis_at(scene, scene.length - middle)
+    bit_depth = scene.length if bit_depth is None else bit_depth
+    ends = np.minimum(rod.arc, bit_depth)
+    middle, length = 0.5 * (ends[1:] + ends[:-1]), np.diff(ends)
+    depth, inside = bit_depth - middle, length > 0.0
+    axis = axis_at(scene, depth)
     down = np.array([math.sin(model.inclination), 0.0, -math.cos(model.inclination)])
     gravity, friction = scene.effects.gravity, getattr(scene.effects, "wall_friction", None)
     weight = (np.zeros(middle.size) if gravity is None else line_weight(gravity, model))[:, None] * down
     tangent = np.tile([0.0, 0.0, 1.0], (middle.size, 1)) if axis is None else axis.tangent
     along = -np.sum(weight * tangent, axis=1)
     bend = np.zeros((middle.size, 3)) if axis is None else axis.curvature[:, None] * axis.normal
-    return HoleAndString(
-        rod.length, along, weight + along[:, None] * tangent, bend, rod.bending,
-        contact_radius(scene, middle), model.wellbore.clearance.reshape(-1, 2).mean(axis=1),
-        np.zeros(middle.size) if friction is None
-        else friction.coefficient * friction.scale_at(scene.length - middle),
+    contact = contact_radius(scene, 0.5 * (rod.arc[1:] + rod.arc[:-1]))
+    hole = contact + model.wellbore.clearance.reshape(-1, 2).mean(axis=1)  # radius, from the bottom up
+    own_depth = scene.length - 0.5 * (rod.arc[1:] + rod.arc[:-1])
+    parts = HoleAndString(
+        length, along, weight + along[:, None] * tangent, bend, rod.bending,
+        contact, np.interp(depth, own_depth[::-1], hole[::-1]) - contact,
+        np.zeros(middle.size) if friction is None else friction.coefficient * friction.scale_at(depth),
     )  # fmt: skip
+    return HoleAndString(*(part[inside] for part in parts))
 
 
 def _loads(scene: Scene, solver: SlidingBalance, string: HoleAndString, operation: Operation) -> OperationLoads:

@@ -1,0 +1,175 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Broomstick plot: hookload and torque over the depth of the bit by friction, with measured points on it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from drill_twin.core.arrays import Array
+from drill_twin.core.errors import ArgumentError, TableError
+from drill_twin.core.table import Table
+from drill_twin.core.units.dimension import FORCE, LENGTH, TORQUE
+from drill_twin.core.units.spelling import name_and_unit
+from drill_twin.dynamics.torque_drag.over_depth import OverDepth
+from drill_twin.report.figures.style import BLUE, GREEN, INK, VERMILION, blank, head, styled
+from drill_twin.scene.records import read_columns
+
+COLUMNS = {
+    "trip out": ("trip out", "pick-up", "pickup", "pu", "puw"),
+    "trip in": ("trip in", "slack-off", "slackoff", "so", "sow"),
+    "off bottom": ("off bottom", "rotating", "rot", "row"),
+    "torque": ("torque", "torque off bottom", "tqa"),
+}
+"""Names of columns of measured loads."""
+DEPTHS = ("depth", "bit depth", "md", "dept", "dbtm")
+"""Names of the column of the depth of the bit."""
+MOST = 20
+"""Most coefficients."""
+
+
+class Points(NamedTuple):
+    """Measured loads of an operation, or torques off bottom; shape (p,)."""
+
+    depth: Array
+    """[m]."""
+    value: Array
+    """[N] or [N m]."""
+
+
+def coefficients(text: str) -> list[float]:
+    """Coefficients of friction of a range such as `0.15..0.35:5`, or of a list such as `0.2,0.3`.
+
+    Raises:
+        ArgumentError: It is none of them.
+    """
+    span, _, count = text.partition(":")
+    low, dots, high = span.partition("..")
+    try:
+        found = (
+            np.linspace(float(low), float(high), int(count or 5)) if dots else np.array([*map(float, text.split(","))])
+        )
+        if not (0 < found.size <= MOST and np.isfinite(found).all() and (found >= 0.0).all()):
+            raise ValueError(text)
+    except ValueError:
+        raise ArgumentError(
+            f'--friction: expected at most {MOST} coefficients such as "0.15..0.35:5" or "0.2,0.3", found "{text}"'
+        ) from None
+    return sorted(found.tolist())
+
+
+def read_measured(path: Path) -> dict[str, Points]:
+    """Measured points of a record over depth, by operation and `torque`.
+
+    Raises:
+        TableError: It cannot be read, has no depth or none of the loads, or a column without a unit.
+    """
+    columns = read_columns(path)
+    bare = {name_and_unit(name)[0].lower(): name for name in columns}
+    named = {of: next((bare[one] for one in names if one in bare), "") for of, names in COLUMNS.items()}
+    depth = next((bare[one] for one in DEPTHS if one in bare), "")
+    if not depth or not any(named.values()):
+        known = "; ".join(f"{of}: {', '.join(names)}" for of, names in {"depth": DEPTHS, **COLUMNS}.items())
+        raise TableError(
+            f"{path}: expected a column of depth and one of a load, found {columns.listed}; known names: {known}"
+        )
+    found = {}
+    places = columns.si(depth, columns.unit(depth, LENGTH), LENGTH, "depth")
+    for of, name in named.items():
+        if name:
+            dimension = TORQUE if of == "torque" else FORCE
+            values = columns.si(name, columns.unit(name, dimension), dimension, of)
+            known_rows = np.isfinite(values) & np.isfinite(places)
+            found[of] = Points(places[known_rows], values[known_rows])
+    return found
+
+
+def friction_of(found: OverDepth, points: Mapping[str, Points]) -> dict[str, Array]:
+    """Coefficients that the measured points mean, NaN outside of the range."""
+    return {
+        of: found.friction_of_torque(*of_load) if of == "torque" else found.friction_of(of, *of_load)
+        for of, of_load in points.items()
+        if of != "off bottom"  # has no axial friction
+    }
+
+
+def over_depth_data(found: OverDepth, points: Mapping[str, Points]) -> dict[str, Any]:
+    """Numbers of the plot, SI."""
+    means = friction_of(found, points)
+    return {
+        "scene": found.scene.name, "depth_m": found.depth.tolist(), "friction": found.friction.tolist(),
+        "hookload_n": {one.name: rows.tolist() for one, rows in zip(found.operations, found.hookload, strict=True)},
+        "torque_off_bottom_nm": found.torque.tolist(),
+        "measured": {
+            of: {"depth_m": one.depth.tolist(), "value": one.value.tolist(),
+                 **({"friction": [None if math.isnan(mu) else mu for mu in means[of].tolist()]} if of in means else {})}
+            for of, one in points.items()
+        },
+    }  # fmt: skip
+
+
+def shown(found: OverDepth, points: Mapping[str, Points]) -> Iterator[Table | str]:
+    """Loads at the depth of the scene, and the friction that the measured points mean."""
+    units = found.scene.unit_system
+    names = [one.name for one in found.operations]
+    rows = (
+        (f"{friction:.3g}", *(units.number(found.hookload[o, f, -1], "force") for o in range(len(names))),
+         units.number(found.torque[f, -1], "torque"))
+        for f, friction in enumerate(found.friction.tolist())
+    )  # fmt: skip
+    depth = units.text(found.scene.length, "length")
+    yield Table(
+        ("friction", *names, "torque"), rows, right=range(5),
+        title=f"{found.scene.name}, soft string, bit at {depth}: hookload in {units.force}, torque off bottom in "
+        f"{units.torque}",
+    )  # fmt: skip
+    for of, values in friction_of(found, points).items():
+        inside = values[np.isfinite(values)]
+        if not inside.size:
+            yield f"measured {of}: none of {values.size} points within the range of friction"
+            continue
+        yield (
+            f"measured {of}: friction {np.median(inside):.3g} (median of {inside.size}, {inside.min():.3g} to "
+            f"{inside.max():.3g}); {values.size - inside.size} points outside of the range"
+        )
+
+
+def broomstick(found: OverDepth, points: Mapping[str, Points]) -> Figure:
+    """Hookload and torque over the depth of the bit, a line a coefficient, and the measured points."""
+    units, colours = found.scene.unit_system, {"trip out": VERMILION, "trip in": BLUE, "off bottom": GREEN}
+    depth, bottom = units.show(found.depth, "length"), float(units.show(found.scene.length, "length"))
+    shades = np.linspace(0.35, 1.0, found.friction.size)
+    with styled():
+        figure = blank(7.2)
+        head(figure, f"{found.scene.name}: loads over the depth of the bit, friction {found.friction[0]:.3g} to "
+             f"{found.friction[-1]:.3g}")  # fmt: skip
+        load, torque = (figure.add_axes((0.08 + 0.5 * k, 0.085, 0.4, 0.76)) for k in range(2))
+        for operation, rows in zip(found.operations, found.hookload, strict=True):
+            colour = colours[operation.name]
+            many = [(rows[0], 1.0)] if operation.rotation else zip(rows, shades.tolist(), strict=True)
+            for row, shade in many:
+                load.plot(units.show(row, "force"), depth, color=colour, alpha=shade, linewidth=1.4)
+            load.plot([], [], color=colour, label=operation.name)
+        for row, shade, friction in zip(found.torque, shades.tolist(), found.friction.tolist(), strict=True):
+            torque.plot(units.show(row, "torque"), depth, color=GREEN, alpha=shade, linewidth=1.4)
+            torque.annotate(f"{friction:.3g}", (units.show(row[-1], "torque"), bottom), xytext=(0, -3), fontsize=8.5,
+                            textcoords="offset points", ha="center", va="top", color=INK)  # fmt: skip
+        for of, one in points.items():
+            panel, quantity = (torque, "torque") if of == "torque" else (load, "force")
+            colour = colours.get(of, GREEN)
+            panel.plot(
+                units.show(one.value, quantity), units.show(one.depth, "length"), "o",
+                color=colour, markersize=5, markeredgecolor=INK, label=f"{of}, measured",
+            )  # fmt: skip
+        for panel, name, quantity in ((load, "hookload", "force"), (torque, "torque off bottom", "torque")):
+            panel.set(xlabel=f"{name} [{getattr(units, quantity)}]", ylim=(1.05 * bottom, 0.0))
+            panel.set_xlim(left=0.0)
+        load.set_ylabel(f"depth of the bit [{units.length}]")
+        figure.legend(*load.get_legend_handles_labels(), loc="upper left", bbox_to_anchor=(0.07, 0.93), ncols=6)
+        figure.text(0.975, 0.895, "darker: more friction", ha="right", fontsize=9)
+    return figure
