@@ -63,7 +63,7 @@ def estimate(
     import drill_twin as dt
     from drill_twin.studies.estimation import CHANNELS, SET_POINTS
     from drill_twin.studies.estimation.figure import estimate_figure
-    from drill_twin.studies.estimation.prediction import held_text
+    from drill_twin.studies.estimation.prediction import HELD
     from drill_twin.studies.fitting.record import channel_column
 
     options = dt.EstimatorOptions(members=members, window=window, error=error, horizon=horizon, seed=seed)
@@ -92,9 +92,8 @@ def estimate(
         raise RunError(f"{record}: expected more than {window:g} s of record, found less")
     found = over_time[-1]
     troubles = dict(estimator.intake.troubles)
-    held = held_text(bool(sub))
     emit(
-        _plain(found) | {"troubles": troubles, "bands": held}, _shown(found, estimator.scene, held, troubles),
+        _plain(found) | {"troubles": troubles, "bands": HELD}, _shown(found, estimator.scene, troubles),
         json=json, folder=out,
         files={
             FILES[0]: lambda: {"estimates": [_plain(one) for one in over_time], "troubles": troubles},
@@ -103,8 +102,8 @@ def estimate(
     )  # fmt: skip
 
 
-def _shown(found: Estimate, scene: Scene, held: str, troubles: dict[str, int]) -> Iterator[Table | str]:
-    from drill_twin.studies.estimation.prediction import shown_unit
+def _shown(found: Estimate, scene: Scene, troubles: dict[str, int]) -> Iterator[Table | str]:
+    from drill_twin.studies.estimation.prediction import HELD, shown_unit
     from drill_twin.studies.goodness import table as goodness_table
 
     if found.alarm:
@@ -119,7 +118,7 @@ def _shown(found: Estimate, scene: Scene, held: str, troubles: dict[str, int]) -
     for key, share in found.untold.items():
         yield f"{key}: the record does not tell it, its band covers {share:.0%} of its range"
     yield goodness_table(found.goodness)
-    yield held
+    yield HELD
     yield _line(found)
     if troubles:
         yield ", ".join(f"{count} {kind}" for kind, count in troubles.items())

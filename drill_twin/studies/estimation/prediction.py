@@ -15,15 +15,16 @@ SHARE = 0.9
 """Share of the members in a band: the probability of the true value if the members were draws of what is known."""
 
 
-def held_text(with_sub: bool) -> str:
-    """Shares that bands have held on twins with hidden numbers, as measured by `drill-twin estimator-score`."""
-    held = "54 to 100 % (by kind of quantity) with a sub" if with_sub else "67 to 100 % (by kind of quantity)"
-    return f"low and high hold {SHARE:.0%} of the members; on twins with hidden numbers they held the truth in {held}"
+HELD = (
+    f"low and high are bands of {SHARE:.0%}; on twins with hidden numbers they held the truth in 67 to 100 % (by kind "
+    "of quantity); doubtful: the largest wall force, 76 to 81 %"
+)
+"""Shares that bands have held, as measured by `drill-twin estimator-score` (docs/bands.md)."""
 
 
 @dataclass(frozen=True)
 class Band:
-    """Mean, standard deviation, and band of 90 % of the members; how often it holds the truth: `held_text`."""
+    """Mean, standard deviation, and band of 90 % of the members; how often it holds the truth: `HELD`."""
 
     mean: float
     deviation: float
