@@ -127,6 +127,8 @@ def test_a_record_of_a_rig_is_run_on_the_string_named_with_another_weight(tmp_pa
     rig = same.computed.recording.rig
     assert rig.bit_force[-1] == pytest.approx(30.0)
     assert rig.top_drive_speed[100] == pytest.approx((60.0 + 10.0 * rig.time[100]) * np.pi / 30.0, rel=1e-3)
-    other = dt.rerun(tmp_path / "rig.csv", {"wob": "50 N"}, scene="pa6_bench")
+    other = dt.rerun(
+        tmp_path / "rig.csv", {"rig.weight_on_bit": {"shape": "constant", "value": "50 N"}}, scene="pa6_bench"
+    )
     assert other.commands.source.startswith("rig.csv: rotation,")
     assert other.computed.recording.rig.bit_force[-1] == pytest.approx(50.0)

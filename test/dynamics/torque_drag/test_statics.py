@@ -152,7 +152,7 @@ def test_the_command(bent_well: Scene, found: Statics, tmp_path) -> None:
     assert data["operations"][0]["hookload_n"] == pytest.approx(found["trip out"].hookload, rel=1e-9)
     rows = list(csv.DictReader(io.StringIO((tmp_path / "out" / "statics.csv").read_text())))
     assert len(rows) == 5 * 200
-    assert float(rows[0]["measured depth [ft]"]) < float(rows[1]["measured depth [ft]"])
+    assert float(rows[0]["measured depth [m]"]) < float(rows[1]["measured depth [m]"])
     assert (tmp_path / "out" / "statics.png").stat().st_size > 30_000
 
 
