@@ -46,7 +46,7 @@ help:
 	@echo 'make damage     2 000 truncations and 10 000 flips of bags, checkpoints and metadata; prints a table'
 	@echo 'make random-scenes  10 000 random scenes: finite, in the hole, energy accounted for; goes on where it was broken off'
 	@echo 'make day        a day of simulated rotation; goes on where it was broken off'
-	@echo 'make fit-coverage  90 % intervals of 200 random twins; goes on where it was broken off'
+	@echo 'make fit-coverage  90 % intervals of 300 random twins; goes on where it was broken off'
 	@echo 'make sub-onsets  onsets from one sub beside their true times, 330 random scenes and motions'
 	@echo 'make browser    the page of drill-twin watch in a headless Chromium'
 	@echo 'make bench      speed of the kernel: by effect, by elements, and against earlier runs'
@@ -169,7 +169,7 @@ day: setup-test
 	@nice $(PYTHON) evidence/test/stress/day.py
 
 fit-coverage: setup-test
-	@nice $(PYTHON) -m drill_twin_evidence.fitting.interval_coverage 200 out/fit_coverage.jsonl
+	@nice $(PYTHON) -m drill_twin_evidence.foreign_rigs.interval_coverage 300 out/fit_coverage.jsonl
 
 sub-onsets: setup-test
 	@nice $(PYTHON) -m drill_twin_evidence.detection.sub_onsets 330 out/sub_onsets.jsonl

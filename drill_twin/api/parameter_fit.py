@@ -44,7 +44,7 @@ def fit(
     rate: Quantity = 20.0,
     window: Quantity = 5.0,
     members: int = 64,
-    rounds: int = 12,
+    rounds: int = 24,
     effective: float = 100.0,
     seed: int = 1,
     workers: int | None = None,

@@ -45,7 +45,7 @@ def fit(
     rate: Annotated[str, typer.Option("--rate", metavar="FREQUENCY", help="Samples compared per second.")] = "20 Hz",
     window: Annotated[str, typer.Option("--window", metavar="TIME", help="Length of a window of features.")] = "5 s",
     members: Annotated[int, typer.Option("--members", min=8, help="Runs of a round.")] = 64,
-    rounds: Annotated[int, typer.Option("--rounds", min=1, help="Rounds at most.")] = 12,
+    rounds: Annotated[int, typer.Option("--rounds", min=1, help="Rounds at most.")] = 24,
     seed: Annotated[int, typer.Option("--seed", min=0, help="Of the draws.")] = 1,
     out: Annotated[Path | None, folder_option("Write fit.json, fitted.yaml and fit.png to this folder.")] = None,
     units: UnitsOption = "",
@@ -106,4 +106,6 @@ def _shown(found: Posterior) -> Iterator[Table | Text | str]:
         yield Text("the draws are still wider than the record allows; more --rounds narrow the intervals", "yellow")
     for line in found.undetermined:
         yield f"not determined: {line}"
+    for line in found.of_law:
+        yield line
     yield goodness_table(found.goodness)

@@ -44,6 +44,7 @@ class Goodness:
         chi_square: Mean square of the residual over its predicted variance: 1 for predictions as good as they say.
         inside: Share of the samples inside the predicted band of 90 %.
         limit: Chi-square that one in 1,000 right models exceeds; NaN where it is not judged.
+        correlation_limit: The same of the autocorrelation times chi-square; None where it is not judged.
     """
 
     samples: int
@@ -54,6 +55,7 @@ class Goodness:
     chi_square: float
     inside: float
     limit: float
+    correlation_limit: float | None = None
 
     @property
     def ratio(self) -> float:
@@ -63,7 +65,8 @@ class Goodness:
     @property
     def explained(self) -> bool:
         """True if chance explains the residual, or if there is none."""
-        return not self.chi_square > self.limit
+        lasting = self.correlation_limit is not None and self.correlation * self.chi_square > self.correlation_limit
+        return not (self.chi_square > self.limit or lasting)
 
     def to_dict(self) -> dict[str, Any]:
         """Plain types for JSON."""
@@ -71,7 +74,13 @@ class Goodness:
 
 
 def goodness(
-    measured: Array, computed: Array, spread: Array | float, noise: float, error: float, limit: float
+    measured: Array,
+    computed: Array,
+    spread: Array | float,
+    noise: float,
+    error: float,
+    limit: float,
+    correlation_limit: float | None = None,
 ) -> Goodness:
     """Goodness of a channel.
 
@@ -82,11 +91,12 @@ def goodness(
         noise: Standard deviation of the noise of the samples.
         error: The same of the errors that predictions count with.
         limit: Chi-square from which the model does not explain the channel.
+        correlation_limit: Autocorrelation times chi-square from which it does not.
     """
     known = np.isfinite(measured)
     residual = (measured - computed)[known]
     if residual.size == 0:
-        return Goodness(0, math.nan, noise, math.nan, 0.0, math.nan, math.nan, limit)
+        return Goodness(0, math.nan, noise, math.nan, 0.0, math.nan, math.nan, limit, correlation_limit)
     variance = np.maximum(np.broadcast_to(spread, known.shape)[known] ** 2 + error**2, np.finfo(float).tiny)
     return Goodness(
         samples=residual.size,
@@ -97,14 +107,15 @@ def goodness(
         chi_square=float(np.mean(residual**2 / variance)),
         inside=float(np.mean(np.abs(residual) <= HALF_WIDTH * np.sqrt(variance))),
         limit=limit,
+        correlation_limit=correlation_limit,
     )
 
 
 def sentence(found: Mapping[str, Goodness]) -> str:
     """Sentence on the channels, by name, that the model does not explain; empty if it explains all."""
     parts = [
-        f"{name.replace('_', ' ')} (residual {one.ratio:.3g} times the noise, {one.inside:.0%} of the samples in the "
-        f"band of {BAND:.0%})"
+        f"{name.replace('_', ' ')} (residual {one.ratio:.3g} times the noise, {one.correlation:+.2f} from sample to "
+        f"sample, {one.inside:.0%} of the samples in the band of {BAND:.0%})"
         for name, one in found.items()
         if not one.explained
     ]
@@ -136,6 +147,11 @@ def limit_of_samples(samples: int) -> float:
     Its logarithm is normal, of variance `SCATTER` over their number; the ratio itself is skew.
     """
     return math.exp(-float(special.ndtri(_UNLIKELY)) * math.sqrt(SCATTER / max(samples, 1)))
+
+
+def correlation_limit(samples: int) -> float:
+    """Autocorrelation of white samples that is exceeded by chance in one of 1,000 cases (Bartlett 1946)."""
+    return -float(special.ndtri(_UNLIKELY)) / math.sqrt(max(samples, 1))
 
 
 def limit_of_windows(windows: int) -> float:

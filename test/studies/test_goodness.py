@@ -7,6 +7,7 @@ from scipy import stats
 
 from drill_twin.studies.goodness import (
     SCATTER,
+    correlation_limit,
     goodness,
     independent_samples,
     lag_one,
@@ -38,6 +39,8 @@ def test_one_model_in_a_thousand_that_is_right_is_called_unexplained():
     assert np.var(ratios) == pytest.approx(SCATTER / 250, rel=0.15)
     exceeded = np.mean(np.array(ratios) > limit_of_samples(250))
     assert exceeded < 4e-3
+    lasting = [lag_one(white) > correlation_limit(250) for white in draw.standard_normal((4000, 250))]
+    assert np.mean(lasting) < 4e-3
     sums = stats.chi2.rvs(20, size=200_000, random_state=3) / 20
     assert np.mean(sums > limit_of_windows(20)) == pytest.approx(1e-3, rel=0.3)
 
@@ -49,6 +52,14 @@ def test_a_model_that_is_right_leaves_noise():
     assert found.correlation == pytest.approx(0.0, abs=0.15)
     assert found.inside == pytest.approx(0.9, abs=0.05)
     assert sentence({"torque": found}) == ""
+
+
+def test_a_residual_that_lasts_is_told_though_it_is_no_larger_than_the_noise():
+    noise = np.random.default_rng(5).standard_normal(TIME.size + 1)
+    lasting = noise[1:] + 0.4 * noise[:-1]
+    found = goodness(SWING + lasting, SWING, 0.0, 1.1, 1.1, 1.5, correlation_limit(TIME.size))
+    assert found.chi_square < 1.5
+    assert not found.explained
 
 
 def test_what_a_model_leaves_out_is_told():

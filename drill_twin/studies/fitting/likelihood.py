@@ -9,7 +9,7 @@ from collections.abc import Callable, Mapping
 import numpy as np
 
 from drill_twin.core.arrays import Array
-from drill_twin.studies.goodness import SCATTER, noise_of
+from drill_twin.studies.goodness import noise_of
 
 FEATURES = ("mean", "deviation", "low", "high", "rate")
 """Features of a window: mean, logarithm of the standard deviation, 5 and 95 % quantiles, crossings of the mean."""
@@ -36,34 +36,39 @@ def of_series(record: Channels, runs: Channels, period: float, window: float, fr
         free: Number of free numbers.
     """
     del period, window
-    squares: dict[str, tuple[Array, float, int]] = {}
-    result: Array = np.zeros(len(next(iter(runs.values()))))
+    squares: dict[str, Array] = {}
+    total = result = np.zeros(len(next(iter(runs.values()))))
     for channel, values in runs.items():
         known = np.isfinite(record[channel])
         if known.any():
-            square = np.mean((values[:, known] - record[channel][known]) ** 2, axis=1)
-            squares[channel] = square, noise_in(record[channel]) ** 2, int(known.sum())
-    total = sum((square / noise for square, noise, _ in squares.values()), result)
+            squares[channel] = np.mean((values[:, known] - record[channel][known]) ** 2, axis=1)
+            total = total + squares[channel] / noise_in(record[channel], record[channel]) ** 2
     best = int(np.argmin(np.where(np.isfinite(total), total, np.inf)))
-    for square, noise, count in squares.values():
-        result -= 0.5 * count * square / error_variance(float(square[best]), noise, count, free)
+    for channel, square in squares.items():
+        noise = noise_in(record[channel], record[channel] - runs[channel][best]) ** 2
+        count = int(np.isfinite(record[channel]).sum())
+        result = result - 0.5 * count * square / error_variance(float(square[best]), noise, count, free)
     return result
 
 
-def noise_in(record: Array) -> float:
-    """Standard deviation of the errors of the samples of a record: its noise, and `FLOOR` for the model's rounding."""
+def noise_in(record: Array, residual: Array) -> float:
+    """Standard deviation of the errors of the samples of a record: noise, and `FLOOR` for the model's rounding.
+
+    Noise is told from the record or from what a run leaves of it, whichever has less of it: what is not smooth in a
+    motion that sticks and slips counts as noise of the record, but a run takes it away.
+    """
     known = record[np.isfinite(record)]
     floor = FLOOR * float(np.std(known)) if known.size else 0.0
-    return max(math.hypot(noise_of(record), floor), _LEAST)
+    return max(math.hypot(min(noise_of(record), noise_of(residual)), floor), _LEAST)
 
 
 def error_variance(square: float, noise: float, count: int, free: int) -> float:
-    """Variance of the error of a sample: of its noise, and of what the model may leave unexplained.
+    """Variance of the error of a sample: of its noise, and of what the model leaves unexplained.
 
-    What is left of the mean square, noise taken away, is the model's error as far as it shows. A part of it does not,
-    as the free numbers have taken it up; it is assumed to be as large as the one that shows, and to be shared by
-    them: so the error of the model counts as `free` independent samples and not as `count`. Noise hides an error of the
-    model up to one standard deviation of the ratio of mean square to noise; so much is always counted with.
+    Where the residual is no larger than the noise, that is all. What exceeds the noise is an error of the model. A part
+    of that error does not show, as the free numbers have taken it up; it is assumed to be as large as the one that
+    shows, and to be shared by them: so the error of the model counts as `free` independent samples and not as `count`.
+    Chance makes every other residual of a right model exceed its noise a little: its bands are wider.
 
     Args:
         square: Mean square of the residual of the best run.
@@ -71,9 +76,9 @@ def error_variance(square: float, noise: float, count: int, free: int) -> float:
         count: Number of samples.
         free: Number of free numbers.
     """
-    ratio = square / noise
-    left = max(ratio - 1.0, 0.0) + math.sqrt(SCATTER / count)
-    return min(noise, square) * (1.0 + left * max(1.0, count / free)) if square > 0.0 else noise
+    plain = max(square * count / max(count - free, 1), noise)
+    shown = max(square / noise - 1.0, 0.0)
+    return plain * (1.0 + shown * max(1.0, count / free))
 
 
 def of_features(record: Channels, runs: Channels, period: float, window: float, free: int = 1) -> Array:

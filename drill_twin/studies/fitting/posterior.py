@@ -17,7 +17,7 @@ from drill_twin.scene.overrides import SHORTHANDS
 from drill_twin.studies.fitting.likelihood import noise_in
 from drill_twin.studies.fitting.record import Record
 from drill_twin.studies.fitting.sampling import Sampling
-from drill_twin.studies.goodness import HALF_WIDTH, Goodness, goodness, limit_of_samples, sentence
+from drill_twin.studies.goodness import HALF_WIDTH, Goodness, correlation_limit, goodness, limit_of_samples, sentence
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -27,6 +27,9 @@ UNDETERMINED = 0.6
 END, AT_AN_END = 0.05, 0.25
 """Part of a range at each of its ends, and probability in it from which a number is at the end of its range: five
 times that of the prior."""
+AT_REST = tuple(f"effects.bit_torque_stribeck.{name}" for name in ("sticking", "decay", "exponent"))
+"""Numbers of how friction falls from its value at rest. A record tells what happens once the bit has gained speed, and
+another law near rest explains it as well with other numbers (docs/fit.md)."""
 CORRELATED = 0.9
 """Correlation above which only a combination of two numbers is determined."""
 
@@ -107,6 +110,15 @@ class Posterior:
         return told
 
     @property
+    def of_law(self) -> list[str]:
+        """Sentences on the numbers that hold for the scene's law of friction only."""
+        return [
+            f"{key}: holds for this law of friction only; a record does not tell how friction falls near rest"
+            for key in self.keys
+            if full_key(key, self.scene) in AT_REST
+        ]
+
+    @property
     def _at_ends(self) -> tuple[Array, Array]:
         """Probability in the lowest and in the highest `END` of each range, shape (d,) each."""
         cube, weights = self.sampling.cube, self.sampling.weights
@@ -121,15 +133,13 @@ class Posterior:
 
     @cached_property
     def goodness(self) -> dict[str, Goodness]:
-        """Goodness of the best run by channel; the predicted band is of the draws and the noise."""
+        """Goodness of the best run by channel, against noise alone: draws that an error of the model widens hide it."""
         found = {}
         for channel, values in self.runs.items():
-            alive = self.sampling.weights > 0.0
-            weights, mean = self.sampling.weights[alive], self.sampling.weights[alive] @ values[alive]
-            spread = np.sqrt(weights @ (values[alive] - mean) ** 2)
-            measured, best = self.measured[channel], values[self.best_run]
-            noise, limit = noise_in(measured), limit_of_samples(int(np.isfinite(measured).sum()))
-            found[channel] = goodness(measured, best, spread, noise, noise, limit)
+            measured = self.measured[channel]
+            noise, count = noise_in(measured, self.residual(channel)), int(np.isfinite(measured).sum())
+            limits = limit_of_samples(count), correlation_limit(count)
+            found[channel] = goodness(measured, values[self.best_run], 0.0, noise, noise, *limits)
         return found
 
     @property
@@ -185,6 +195,7 @@ class Posterior:
             },
             "correlation": self.correlation.round(3).tolist(),
             "undetermined": self.undetermined,
+            "of_law": self.of_law,
             "unexplained": self.unexplained,
             "goodness": {channel: one.to_dict() for channel, one in self.goodness.items()},
         }  # fmt: skip

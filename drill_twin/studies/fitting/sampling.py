@@ -31,9 +31,10 @@ def in_ranges(cube: Array, ranges: Ranges) -> Array:
     return np.array(columns).T
 
 
-FREEDOM = 5
-"""Degrees of freedom of the proposals: Student's t has heavier tails than the posterior."""
-_INFLATION = 1.3  # of the covariance of a proposal
+FREEDOM = 2
+"""Degrees of freedom of the proposals: tails of Student's t reach along a posterior that is long and bent, where the
+effective number of draws tells nothing of what was never drawn."""
+_INFLATION = 2.0  # of the covariance of a proposal
 _PRIOR_SHARE = 0.1  # of the draws of a round, from the prior: finds what the proposals left out
 
 Likelihood = Callable[[Array], Array]

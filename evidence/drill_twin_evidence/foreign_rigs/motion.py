@@ -81,7 +81,7 @@ def friction(rig: Mechanics, speed: float) -> float:
 
 
 @njit(cache=True)
-def motion(rig: Mechanics, steps: int) -> Array:
+def motion(rig: Mechanics, steps: int, time_step: float = STEP) -> Array:
     """Torque of drive on string [N m], speed of drive, speed of bit [rad/s], friction [N m] after each step, (T, 4)."""
     n = rig.springs + 1
     angle, speed = np.zeros(n), np.zeros(n)
@@ -95,24 +95,24 @@ def motion(rig: Mechanics, steps: int) -> Array:
     for step in range(steps):
         for i in range(n - 1):
             links[i] = stiffness * (angle[i] - angle[i + 1]) + damping * (speed[i] - speed[i + 1])
-        wanted = rig.speed * min(1.0, step * STEP / rig.ramp)
+        wanted = rig.speed * min(1.0, step * time_step / rig.ramp)
         error = wanted - speed[0]
-        lagging += error * STEP
+        lagging += error * time_step
         asked = rig.proportional * error + rig.integral * lagging
-        motor = asked if rig.lag == 0.0 else motor + (asked - motor) * STEP / rig.lag
-        speed[0] += STEP * (motor - rig.drive_damping * speed[0] - links[0]) / inertia[0]
+        motor = asked if rig.lag == 0.0 else motor + (asked - motor) * time_step / rig.lag
+        speed[0] += time_step * (motor - rig.drive_damping * speed[0] - links[0]) / inertia[0]
         for i in range(1, n - 1):
-            speed[i] += STEP * (links[i - 1] - links[i]) / inertia[i]
+            speed[i] += time_step * (links[i - 1] - links[i]) / inertia[i]
         driving = links[-1] - rig.bit_damping * speed[-1]
         if rig.law == TANH:
             held = friction(rig, speed[-1]) * math.tanh(speed[-1] / rig.zone)
-            speed[-1] += STEP * (driving - held) / inertia[-1]
+            speed[-1] += time_step * (driving - held) / inertia[-1]
         elif abs(speed[-1]) < rig.zone and abs(driving) < rig.sticking:
             held, speed[-1] = driving, 0.0
         else:
             way = np.sign(speed[-1]) if abs(speed[-1]) >= rig.zone else np.sign(driving)
             held = way * friction(rig, speed[-1])
-            speed[-1] += STEP * (driving - held) / inertia[-1]
-        angle += STEP * speed
+            speed[-1] += time_step * (driving - held) / inertia[-1]
+        angle += time_step * speed
         found[step] = links[0], speed[0], speed[-1], held
     return found

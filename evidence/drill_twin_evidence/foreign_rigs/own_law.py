@@ -3,58 +3,66 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 
 import numpy as np
 
 from drill_twin.core.arrays import Array
-from drill_twin.studies.fitting import sample
-from drill_twin.studies.fitting.likelihood import noise_in
+from drill_twin.studies.fitting import Sampling, sample
 from drill_twin.studies.fitting.posterior import weighted_quantile
 from drill_twin.studies.fitting.sampling import in_ranges
-from drill_twin_evidence.foreign_rigs.motion import Mechanics
+from drill_twin_evidence.foreign_rigs.motion import STEP
 from drill_twin_evidence.foreign_rigs.rigs import (
     DECAY,
     INDICATED,
     LOAD,
     LOADS,
-    RADIUS,
     RANGES,
     SLIDING,
     STICKING,
     Rig,
     Trial,
+    mechanics_of,
     sampled,
 )
 
 MEMBERS, ROUNDS = 32, 40
+OWN_RANGES = {key: RANGES[key] for key in (STICKING, SLIDING, DECAY)} | {LOAD: LOADS}
+"""Free numbers and their ranges [SI]."""
+Likelihood = Callable[[Mapping[str, Array]], Array]
+"""Runs by channel, shape (M, T) -> logarithm of their likelihood, shape (M,)."""
 
 
-def own_widths(rig: Rig, trial: Trial) -> dict[str, float]:
-    """Widths of the 90 % bands by key [SI], of errors that are noise alone."""
-    ranges = {key: RANGES[key] for key in (STICKING, SLIDING, DECAY)} | {LOAD: LOADS}
+def own_fit(
+    rig: Rig, channels: tuple[str, ...], likelihood: Likelihood, seed: int, step: float = STEP
+) -> tuple[Array, Sampling]:
+    """Draws of `OWN_RANGES`, shape (N, 4), and their weights, by the stepper of the foreign rigs."""
     draws: list[Array] = []
-    found: list[Array] = []
+    runs: dict[str, list[Array]] = {channel: [] for channel in channels}
 
-    def likelihood(cube: Array) -> Array:
-        values = in_ranges(cube, ranges)
-        draws.append(values)
-        found.extend(_error(rig, trial, dict(zip(ranges, row.tolist(), strict=True))) for row in values)
-        return -0.5 * np.array(found)
+    def evaluate(cube: Array) -> Array:
+        draws.append(in_ranges(cube, OWN_RANGES))
+        for row in draws[-1]:
+            numbers = dict(zip(OWN_RANGES, row.tolist(), strict=True))
+            columns = sampled(rig, mechanics_of(rig, numbers), numbers[LOAD] * INDICATED, step)[1]
+            for channel in channels:
+                runs[channel].append(columns[channel])
+        return likelihood({channel: np.array(values) for channel, values in runs.items()})
 
-    sampling = sample(likelihood, len(ranges), members=MEMBERS, rounds=ROUNDS, effective=100, seed=1)
-    values = np.concatenate(draws)
+    sampling = sample(evaluate, len(OWN_RANGES), members=MEMBERS, rounds=ROUNDS, effective=100, seed=seed)
+    return np.concatenate(draws), sampling
+
+
+def own_widths(rig: Rig, trial: Trial, noise: float = 0.01) -> dict[str, float]:
+    """Widths of the 90 % bands by key [SI], of errors that are noise alone, of a known share of the largest value."""
+
+    def likelihood(runs: Mapping[str, Array]) -> Array:
+        total = np.zeros(())
+        for channel, (_, values) in trial.record.series.items():
+            error = noise * np.abs(values).max()
+            total = total - 0.5 * np.sum((runs[channel][:, trial.present] - values) ** 2, axis=1) / error**2
+        return total
+
+    values, sampling = own_fit(rig, tuple(trial.record.series), likelihood, seed=1, step=1e-3)
     low, high = (weighted_quantile(values, sampling.weights, share) for share in (0.05, 0.95))
-    return dict(zip(ranges, (high - low).tolist(), strict=True))
-
-
-def _error(rig: Rig, trial: Trial, numbers: Mapping[str, float]) -> Array:
-    """Sum of the squared residuals over the noise of a run with other numbers."""
-    weight = numbers[LOAD] * INDICATED
-    plain: Mechanics = trial.mechanics
-    sticking, sliding = (numbers[key] * RADIUS * weight for key in (STICKING, SLIDING))
-    columns = sampled(rig, plain._replace(sticking=sticking, sliding=sliding, decay=numbers[DECAY]), weight)[1]
-    total = np.zeros(())
-    for name, (_, values) in trial.record.series.items():
-        total += np.sum((values - columns[name][trial.present]) ** 2) / noise_in(values) ** 2
-    return total
+    return dict(zip(OWN_RANGES, (high - low).tolist(), strict=True))

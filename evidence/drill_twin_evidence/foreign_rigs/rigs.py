@@ -22,6 +22,8 @@ SECONDS = 24.0
 """Length of a record [s]."""
 PERIOD = 0.1
 """Time from sample to sample [s]."""
+SURFACE = ("torque", "top_drive_speed", "hookload")
+"""Channels of a record."""
 SCENE = "two_mass"
 OVERRIDES: Mapping[str, float | str] = {
     "wob": INDICATED,
@@ -113,42 +115,53 @@ def strongest(rig: Mechanics) -> float:
     return float(max(laws.friction(rig, one) * np.tanh(one / rig.zone) for one in speed.tolist()))
 
 
-def sampled(rig: Rig, mechanics: Mechanics, weight: float) -> tuple[Array, dict[str, Array], Array]:
+def sampled(rig: Rig, mechanics: Mechanics, weight: float, step: float = STEP) -> tuple[Array, dict[str, Array], Array]:
     """Times of the samples [s], channels without noise, and speed of the bit every step [rad/s]."""
-    every = round(PERIOD / STEP)
-    steps: Array = laws.motion(mechanics, round(SECONDS / PERIOD) * every)
+    every = round(PERIOD / step)
+    steps: Array = laws.motion(mechanics, round(SECONDS / PERIOD) * every, step)
     blocks = steps.reshape(-1, every, 4)
     values = blocks.mean(axis=1) if rig.averaged else blocks[:, -1]
     columns = {
         "torque": values[:, 0] + rig.offset * np.abs(values[:, 0]).max(),
         "top_drive_speed": values[:, 1],
         "hookload": np.full(len(values), -weight),
+        "bit_speed": values[:, 2],
     }
     ends: Array = PERIOD * np.arange(1.0, len(blocks) + 1.0)
     return ends - 0.5 * PERIOD if rig.averaged else ends, columns, steps[:, 2]
+
+
+def mechanics_of(rig: Rig, numbers: Mapping[str, float]) -> Mechanics:
+    """A rig with friction and load by key [SI]."""
+    arm = RADIUS * numbers[LOAD] * INDICATED
+    plain = Mechanics(rig.law, numbers[STICKING] * arm, numbers[SLIDING] * arm, numbers[DECAY], rig.zone)
+    return plain._replace(**rig.changes)
+
+
+def with_noise(columns: Mapping[str, Array], noise: float, generator: np.random.Generator) -> dict[str, Array]:
+    """Channels with white noise, a share of the largest value of each."""
+    return {
+        key: column + noise * np.abs(column).max() * generator.standard_normal(column.size)
+        for key, column in columns.items()
+    }
 
 
 def trial(name: str, seed: int, noise: float = 0.01) -> Trial:
     """Record of a rig with hidden numbers drawn by a seed; the noise is a share of the largest value of a channel."""
     rig = RIGS[name]
     generator = np.random.default_rng((seed, [*RIGS].index(name), 32))
-    sticking, sliding = generator.uniform(0.65, 0.88), generator.uniform(0.36, 0.5)
-    decay, load = generator.uniform(0.5, 2.0), generator.uniform(0.93, 1.07)
-    weight = load * INDICATED
-    plain = Mechanics(rig.law, sticking * RADIUS * weight, sliding * RADIUS * weight, decay, rig.zone)
-    mechanics = plain._replace(**rig.changes)
+    spans = {STICKING: (0.65, 0.88), SLIDING: (0.36, 0.5), DECAY: (0.5, 2.0), LOAD: (0.93, 1.07)}
+    numbers = {key: generator.uniform(*span) for key, span in spans.items()}
+    mechanics, weight = mechanics_of(rig, numbers), numbers[LOAD] * INDICATED
     time, columns, bit = sampled(rig, mechanics, weight)
-    noisy = {
-        key: column + noise * np.abs(column).max() * generator.standard_normal(column.size)
-        for key, column in columns.items()
-    }
+    noisy = with_noise({key: columns[key] for key in SURFACE}, noise, generator)
     present = np.ones(time.size, dtype=bool)
     for start in generator.uniform(5.0, SECONDS - 6.0, rig.gaps):
         present &= ~((time > start) & (time < start + generator.uniform(1.5, 4.0)))
     series = {key: (time[present], column[present]) for key, column in noisy.items()}
-    truth = {STICKING: strongest(mechanics) / (RADIUS * weight), SLIDING: sliding, LOAD: load}
-    if rig.law == EXPONENTIAL:
-        truth[DECAY] = decay
+    truth = numbers | {STICKING: strongest(mechanics) / (RADIUS * weight)}
+    if rig.law != EXPONENTIAL:
+        del truth[DECAY]
     fine = round(0.01 / STEP)
     places: Array = 0.01 * np.arange(1.0, len(bit) // fine + 1.0)
     record = Record(f"{name}, seed {seed}", series, instant=frozenset() if rig.averaged else frozenset(series))

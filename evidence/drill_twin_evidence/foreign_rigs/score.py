@@ -1,13 +1,14 @@
 # SPDX-License-Identifier: Apache-2.0
 """Score of `fit` and estimator on foreign rigs: `python -m drill_twin_evidence.foreign_rigs.score SEEDS FILE`.
 
-A line of JSON for each rig, seed and way; a campaign that was broken off goes on from there.
+Words after FILE leave out others of their kind: `fit` or `estimate`, `development` or `kept`. A line of JSON for each
+rig, seed and way; a campaign that was broken off goes on from there.
 """
 
 from __future__ import annotations
 
 import sys
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -31,7 +32,7 @@ _MARGIN = 0.01
 
 
 class Row(TypedDict):
-    """One rig, one seed, fitted or followed."""
+    """One rig, one seed, fitted or followed: what holds by number, and what is said of the rig and of numbers."""
 
     rig: str
     seed: int
@@ -39,6 +40,7 @@ class Row(TypedDict):
     held: dict[str, bool]
     wide: dict[str, float]
     told: str
+    of_number: dict[str, str]
 
 
 def fitted(name: str, seed: int) -> Row:
@@ -47,7 +49,7 @@ def fitted(name: str, seed: int) -> Row:
     ranges = dict(RANGES) | {"wob": (LOADS[0] * INDICATED, LOADS[1] * INDICATED)}
     found = dt.fit(
         of.record, SCENE, ranges, overrides=_overrides(name), start=1.0, end=SECONDS - 0.2, rate=10.0, members=32,
-        rounds=20, seed=seed,
+        rounds=28, seed=seed,
     )  # fmt: skip
     bands = {key: (found.quantile(key, 0.05), found.quantile(key, 0.95)) for key in ranges}
     low, high = bands.pop("wob")
@@ -59,7 +61,13 @@ def fitted(name: str, seed: int) -> Row:
         way="fit",
         held={key: bands[key][0] <= value <= bands[key][1] for key, value in of.truth.items()},
         wide={key: (bands[key][1] - bands[key][0]) / own[key] for key in of.truth},
-        told="; ".join(filter(None, (found.unexplained, *found.undetermined))),
+        told=found.unexplained,
+        of_number={
+            key: said
+            for key in of.truth
+            for said in (*found.undetermined, *found.of_law)
+            if key in said or (key == LOAD and "wob" in said)
+        },
     )
 
 
@@ -79,7 +87,7 @@ def followed(name: str, seed: int) -> Row:
     held = {key: bands[key][0] <= value <= bands[key][1] for key, value in of.truth.items()}
     held[BIT] = bool(np.mean((low - margin <= true) & (true <= high + margin)) >= 0.8)
     wide = {key: (bands[key][1] - bands[key][0]) / (ranges[key][1] - ranges[key][0]) for key in of.truth}
-    return Row(rig=name, seed=seed, way="estimate", held=held, wide=wide, told=found[-1].alarm)
+    return Row(rig=name, seed=seed, way="estimate", held=held, wide=wide, told=found[-1].alarm, of_number={})
 
 
 def _overrides(name: str) -> Mapping[str, float | str]:
@@ -92,6 +100,8 @@ def lines(rows: Iterable[Row]) -> list[str]:
     shown = []
     for way in ("fit", "estimate"):
         of_way = [row for row in rows if row["way"] == way]
+        if not of_way:
+            continue
         cells = [
             (f"{row['rig']}, {row['seed']}", "yes" if row["told"] else "no",
              *(_cell(row, key) for key in ({key: 0 for each in of_way for key in each["held"]})))
@@ -101,7 +111,11 @@ def lines(rows: Iterable[Row]) -> list[str]:
         shown += [f"{way}:", "", Table(("rig, seed", "told", *keys), cells).markdown(), ""]
         for what, kept in (("rigs by which it was made", False), ("rigs kept back", True)):
             part = [row for row in of_way if RIGS[row["rig"]].kept is kept]
-            pairs = [(held, bool(row["told"])) for row in part for held in row["held"].values()]
+            pairs = [
+                (held, bool(row["told"]) or key in row["of_number"])
+                for row in part
+                for key, held in row["held"].items()
+            ]
             if pairs:
                 shown.append(
                     f"{what}: bands hold {proportion_text(sum(held for held, _ in pairs), len(pairs))}; held or told "
@@ -116,17 +130,21 @@ def _cell(row: Mapping[str, Any], key: str) -> str:
     if key not in row["held"]:
         return ""
     wide = f", {row['wide'][key]:.2g}" if key in row["wide"] else ""
-    return ("held" if row["held"][key] else "missed") + wide
+    said = ", said" if key in row["of_number"] else ""
+    return ("held" if row["held"][key] else "missed") + wide + said
 
 
-def main(seeds: list[int], journal: Path) -> None:
-    """Do what the journal lacks, and print the tables."""
+def main(seeds: list[int], journal: Path, words: Sequence[str] = ()) -> None:
+    """Do what the journal lacks, of the ways and rigs that the words name, and print the tables."""
+    ways = {"estimate": followed, "fit": fitted}
+    wanted = {way: of for way, of in ways.items() if way in words} or ways
+    rigs = [name for name, rig in RIGS.items() if ("development" if rig.kept else "kept") not in words]
     rows: list[Row] = []
     file = JsonLines(journal, "foreign rigs", {"ranges": RANGES}, rows.append, foreign=FOREIGN, other=OTHER, of=Row)
     done = {(row["rig"], row["seed"], row["way"]) for row in rows}
-    for way, of in (("estimate", followed), ("fit", fitted)):
+    for way, of in wanted.items():
         for seed in seeds:
-            for name in RIGS:
+            for name in rigs:
                 if (name, seed, way) not in done:
                     rows.append(of(name, seed))
                     file.add(dict(rows[-1]))
@@ -134,4 +152,4 @@ def main(seeds: list[int], journal: Path) -> None:
 
 
 if __name__ == "__main__":
-    main([int(seed) for seed in sys.argv[1].split(",")], Path(sys.argv[2]))
+    main([int(seed) for seed in sys.argv[1].split(",")], Path(sys.argv[2]), sys.argv[3:])

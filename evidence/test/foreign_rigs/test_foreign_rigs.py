@@ -47,10 +47,21 @@ def test_records_are_what_their_names_say(name):
 
 
 def test_the_score_counts_what_is_held_or_told():
-    row = Row(rig="mild joined", seed=1, way="fit", held={STICKING: False, LOAD: True}, wide={LOAD: 2.0}, told="")
+    row = Row(
+        rig="mild joined",
+        seed=1,
+        way="fit",
+        held={STICKING: False, LOAD: True},
+        wide={LOAD: 2.0},
+        told="",
+        of_number={},
+    )
     other = Row(row, rig="mild tanh", told="the model does not explain torque")
-    shown = "\n".join(lines([row, other]))
-    assert "rigs kept back: bands hold 1 of 2" in shown
+    doubted = Row(row, seed=2, of_number={STICKING: "for this law of friction only"})
+    shown = "\n".join(lines([row, other, doubted]))
+    assert "rigs kept back: bands hold 2 of 4" in shown
+    assert "held or told 3 of 4" in shown
+    assert "| mild joined, 2 | no | missed, said | held, 2 |" in shown
     assert "rigs by which it was made: bands hold 1 of 2" in shown
     assert "held or told 2 of 2" in shown
     assert "| mild joined, 1 | no | missed | held, 2 |" in shown

@@ -37,12 +37,13 @@ def test_hidden_numbers_lie_in_their_intervals_and_the_fitted_scene_has_them(pro
     ]
     done = process(
         "fit", record, "--scene", "two_mass", *options, "--channel", "bit_speed=bit speed [rpm]", "--to", "30 s",
-        "--rate", "10 Hz", "--members", "32", "--rounds", "10", "--out", tmp_path / "fit", "--json",
+        "--rate", "10 Hz", "--members", "32", "--rounds", "24", "--out", tmp_path / "fit", "--json",
     )  # fmt: skip
     assert done.returncode == 0, done.stderr
     found = json.loads(done.stdout)
     assert found["likelihood_power"] == 1.0
     assert found["undetermined"] == []
+    assert [said.partition(":")[0] for said in found["of_law"]] == [*HIDDEN]
     for key, hidden in HIDDEN.items():
         numbers = found["numbers"][key]
         assert numbers["low"] <= hidden <= numbers["high"]
@@ -58,6 +59,7 @@ def test_a_number_that_leaves_no_trace_is_told_as_undetermined(record):
         overrides=OVER, end=10.0, rate=10.0, members=16, rounds=2,
     )  # fmt: skip
     assert found.undetermined[0].startswith("internal_damping.bending_time: the 90 % interval covers")
+    assert found.of_law == []
 
 
 @pytest.mark.parametrize(
