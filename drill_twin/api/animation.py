@@ -13,15 +13,12 @@ from matplotlib.ticker import MaxNLocator
 from drill_twin.core.arrays import Array
 from drill_twin.core.errors import ArgumentError
 from drill_twin.core.files.output import make_folder
-from drill_twin.core.units.system import LONG
 from drill_twin.dynamics.discretisation.discretise import contact_radius
 from drill_twin.report.figures.style import BLUE, GREY, INK, LIGHT, ORANGE, blank, mark_style, styled
-from drill_twin.report.string_curve import along_hole, smooth
+from drill_twin.report.string_curve import FLAT, along_hole, assembly_top, smooth
 
 LAST, RATE, TRAIL = 10.0, 12, 1.5
 """Time at the end of a run that is shown [s], frames per second, length of an orbit's path [s]."""
-ASSEMBLY = 300.0
-"""Distance from the bit within which marks decide what is shown of a long string [m]."""
 _ORBITS = 4
 
 
@@ -56,9 +53,7 @@ class _Picture:
     def __init__(self, result: Any) -> None:
         recording, scene = result.recording, result.scene
         self.result, self.units = result, recording.units
-        near = [place.distance_from_bit for place in recording.places if place.distance_from_bit <= ASSEMBLY]
-        shown = scene.length if scene.length <= LONG else min(1.25 * max(near, default=LONG), scene.length)
-        self.top = max(scene.length - max(shown, LONG / 10.0), 0.0)
+        self.top = assembly_top(scene) if scene.length > FLAT else 0.0
         self.centre = self.units.show(result.centre, "offset")
         self.figure = blank(5.2)
         depth = np.linspace(self.top, scene.length, 300)

@@ -13,7 +13,7 @@ from drill_twin.api.compare import NOTHING, Case, quantities
 from drill_twin.api.result import Result
 from drill_twin.api.scenes import override
 from drill_twin.api.simulation import Simulation
-from drill_twin.core.table import Table
+from drill_twin.core.table import Column, Table
 from drill_twin.core.units.system import UnitSystem
 from drill_twin.scene import Scene
 from drill_twin.studies.accuracy.trial import CONFIDENCE, chance_difference
@@ -130,10 +130,10 @@ def cost_table(found: Sequence[ComparedCost], units: UnitSystem) -> Table:
     for of in found:
         size, unit = units.in_unit(of.unit)
         cells = [_mean_text(size, row) for row in of.values]
-        rows.append((of.name, "" if unit == "-" else unit, *cells, ", ".join(one or "-" for one in of.better)))
+        rows.append((Column(of.name, unit.strip("-")).title, *cells, ", ".join(one or "-" for one in of.better)))
     count = max((len(row) for of in found for row in of.values), default=0)
     title = f"what costs bits and joints: mean +- standard deviation of {count} runs"
-    return Table(("cost", "", *letters, "better"), rows, title=title, right=range(2, 2 + len(letters)))
+    return Table(("cost", *letters, "better"), rows, title=title, right=range(1, 1 + len(letters)))
 
 
 def _mean_text(size: float, row: Sequence[float]) -> str:

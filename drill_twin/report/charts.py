@@ -30,7 +30,7 @@ from drill_twin.dynamics.discretisation.discretise import contact_radius
 from drill_twin.report.figures import OVER_TIME
 from drill_twin.report.figures.style import MARK_COLOURS
 from drill_twin.report.recording import Recording
-from drill_twin.report.string_curve import well_geometry, widest
+from drill_twin.report.string_curve import assembly_top, well_geometry, widest
 
 CHARTS = (*OVER_TIME, "spectrum", "well")
 """Figures whose values are read; orbits and shapes are in the interactive view."""
@@ -192,6 +192,7 @@ def view_data(recording: Recording) -> str:
         "units": {of: [recording.units.show(1.0, of), getattr(recording.units, of)] for of in ("length", "offset")},
         "radius": radius,
         "length": length,
+        "top": assembly_top(recording.scene),
         "well": well | {"names": [_in_units(name, recording) for name in well["names"]]},
         "pipe": contact_radius(recording.scene, np.clip(length + shapes[-1, :, 2], 0.0, length)).tolist(),
         "shapes": {

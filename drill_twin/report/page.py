@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import base64
 import json
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from html import escape
 from importlib.resources import files
 from pathlib import Path
@@ -19,7 +19,7 @@ from drill_twin.report.charts import plotly_packed, view_data
 from drill_twin.report.figures import CAPTIONS, OVER_TIME, left_out
 from drill_twin.report.load_text import load_rows, units_of
 from drill_twin.report.recording import Recording
-from drill_twin.report.string_curve import deviated
+from drill_twin.report.string_curve import FLAT, deviated
 from drill_twin.report.text import (
     NOT_VALIDATED,
     applied,
@@ -35,6 +35,10 @@ from drill_twin.scene import Scene
 _WIDTHS = (
     "The well as it is drilled; hole, string and its motion across the hole are drawn {:g} times as wide as they are. "
     "Orbits are in the hole at their depth, x towards {}."
+)
+_FLAT = (
+    "The assembly over measured depth, by its distance from the axis of the hole, x towards {}; grey: the hole, pale "
+    "blue: the pipe. A double click shows the whole string."
 )
 _HOW = (
     "Charts show values under the pointer and zoom where they are dragged, a double click shows all; a click on a "
@@ -59,6 +63,8 @@ def build_page(
         f"<h1>{escape(name)}</h1>",
         f'<p class="lead">{escape(scene.description)}</p>' if scene else "",
         f'<p class="lead">{escape(applied(summary))}</p>',
+        _first_cards(summary) if recording.places else "",
+        _view(scene) if scene and len(recording.poses) else "",
         _warning([*limitations(summary), *_not_drawn(recording)]),
         _cards(summary),
         '<div class="columns"><section>',
@@ -66,7 +72,6 @@ def build_page(
         "</section><section>",
         Table((), provenance(summary)).html(),
         "</section></div>",
-        _view(scene) if scene and len(recording.poses) else "",
         f"<h2>Over time</h2><p>{_HOW}</p>",
         '<section class="stack">',
         *(_both(figures[name], name) for name in OVER_TIME if name in figures),
@@ -108,10 +113,30 @@ def _not_drawn(recording: Recording) -> list[str]:
     return [f"not drawn: {', '.join(names)} (the recording holds {why})" for why, names in reasons.items()]
 
 
-def _cards(summary: Mapping[str, Any]) -> str:
-    def card(value: float | str | None, form: str, name: str, none: str = "none") -> str:
-        return f"<div><b>{none if value is None else form.format(value)}</b><span>{escape(name)}</span></div>"
+def card(value: float | str | None, form: str, name: str, none: str = "none") -> str:
+    """Number in a box with its name."""
+    return f"<div><b>{none if value is None else form.format(value)}</b><span>{escape(name)}</span></div>"
 
+
+def _first_cards(summary: Mapping[str, Any]) -> str:
+    """Three numbers that tell a run: onset of whirl, stick-slip and lateral acceleration, with their levels."""
+    found, at = summary["acceleration"], summary["stick_slip_level"]
+    mark = max(found, key=lambda mark: found[mark]["lateral_rms_m_s2"], default=None)
+    rms = None if mark is None else units_of(summary).text(found[mark]["lateral_rms_m_s2"], "acceleration", ".2g")
+    level = "" if mark is None else f" rms at {mark}, level {found[mark]['lateral_level']} of 7"
+    ended = transient(summary)
+    onset = f"onset of a transient, ended at {summary['whirl_end_s']:.2f} s" if ended else "onset of whirl"
+    index = "stick-slip index of the bit, last 20 s" + ("" if at is None else f", level {at} of 7")
+    return (
+        '<div class="cards">'
+        + card(summary["onset_s"], "{:.2f} s", onset)
+        + card(summary["stick_slip_index"], "{:.2f}", index, "unknown")
+        + card(rms, "{}", f"lateral acceleration{level}", "unknown")
+        + "</div>"
+    )
+
+
+def _cards(summary: Mapping[str, Any]) -> str:
     index = card(summary["largest_stick_slip_index"], "{:.2f}", "largest stick-slip index of the bit", "unknown")
     if not summary["whirl_observable"]:
         known = {name: value for name, value in load_rows(summary) if name != "drag"}
@@ -126,21 +151,16 @@ def _cards(summary: Mapping[str, Any]) -> str:
     widest = max(radii, key=lambda mark: radii[mark], default=None)
     return (
         '<div class="cards">'
-        + _motion_cards(summary, card)
+        + _motion_cards(summary)
         + card(units_of(summary).text(radii[widest], "offset") if widest else None, "{}", f"largest radius, {widest}")
-        + index
         + card(summary["realtime_factor"], "{:.2g}", "real-time factor", "unknown")
         + "</div>"
     )
 
 
-def _motion_cards(summary: Mapping[str, Any], card: Callable[..., str]) -> str:
-    """Lasting motion, the onset, and the frequency where there is a single one."""
-    ended = transient(summary)
-    onset = f"onset of a transient, ended at {summary['whirl_end_s']:.2f} s" if ended else "onset of whirl"
-    cards = card(summary["lasting_motion"], "{}", "motion that lasts", "unknown") + card(
-        summary["onset_s"], "{:.2f} s", onset
-    )
+def _motion_cards(summary: Mapping[str, Any]) -> str:
+    """Lasting motion, and the frequency where there is a single one."""
+    ended, cards = transient(summary), card(summary["lasting_motion"], "{}", "motion that lasts", "unknown")
     if irregular(summary):
         return cards + card(interval(summary) or None, "{}", "irregular whirl, over windows", "irregular")
     of = " of the transient" if ended else ""
@@ -190,9 +210,10 @@ def _image(path: Path, name: str) -> str:
 def _view(scene: Scene) -> str:
     factor = default_exaggeration(scene.length, scene.hole.radius)
     towards = "the low side" if not scene.hole.survey else "the low side at the top"
+    told = _FLAT.format(towards) if scene.length > FLAT else _WIDTHS.format(factor, towards) if deviated(scene) else ""
     return (
         '<h2>The string in motion</h2><section id="view">'
-        f"{f'<p>{_WIDTHS.format(factor, towards)}</p>' if deviated(scene) else ''}"
+        f"{f'<p>{told}</p>' if told else ''}"
         '<p class="wait">loading the interactive view ...</p>'
         '<p class="no">This browser cannot show the interactive view (it needs WebGL); the figures below show the '
         "same.</p>"

@@ -102,6 +102,19 @@ def refined(position: Array, tangent: Array, fractions: Array) -> Array:
     return np.concatenate((curve.reshape(position.shape[0], -1, 3), position[:, -1:]), axis=1)
 
 
+FLAT = 600.0
+"""Length of a string above which its views are flat, across the hole over depth [m]: in three dimensions its widths
+would have to be drawn hundreds of times as wide as they are."""
+ASSEMBLY = 300.0
+"""Distance from the bit within which marks decide what a flat view shows first [m]."""
+
+
+def assembly_top(scene: Scene) -> float:
+    """Measured depth from which a flat view begins [m]: a quarter above the highest mark of the assembly."""
+    near = [mark.distance_from_bit for mark in scene.string.marks if mark.distance_from_bit <= ASSEMBLY]
+    return max(scene.length - max(1.25 * max(near, default=ASSEMBLY), 10.0), 0.0)
+
+
 def widest(scene: Scene) -> float:
     """Largest radius of the hole [m]."""
     return max(scene.hole.radius, *(interval.radius for interval in scene.hole.intervals), 0.0)
@@ -138,6 +151,7 @@ def well_geometry(scene: Scene, stations: int = 101) -> dict[str, Any]:
         factor = default_exaggeration(scene.length, hole.radius)
     return {
         "deviated": deviated(scene),
+        "flat": scene.length > FLAT,
         "names": names,
         "factor": factor,
         "depth": depth.tolist(),

@@ -117,6 +117,26 @@
     return { three, two };
   }
 
+  // A long string: distance from the axis over measured depth, in two panels, first the assembly.
+  function flat(t) {
+    const frame = before(data.shapes.time, t), result = [];
+    for (const c of [0, 1]) {
+      const at = { xaxis: c ? "x2" : "x", yaxis: "y", hoverinfo: "skip", mode: "lines", showlegend: false };
+      const depth = well.depth.map((d) => long * d), hole = well.hole.map((r) => wide * r);
+      result.push({ ...at, x: [...hole, ...hole.map((r) => -r).reverse()], y: [...depth, ...depth.slice().reverse()], fill: "toself",
+                    fillcolor: "#e8e0d6", line: { color: INK, width: 1.5 } });
+      const middle = [], near = [], far = [], deep = [];
+      for (let i = frame * points * 3, k = 0; k < points; i += 3, k++) {
+        const off = across * mm * shapes[i + c], pipe = wide * data.pipe[k];
+        middle.push(off); near.push(off - pipe); far.push(off + pipe); deep.push(-long * metre * shapes[i + 2]);
+      }
+      result.push({ ...at, x: [...near, ...far.slice().reverse()], y: [...deep, ...deep.slice().reverse()], fill: "toself",
+                    fillcolor: "rgba(0,114,178,0.35)", line: { width: 0 } });
+      result.push({ ...at, x: middle, y: deep, line: { color: "#0072b2", width: 2 }, hoverinfo: "x+y" });
+    }
+    return result;
+  }
+
   function circle(radius, line) {
     return { type: "circle", x0: -radius, y0: -radius, x1: radius, y1: radius, line };
   }
@@ -132,7 +152,11 @@
       : { xaxis: axis(0, width), yaxis: axis(1, width), zaxis: axis(2, { range: [-long * data.length, 0] }),
           aspectmode: "manual", aspectratio: { x: 0.8, y: 0.8, z: 1.6 } };
     const options = { displaylogo: false, responsive: true, displayModeBar: false };
-    Plotly.react("view-3d", three, { ...common, margin: { l: 0, r: 0, t: 0, b: 0 },
+    const side = (c) => ({ title: { text: `${"xy"[c]} [${offsetUnit}]` }, domain: c ? [0.54, 1] : [0, 0.46], nticks: 5,
+                           range: [-1.06 * wide * data.radius, 1.06 * wide * data.radius], gridcolor: "#eeeeee", zeroline: false });
+    if (well.flat) Plotly.react("view-3d", flat(now), { ...common, margin: { l: 62, r: 6, t: 10, b: 45 }, xaxis: side(0), xaxis2: side(1),
+      yaxis: { title: { text: `measured depth [${lengthUnit}]` }, range: [long * data.length, long * data.top], gridcolor: "#eeeeee", zeroline: false } }, options);
+    else Plotly.react("view-3d", three, { ...common, margin: { l: 0, r: 0, t: 0, b: 0 },
       scene: { ...scene, camera: { eye: { x: 1.75, y: -2.1, z: 0.6 }, center: { x: 0, y: 0, z: -0.1 } } } }, options);
     Plotly.react("view-2d", two, { ...common, showlegend: true,
       legend: { orientation: "h", x: 0.5, xanchor: "center", y: 1.02, yanchor: "bottom" },
