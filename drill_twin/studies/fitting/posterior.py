@@ -229,7 +229,7 @@ def full_key(key: str, scene: Scene) -> str:
 
 def fit_figure(found: Posterior) -> Figure:
     """Record, 90 % band and best run over time, a panel for each channel; below it, its residual over the noise."""
-    from drill_twin.report.figures.style import BLUE, LIGHT, VERMILION, laid_out, styled, unbridged
+    from drill_twin.report.figures.style import BLUE, LIGHT, VERMILION, laid_out, styled
     from drill_twin.studies.fitting.record import CHANNELS
 
     channels = list(found.measured)
@@ -242,11 +242,11 @@ def fit_figure(found: Posterior) -> Figure:
             size, unit = found.scene.unit_system.in_unit(CHANNELS[channel].unit)
             measured, best = size * found.measured[channel], size * found.runs[channel][found.best_run]
             axes.fill_between(found.time, size * low, size * high, color=LIGHT, label="90 % band")
-            axes.plot(*unbridged(found.time, measured), color=BLUE, linewidth=1.0, label="record")
+            axes.plot(found.time, measured, color=BLUE, linewidth=1.0, label="record")
             axes.plot(found.time, best, color=VERMILION, linewidth=1.0, label="best run")
             axes.set_ylabel(f"{channel} [{unit}]")
             of = found.goodness[channel]
-            below.plot(*unbridged(found.time, found.residual(channel) / of.noise), color=BLUE, linewidth=0.8)
+            below.plot(found.time, found.residual(channel) / of.noise, color=BLUE, linewidth=0.8)
             below.axhspan(-HALF_WIDTH, HALF_WIDTH, color=LIGHT)
             below.set_ylabel("residual / noise")
             below.set_title(f"rms {of.ratio:.3g}, from sample to sample {of.correlation:+.2f}", fontsize=9.5)
