@@ -23,7 +23,7 @@ from matplotlib.ticker import MaxNLocator
 from drill_twin.core.arrays import Array, ComplexArray
 from drill_twin.report.figures.style import BLUE, GREY, INK, LIGHT, VERMILION, WIDTH, blank, head, mark_style, note
 from drill_twin.report.recording import Recording
-from drill_twin.report.string_curve import VERTICAL, low_side
+from drill_twin.report.string_curve import FLAT, VERTICAL, assembly_top, low_side
 
 COLUMNS = 4
 MAP = "cividis_r"
@@ -150,7 +150,12 @@ _REVOLUTIONS = 2.0
 
 
 def string_shapes(recording: Recording) -> Figure:
-    """Left: shapes over the run; right: the last revolutions, with the paths of the marks. Lateral axes stretched."""
+    """Left: shapes over the run; right: the last revolutions, with the paths of the marks. Lateral axes stretched.
+
+    Of a string of more than `FLAT` the assembly, flat.
+    """
+    if len(recording.poses) and recording.scene.length > FLAT:
+        return _flat_shapes(recording)
     figure = blank(6.6)
     head(figure, "The string in the hole (lateral axes stretched)")
     if not len(recording.poses):
@@ -181,6 +186,32 @@ def string_shapes(recording: Recording) -> Figure:
     bar = figure.add_axes((0.036, 0.3, 0.011, 0.4))
     figure.colorbar(ScalarMappable(norm, MAP), cax=bar)
     bar.set_title("time [s]", loc="center", fontsize=9.5)
+    return figure
+
+
+def _flat_shapes(recording: Recording) -> Figure:
+    """Assembly of a long string: distance from the axis over measured depth, over the run and at its end."""
+    scene, units, time, shapes = recording.scene, recording.units, recording.poses.time, recording.shapes()
+    figure, last = blank(6.6), float(time[-1])
+    head(figure, "The assembly in the hole, by its distance from the axis")
+    depth = np.linspace(assembly_top(scene), scene.length, 200)
+    hole = units.show(np.array([scene.hole.radius_at(at) for at in depth.tolist()]), "offset")
+    window, deep = _window(recording), units.show(depth, "length")
+    for side, begin in enumerate((float(time[0]), last - window)):
+        text = f"the last {window:.1f} s" if side else f"{_SHAPES} shapes over the run, the darker the later"
+        figure.text(0.085 + 0.48 * side, 0.88, text, fontsize=11.5)
+        for axis, name in enumerate("xy"):
+            panel = figure.add_axes((0.085 + 0.48 * side + 0.22 * axis, 0.1, 0.19, 0.75))
+            panel.fill_betweenx(deep, -hole, hole, color=LIGHT)
+            for instant in np.linspace(begin, last, _SHAPES):
+                shape = shapes[int(np.argmin(np.abs(time - instant)))]
+                colour = mpl.colormaps[MAP]((instant - begin) / max(last - begin, 1e-9))
+                panel.plot(units.show(shape[:, axis], "offset"), units.show(-shape[:, 2], "length"), color=colour)
+            panel.set(xlabel=f"{name} [{units.offset}]", xlim=(-1.1 * hole.max(), 1.1 * hole.max()))
+            panel.set_ylim(deep[-1], deep[0])
+            panel.xaxis.set_major_locator(MaxNLocator(3))
+            panel.tick_params(labelleft=not axis and not side)
+    figure.axes[0].set_ylabel(f"measured depth [{units.length}]")
     return figure
 
 
