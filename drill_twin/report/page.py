@@ -145,7 +145,7 @@ def _cards(summary: Mapping[str, Any]) -> str:
         swing = found.get("torque_swing") or {}
         swings = card(swing.get("last"), "{:.2f}", "swing of the torque over its mean, last 20 s", "unknown")
         if (by_torque := found.get("stick_slip_index_by_torque")) is not None:
-            index = card(by_torque, "{:.2f}", "stick-slip index, about, by the torque")
+            index = card(by_torque, "{:.2f}", "stick-slip index by the torque, at most")
         return f'<div class="cards">{"".join(means)}{swings}{index}</div>'
     radii = {mark: radius for mark, radius in summary["max_radius_m"].items() if radius is not None}
     widest = max(radii, key=lambda mark: radii[mark], default=None)

@@ -111,7 +111,7 @@ def index_by_torque(scene: Scene, swing: float, period: float, speed: float) -> 
     """Stick-slip index that a swing of the surface torque means: that of the bit's speed over twice the mean.
 
     The string twists as a chain of shafts that is free at the bit: from there up, each adds its twist and its inertia
-    at this period, the body of `bit_mass` first. Friction along the string and harmonics of stick-slip are left out.
+    at this period, the body of `bit_mass` first. Friction along the string, left out, makes the index too large.
 
     Args:
         scene: The string.

@@ -56,7 +56,7 @@ def applied(summary: Summary) -> str:
         parts.append(f"weight on bit {_over_time(summary, weight, 'force')}{_at_top(summary)}")
     if speed is not None:
         parts.append(f"top drive at {_over_time(summary, speed, 'rotation')}")
-    of = "run" if summary["scene"] else "recording"
+    of = "run" if summary["version"] else "recording"
     return f"Second half of the {of}: {', '.join(parts) or 'no weight and no speed were recorded'}."
 
 
