@@ -66,7 +66,7 @@ def surface_rows(summary: Summary) -> Iterator[Row]:
                 (
                     "unknown: no speed of the bit is recorded; with the string (--scene) the torque tells"
                     if index is None
-                    else f"up to about {index:.2f}, by the torque and the string of the scene; friction makes this too large"
+                    else f"up to about {index:.2f}, by the torque and the string; friction along it makes this too large"
                 ),
             )
     for name, channel in found["channels"].items():
