@@ -61,14 +61,10 @@ def surface_rows(summary: Summary) -> Iterator[Row]:
         yield "swing of the torque", f"{words}; at most {largest}"
         if summary["largest_stick_slip_index"] is None:
             index = found["stick_slip_index_by_torque"]
-            yield (
-                "stick-slip index",
-                (
-                    "unknown: no speed of the bit is recorded; with the string (--scene) the torque tells"
-                    if index is None
-                    else f"up to about {index:.2f}, by the torque and the string; friction along it makes this too large"
-                ),
-            )
+            told = "unknown: no speed of the bit is recorded; with the string (--scene) the torque tells"
+            if index is not None:
+                told = f"up to about {index:.2f}, by the torque and the string; friction along it makes this too large"
+            yield "stick-slip index", told
     for name, channel in found["channels"].items():
         lost, odd = channel["gaps"], channel["spikes"]
         if lost or odd:
