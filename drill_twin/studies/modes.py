@@ -160,7 +160,7 @@ def response_figure(response: ForcedResponse, table: ModeTable, name: str, units
         if touching:
             panels[1, 0].set_ylabel(f"side force +- [{units.force}]")
             panels[1, 0].legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncol=4, fontsize=8.5)
-            panels[1, 1].set_title("dotted: side force at rest", fontsize=9)
+            panels[1, 1].set_title("dotted: at rest", fontsize=9, loc="right")
     return figure
 
 
