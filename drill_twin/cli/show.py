@@ -16,7 +16,6 @@ from rich.text import Text
 
 from drill_twin.core.errors import printable
 from drill_twin.core.table import Table
-from drill_twin.core.units.dimension import GRAVITY
 from drill_twin.studies.json_io import json_text
 
 
@@ -96,6 +95,8 @@ def _marks(summary: Mapping[str, Any]) -> Iterable[tuple[str, str, str, str]]:
 
 def _accelerations(found: Mapping[str, Any], rate: float) -> Table:
     """Acceleration of the marks in g, and the level of each."""
+    from drill_twin.core.units.dimension import GRAVITY
+
     keys = [f"{way}_{of}" for way in ("lateral", "axial") for of in ("rms_m_s2", "peak_m_s2", "level")]
     rows = [
         (mark, *(f"{of[key]}" if key.endswith("level") else f"{of[key] / GRAVITY:.2g}" for key in keys))
