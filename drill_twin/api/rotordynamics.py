@@ -18,7 +18,7 @@ from drill_twin.dynamics.rotordynamics import modes as _modes
 from drill_twin.dynamics.rotordynamics.assembly import Assembly, Extent
 from drill_twin.dynamics.rotordynamics.assembly_modes import table_of
 from drill_twin.dynamics.rotordynamics.campbell import Campbell, GrowthMap
-from drill_twin.dynamics.rotordynamics.equations import EquationsOfMotion, meshed, without
+from drill_twin.dynamics.rotordynamics.equations import EquationsOfMotion, meshed, moving_everywhere, without
 from drill_twin.dynamics.rotordynamics.forced_response import ForcedResponse
 from drill_twin.dynamics.rotordynamics.forced_response import forced_response as _forced_response
 from drill_twin.dynamics.rotordynamics.modes import LATERAL, ModeTable, Resting
@@ -57,7 +57,7 @@ def steady_scene(scene: Scene | str | Path, overrides: Overrides | None, left_ou
         from drill_twin.studies.accuracy import resolve
 
         own = resolve(own).scene
-    return own
+    return moving_everywhere(own)
 
 
 def final_command(scene: Scene) -> Command:

@@ -86,12 +86,40 @@ def contradictions(scene: SceneParts) -> Iterator[Incompatibility]:
         lambda: _block_can_move(scene.rig, effects),
         lambda: _bit_is_held(scene.string, effects),
         lambda: _sensors_fit(scene),
+        lambda: _may_follow_the_hole(scene),
         *(partial(_required_are_listed, key, block, effects) for key, block in _blocks(effects)),
         *(partial(_effect_fits, key, block, scene) for key, block in _blocks(effects)),
     ]
     for each in checks:
         with suppress(UnknownPartError):
             yield from each()
+
+
+NEED_LATERAL = ("fatigue", "lateral_kick", "top_shake")
+"""Effects that need lateral motion of the whole string."""
+
+
+def _may_follow_the_hole(scene: SceneParts) -> Iterator[Incompatibility]:
+    numerics, effects = scene.numerics, scene.effects
+    depth = numerics.lateral_from
+    if depth == 0.0:
+        return
+    if depth != "auto" and depth >= scene.string.length:
+        yield Incompatibility(
+            ("numerics", "lateral_from"),
+            f"expected a depth above the bit ({scene.string.length:.6g} m), found {depth:.6g} m",
+        )
+    found = [f"effects.{key}" for key in NEED_LATERAL if key in effects.blocks]
+    found += ["no stretch and torsion"] if effects.stretch is None else []
+    found += ["numerics.audit: energy"] if numerics.audit != "none" else []
+    found += ["numerics.accuracy"] if numerics.accuracy is not None else []
+    found += [f"rig.start: {scene.rig.start}"] if scene.rig.start != "axis" else []
+    if found:
+        yield Incompatibility(
+            ("numerics", "lateral_from"),
+            f"expected 0 m, the whole string, as a string that follows the hole has no lateral motion for them, found "
+            f"{', '.join(found)}",
+        )
 
 
 def _blocks(effects: Effects) -> list[tuple[str, EffectConfig]]:

@@ -8,6 +8,7 @@ import numpy as np
 
 from drill_twin.core.arrays import Array
 from drill_twin.dynamics.discretisation.discretise import axial_weight
+from drill_twin.dynamics.discretisation.joint import joint_of
 from drill_twin.dynamics.solver.boundary import PLACE, Drive
 from drill_twin.physics.effects import effect_module, with_variant
 from drill_twin.physics.effects import parameters_of as effect_parameters
@@ -72,11 +73,13 @@ def _torsion_of_the_string(scene: Scene) -> tuple[float, float]:
     return float(impedance), float(delay)
 
 
-SPATIAL, LATERAL = "spatial", "lateral"
+SPATIAL, LATERAL, JOINED = "spatial", "lateral", "joined"
 
 
 def form_of(scene: Scene) -> str:
-    """Formulation of a scene: `LATERAL` with neither stretch nor torsion, else `SPATIAL`."""
+    """Formulation of a scene: `LATERAL` with neither stretch nor torsion, `JOINED` with a joint, else `SPATIAL`."""
+    if joint_of(scene) is not None:
+        return JOINED
     return LATERAL if scene.effects.stretch is None and scene.effects.torsion is None else SPATIAL
 
 

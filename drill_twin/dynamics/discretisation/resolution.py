@@ -11,6 +11,7 @@ import numpy as np
 from drill_twin.core.arrays import Array
 from drill_twin.core.errors import SceneError
 from drill_twin.dynamics.discretisation.discretise import axial_weight, discretise, sections_of, tubes_of
+from drill_twin.dynamics.discretisation.joint import counts_above, cut, joint_of
 from drill_twin.physics.effects.wall import Parameters as Wall
 from drill_twin.physics.model.mesh import Rod, Tube, build_rod, elements_per_section, rod_of, tube_constants
 from drill_twin.scene import Scene
@@ -32,17 +33,23 @@ def mesh(scene: Scene, elements: int) -> Rod:
     Raises:
         TableError: A long string whose record of set-points cannot be used.
     """
-    tubes = tubes_of(scene)
+    tubes, joint = tubes_of(scene), joint_of(scene)
+    if joint is not None:
+        below, above = cut(tubes, joint)
+        counts, lengths = counts_above(above), np.array([tube.length for tube in below])
+        wanted = elements_needed(scene, joint)[: len(below)] if scene.length >= LONG else lengths
+        return rod_of([*below, *above], elements_per_section(wanted, elements - sum(counts)) + counts)
     if scene.length < LONG:
         return build_rod(tubes, elements)
     return rod_of(tubes, elements_per_section(elements_needed(scene), elements))
 
 
-def elements_needed(scene: Scene) -> Array:
-    """Elements that each uniform piece of the string needs, for its tension T when rotating on bottom; shape (pieces,).
+def elements_needed(scene: Scene, up_to: float = math.inf) -> Array:
+    """Elements that each uniform piece of the string needs up to a distance from the bit [m]; shape (pieces,).
 
-    Under compression F a pitch 2 pi sqrt(2 EI / F) has eight (Lubinski, Althouse and Logan 1962). Everywhere a bending
-    wave at the frequency of rotation Omega has six: EI k^4 + T k^2 = m Omega^2.
+    By its tension T when rotating on bottom. Under compression F a pitch 2 pi sqrt(2 EI / F) has eight (Lubinski,
+    Althouse and Logan 1962). Everywhere a bending wave at the frequency of rotation Omega has six:
+    EI k^4 + T k^2 = m Omega^2.
 
     Raises:
         TableError: A record of set-points that cannot be used.
@@ -57,6 +64,7 @@ def elements_needed(scene: Scene) -> Array:
     pitch = 2.0 * np.pi * np.sqrt(2.0 * rod.bending / np.maximum(-tension, 1e-9))
     density = np.maximum(np.maximum(density, PER_PITCH / pitch), 1.0 / LONGEST)
     middle = 0.5 * (rod.arc[1:] + rod.arc[:-1])
+    density[middle > up_to] = 0.0
     piece = np.searchsorted(np.cumsum([tube.length for tube in tubes])[:-1], middle)
     return np.asarray(np.bincount(piece, weights=density * rod.length, minlength=len(tubes)), float)
 
@@ -116,6 +124,10 @@ def wanted_elements(scene: Scene, compression: float) -> int:
         compression: Largest axial compression expected [N].
     """
     if scene.length >= LONG:
+        joint = joint_of(scene)
+        if joint is not None:
+            above = sum(counts_above(cut(tubes_of(scene), joint)[1]))
+            return max(int(np.ceil(elements_needed(scene, joint).sum())), FEWEST) + above
         return max(int(np.ceil(elements_needed(scene).sum())), FEWEST)
     count = 0.0
     for tube in sections_of(scene):

@@ -7,6 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from drill_twin.dynamics.discretisation.discretise import sections_of
+from drill_twin.dynamics.discretisation.joint import buckled_up_to, joint_of
 from drill_twin.dynamics.discretisation.resolution import (
     ELEMENTS_PER_PITCH,
     LONG,
@@ -34,7 +35,33 @@ def notes_on(scene: Scene) -> list[str]:
     Raises:
         TableError: A record that cannot be used.
     """
-    return [*_coarse_mesh(scene), *_rotary_drag(scene), *_friction_below_the_string(scene), *_rolling(scene)]
+    return [
+        *_joint(scene),
+        *_coarse_mesh(scene),
+        *_rotary_drag(scene),
+        *_friction_below_the_string(scene),
+        *_rolling(scene),
+    ]
+
+
+def _joint(scene: Scene) -> Iterator[str]:
+    joint = joint_of(scene)
+    if joint is None:
+        if scene.numerics.lateral_from == "auto":
+            yield "`numerics.lateral_from: auto` is 0 m: the whole string moves laterally"
+        return
+    depth, buckled = scene.length - joint, buckled_up_to(scene)
+    above = [mark.name for mark in scene.string.marks if mark.distance_from_bit > joint]
+    stays = f"; marks that stay on the axis: {', '.join(above)}" if above else ""
+    yield (
+        f"lateral motion from {depth:.6g} m on, {joint:.6g} m above the bit (`numerics.lateral_from`); the string "
+        f"above it follows the hole, stretches and twists{stays}"
+    )
+    if buckled > joint:
+        yield (
+            f"pipe up to {buckled:.4g} m from the bit may buckle, but has no lateral motion there: expected "
+            f"numerics.lateral_from at most {scene.length - buckled:.6g} m"
+        )
 
 
 def frequency_error(elements: float) -> float:

@@ -133,6 +133,13 @@ def refuse_time_dependent(scene: Scene) -> None:
         )
 
 
+def moving_everywhere(scene: Scene) -> Scene:
+    """The scene with lateral motion of the whole string, whatever its runs leave out."""
+    if scene.numerics.lateral_from == 0.0:
+        return scene
+    return scene.model_copy(update={"numerics": scene.numerics.model_copy(update={"lateral_from": 0.0})})
+
+
 class EquationsOfMotion:
     """The compiled equations of a scene, for any position, velocity and acceleration of the string.
 
@@ -159,6 +166,7 @@ class EquationsOfMotion:
             SceneError: An effect depends on time, or the scene asks for an accuracy instead of elements.
         """
         refuse_time_dependent(scene)
+        scene = moving_everywhere(scene)
         self.scene, self.form = scene, form_of(scene)
         if rod is None:
             rod = mesh(scene, resolution_of(scene)[0])

@@ -136,7 +136,7 @@ from drill_twin.core.compile.jit import entry_kernel, kernel
 from drill_twin.dynamics.solver import {solver}, parameter_records
 from drill_twin.dynamics.solver.boundary import Drive, rig_after_step, rig_end_load
 from drill_twin.dynamics.solver.interface import Effects
-from drill_twin.dynamics.solver.{form} import formulation{more}
+from drill_twin.dynamics.solver.{form} import {"formulation, friction" if form == "joined" else "formulation"}{more}
 {imports}
 
 
@@ -147,7 +147,35 @@ class Parameters(NamedTuple):
 
 
 effects = Effects({", ".join(HOOKS)})
-form = formulation.bind(effects)'''
+{_above(effects) if form == "joined" else "form = formulation.bind(effects)"}'''
+
+
+def _above(effects: Sequence[str]) -> str:
+    """The part of a module that binds the joined form: what acts on a string that follows the hole."""
+    along = [name for name in effects if not effect_config(name).across and key_of(name) != "wall_friction"]
+    law = next((name.partition(":")[2] for name in effects if key_of(name) == "wall_friction"), None)
+    bound, rub = "", "across, 0.0, 0.0, 0.0, 0.0, 0.0"
+    if law is not None:
+        bound = f'\nside_friction = friction.side_friction("{law}")\n'
+        rub = "side_friction(parameters.wall_friction, parameters.wall.lever[here.place], here, along, across)"
+    functions = "\n\n".join(
+        _function(hook, along, name=f"above_{hook}") for hook in ("section_stress", "distributed_load")
+    )
+    return f"""{bound}{functions}
+
+
+@kernel
+def above_friction(parameters, here, along, across):
+    return {rub}
+
+
+form = formulation.bind(effects, above_section_stress, above_distributed_load, above_friction)"""
+
+
+def _call(name: str, hook: str) -> str:
+    """Call of an effect's function."""
+    function = function_name(name, hook)
+    return f"{key_of(name)}.{function}({arguments_of(name, function, HOOKS[hook])})"
 
 
 def _audited(effects: Sequence[str], form: str) -> str:
@@ -163,27 +191,27 @@ audit_step = step_audit.bind_{form}(formulation.bind(audited).build)
 loop = midpoint.bind(form, effects, audit_step, step_audit.close_step)"""
 
 
-def _function(hook: str, effects: Sequence[str], *, audit: bool = False) -> str:
+def _function(hook: str, effects: Sequence[str], *, audit: bool = False, name: str = "") -> str:
     """A function that calls those of the effects in turn."""
     lines = [_RIG[hook]] if hook in _RIG else []
     lines += [_BEGIN[hook]] if audit and hook in _BEGIN else []
     damping = hook == "axial_damping"
-    for number, name in sorted(enumerate(effects), key=lambda pair: _comes_later(hook, pair[1])):
+    for number, effect in sorted(enumerate(effects), key=lambda pair: _comes_later(hook, pair[1])):
         account = f"energy_ledger.FIRST_EFFECT + {number}"
-        if function := function_name(name, hook):
-            call = f"{key_of(name)}.{function}({arguments_of(name, function, HOOKS[hook])})"
+        if function_name(effect, hook):
+            call = _call(effect, hook)
             lines += [f"added = {call}", "force += added[0]", "slope += added[1]"] if damping else [call]
             lines += [f"energy_ledger.{_RECORD[hook].format(ledger=_LEDGER, account=account)}"] if audit else []
-        if audit and hook == "distributed_load" and hasattr(effect_module(name), "dissipated_power"):
-            arguments = arguments_of(name, "dissipated_power", "parameters, here, half_step")
-            heat = f"{key_of(name)}.dissipated_power({arguments})"
+        if audit and hook == "distributed_load" and hasattr(effect_module(effect), "dissipated_power"):
+            arguments = arguments_of(effect, "dissipated_power", "parameters, here, half_step")
+            heat = f"{key_of(effect)}.dissipated_power({arguments})"
             lines.append(f"energy_ledger.record_heat({_LEDGER}, {account}, here, {heat})")
     if damping:
         last = ["energy_ledger.next_sample(parameters.ledger.entries)"] if audit else []
         lines = ["force = 0.0", "slope = 0.0", *lines, *last, "return force, slope"]
     return f"""
 @kernel
-def {"audited_" if audit else ""}{hook}({HOOKS[hook]}):
+def {name or f"{'audited_' if audit else ''}{hook}"}({HOOKS[hook]}):
     {_lines(lines or ["pass"])}"""
 
 

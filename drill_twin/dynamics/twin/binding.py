@@ -63,7 +63,7 @@ def reactions_of(ends: BoundaryConditions) -> Reactions:
 
 
 def memories(
-    scene: Scene, model: DiscreteModel, counters: Array, impulse: Array, stress: Array | None
+    scene: Scene, model: DiscreteModel, counters: Array, impulse: Array, stress: Array | None, side: Array
 ) -> dict[str, Any]:
     """Arrays of `BoundTwin` that are made for it, by field, and what does not change in a run."""
     return {
@@ -74,7 +74,7 @@ def memories(
         "guard": np.array([1.0, 0.0]),
         "course": np.zeros(2, np.int64),
         "marks": marks_of(scene, model),
-        "seen": make_observation(model.places, len(scene.string.marks)),
+        "seen": make_observation(model.places, len(scene.string.marks), side),
         "stress": np.zeros((0, len(SCALARS))) if stress is None else stress,
         "past": make_past(model.rod.arc.size, scene.numerics.frame_rate),
     }

@@ -10,7 +10,9 @@ from drill_twin.core.arrays import Array
 from drill_twin.core.compile.packed_arguments import Packed, pack
 from drill_twin.dynamics.audit.energy_ledger import make_energy_ledger
 from drill_twin.dynamics.discretisation.discretise import BoundaryConditions, discretise, set_initial_state, survey_of
+from drill_twin.dynamics.discretisation.joint import joined_workspace
 from drill_twin.dynamics.discretisation.kernel_arguments import (
+    JOINED,
     LATERAL,
     SPATIAL,
     effects_of,
@@ -29,7 +31,7 @@ from drill_twin.dynamics.twin.frame_kernel import BoundTwin
 from drill_twin.dynamics.twin.frame_record import row_type
 from drill_twin.dynamics.twin.packed_arrays import named_arrays, pack_arrays, replace_numbers
 from drill_twin.physics.effects import effect_module
-from drill_twin.physics.model.mesh import Rod
+from drill_twin.physics.model.mesh import SPIN, Rod
 from drill_twin.scene import Scene
 from drill_twin.scene.set_points import Command
 
@@ -41,7 +43,8 @@ class Dynamics:
         scene: The scene.
         model: Discrete model.
         boundary_conditions: Boundary conditions at bit and top.
-        form: Formulation: "spatial", or "lateral" for a scene with neither stretch nor torsion.
+        form: Formulation: "spatial", "joined" where the string moves laterally from a depth on only, or "lateral" for a
+            scene with neither stretch nor torsion.
         hole: "straight" or "curved".
         effects: Keys of the effects in the kernel, in the order of their parameters.
         variants: The same, each with the variant that its block asks for.
@@ -76,8 +79,7 @@ class Dynamics:
         ledger = [make_energy_ledger(len(self.effects), rod, bit_held=self._bit_is_constrained)] if audit else []
         parameters = parameters_of(self.kernel, scene, self.model, *ledger)
         self._constrained = self.boundary_conditions.constrained(scene.string.bit_end)
-        make: Any = make_workspace if self.form == SPATIAL else make_lateral_workspace
-        self._work = make(rod.length.size)
+        self._work: Any = self._make_workspace()
         self._run: Callable[..., int] | None = None  # once compiled
         self._packed: Packed | None = None
         self._kind: Any = None
@@ -94,10 +96,18 @@ class Dynamics:
         self.progress = slices.make_progress()
         self._state.bit_frame[:] = self.model.bit_frame
         impulse = self.parameters.drive.bit.impulse
-        self._memories = memories(scene, self.model, self.counters, impulse, self.stress)
+        self._memories = memories(
+            scene, self.model, self.counters, impulse, self.stress, getattr(self._work, "side", np.zeros(0))
+        )
         self._saved = self.memory_block.copy()
         self.set_parameters(self.parameters)
         self._set_initial_state()
+
+    def _make_workspace(self) -> Any:
+        rod = self.rod
+        if self.form == JOINED:
+            return joined_workspace(self.scene, self.model, self._constrained)
+        return make_workspace(rod.length.size) if self.form == SPATIAL else make_lateral_workspace(rod.length.size)
 
     def set_parameters(self, parameters: Any) -> None:
         """Take parameters of drive and effects, and the tolerance of Newton's method that their stiffness asks for."""
@@ -240,8 +250,13 @@ class Dynamics:
 
     def largest_change(self) -> int:
         """Node with the largest change, in tolerances, of the last Newton iteration."""
-        changes = np.abs(self._work.diagonal[:, :, 7] if self.form == SPATIAL else self._work.right)
-        places = 3 if self.form == SPATIAL else 2
+        if self.form == JOINED:
+            below, change = np.abs(self._work.below.diagonal[:, :, 7]), np.abs(self._work.change[1:])
+            changes = np.vstack((below, np.zeros((len(change), 7))))
+            changes[len(below) :, [2, 5, SPIN]] = change
+        else:
+            changes = np.abs(self._work.diagonal[:, :, 7] if self.form == SPATIAL else self._work.right)
+        places = 2 if self.form == LATERAL else 3
         sizes = np.hstack((changes[:, :places] / self._control.position, changes[:, places:] / self._control.angle))
         return int(np.nan_to_num(sizes, nan=np.inf).max(axis=1).argmax())
 

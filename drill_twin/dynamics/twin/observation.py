@@ -48,6 +48,7 @@ class Observation(NamedTuple):
     point: Array  # (3, 3) of the present mark: position, velocity, tangent, not of unit length
     deepest: Array  # (2,) largest penetration of the surface into the wall [m], and its Gauss point
     gauss_arc: Array  # (2 n,) of the Gauss points from the bit [m]
+    side: Array  # (2 k,) force per length on the wall at the last Gauss points, where the string follows the hole [N/m]
 
 
 def locate_marks(rod: Rod, places: Array, offset: Array, axis: Axis | None = None) -> MarkPlaces:
@@ -63,12 +64,12 @@ def locate_marks(rod: Rod, places: Array, offset: Array, axis: Axis | None = Non
     return MarkPlaces(element, shape[:, :2].copy(), xi, np.asarray(offset, dtype=float).reshape(-1), axis)
 
 
-def make_observation(gauss_arc: Array, marks: int) -> Observation:
-    """Arrays for an observation of Gauss points and a number of marks."""
+def make_observation(gauss_arc: Array, marks: int, side: Array) -> Observation:
+    """Arrays for an observation of Gauss points and a number of marks; `side` as in `Observation`."""
     n, m = gauss_arc.size // 2 + 1, marks
     shapes = ((n, 3), (n,), (m, 3), (m, 3), (m, 3), (m,), (m,), (m,), (3, 3), (2,))
     arrays: list[Array] = [np.zeros(shape) for shape in shapes]
-    return Observation._make((*arrays, gauss_arc))
+    return Observation._make((*arrays, gauss_arc, side))
 
 
 @kernel
@@ -127,7 +128,8 @@ def bind(contact_force: Any) -> Callable[..., None]:
         length: Array, shape: Array, bore: Wellbore, wall: Any, u: Array, v: Array, out: Observation
     ) -> None:
         """Compute the largest penetration, and distribute the wall forces to the nodes by the lever rule."""
-        for e in range(u.shape[0] - 1):
+        free = u.shape[0] - 1 - out.side.size // 2
+        for e in range(free):
             for p in range(2):
                 w, place = shape[e, p, 0], 2 * e + p
                 x = w[0] * u[e, 0] + w[1] * u[e, 3] + w[2] * u[e + 1, 0] + w[3] * u[e + 1, 3]
@@ -169,6 +171,12 @@ def bind(contact_force: Any) -> Callable[..., None]:
                     far = w[2] + (w[1] + w[3]) / length[e]  # coordinate of the Gauss point in the element, 0 to 1
                     out.wall_force[e] += (1.0 - far) * force
                     out.wall_force[e + 1] += far * force
+        for k in range(out.side.size):
+            e = free + k // 2
+            w, force = shape[e, k % 2, 0], out.side[k] * 0.5 * length[e]
+            far = w[2] + (w[1] + w[3]) / length[e]
+            out.wall_force[e] += (1.0 - far) * force
+            out.wall_force[e + 1] += far * force
 
     @kernel
     def observe(

@@ -22,6 +22,7 @@ class AddedMass(EffectConfig):
     in unbounded fluid (Lamb 1932, art. 68).
     """
 
+    across = True
     requires: ClassVar[tuple[str, ...]] = ("mud",)
 
     coefficient: Annotated[

@@ -21,6 +21,7 @@ from drill_twin.physics.model.strain import Strain, rotate_to_tangent
 class Bow(EffectConfig):
     """Initial crookedness of the string, an imperfection from which buckling and whirl develop."""
 
+    across = True
     energy_class = "kept"
 
     amplitude: Annotated[Length, Within(at_least="0 m", at_most="10 m", reason="the widest hole")]

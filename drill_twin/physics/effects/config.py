@@ -58,6 +58,8 @@ class EffectConfig(BaseModel):
     torque, and the axial force that supports a weight set at the top."""
     energy_class: ClassVar[EnergyClass] = "any"
     """Energy taken from the string: conservative (`kept`), all dissipated (`heat`), or neither (`any`)."""
+    across: ClassVar[bool] = False
+    """Acts across the string only: left out where the string follows the hole (`numerics.lateral_from`)."""
     disabled_for_static: ClassVar[tuple[str, ...]] = ()
     """Fields set to zero in the search for the static equilibrium: excitation and friction."""
 

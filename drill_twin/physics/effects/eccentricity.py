@@ -32,6 +32,7 @@ class Imbalance(EffectConfig):
 class Eccentricity(EffectConfig):
     """Mass eccentricity: uniform along the string or by section, plus a random part."""
 
+    across = True
     energy_class = "kept"
 
     offset: Offset | None = None

@@ -17,6 +17,7 @@ from drill_twin.physics.model.strain import Point
 class QuadraticDrag(EffectConfig):
     """Drag C_d rho r_o |v| v per length on the velocity across the string in still mud (Morison and others 1950)."""
 
+    across = True
     requires: ClassVar[tuple[str, ...]] = ("mud",)
     energy_class = "heat"
 

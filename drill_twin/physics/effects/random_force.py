@@ -24,6 +24,7 @@ class RandomForce(EffectConfig):
     independent of mesh, step and frame rate.
     """
 
+    across = True
     disabled_for_static = ("rms",)
 
     rms: Annotated[

@@ -25,6 +25,7 @@ class Wall(EffectConfig):
     Give `stiffness` (Hertz, K d^1.5) or `linear_stiffness` (K d), both per metre of string.
     """
 
+    across = True
     stiffness: Annotated[HertzStiffness, Within(above="0 N/m^2.5", at_most="1e15 N/m^2.5")] | None = None
     """Contact stiffness K per length of string, force K d^1.5 at the penetration d [N/m^2.5]."""
     linear_stiffness: Annotated[LinearStiffness, Within(above="0 N/m^2", at_most="1e13 N/m^2")] | None = None

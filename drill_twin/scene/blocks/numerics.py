@@ -9,7 +9,7 @@ from pydantic.json_schema import JsonSchemaValue
 from pydantic_core import core_schema
 
 from drill_twin.core.units import Dimensionless, Frequency, Quantity, Within, refuse, show
-from drill_twin.core.units.dimension import DIMENSIONLESS, TIME
+from drill_twin.core.units.dimension import DIMENSIONLESS, LENGTH, TIME
 from drill_twin.scene.blocks.part import OrAuto, Part, refuse_at
 
 _NANOSECONDS = 1_000_000_000
@@ -77,6 +77,11 @@ class Numerics(Part):
     """Most processor time of a frame, after which the run ends with the reason [s]; 60 s unless given."""
     scheme: Literal["midpoint"] = "midpoint"
     """Time scheme."""
+    lateral_from: Annotated[
+        float | Literal["auto"], Quantity(LENGTH), Within(at_least="0 m", at_most="20 km"), OrAuto()
+    ] = 0.0
+    """Measured depth from which on the string moves laterally too [m]; above it, it follows the hole, stretches and
+    twists. 0 m: the whole string moves; `auto`: the assembly and pipe that may buckle (docs/accuracy.md)."""
     audit: Literal["none", "energy"] = "none"
     """`energy`: energy balance with the work of each effect, published with the diagnostics; takes as much time as
     about two more Newton iterations a step."""

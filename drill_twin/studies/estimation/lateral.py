@@ -8,7 +8,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from drill_twin.core.arrays import Array, ComplexArray
-from drill_twin.dynamics.discretisation.kernel_arguments import SPATIAL
+from drill_twin.dynamics.discretisation.kernel_arguments import LATERAL
 from drill_twin.dynamics.sensors.motion import locate
 from drill_twin.dynamics.sensors.subs import gravity_of
 from drill_twin.dynamics.twin.frame_record import FrameSeries
@@ -46,7 +46,7 @@ class LateralMotion:
 
     def __init__(self, scene: Scene, twin: Twin) -> None:
         self._rod = rod = twin.rod
-        self._spatial = twin.dynamics.form == SPATIAL
+        self._spatial = twin.dynamics.form != LATERAL
         self._held_top = scene.rig.weight_on_bit.at != "top"
         self._clearance = np.array([scene.clearance_at(arc) for arc in rod.arc.tolist()])
         arcs = np.array([mark.distance_from_bit for mark in scene.string.marks])

@@ -11,7 +11,7 @@ from scipy import special, stats
 from drill_twin.core.arrays import Array, Mask
 from drill_twin.core.errors import ArgumentError, DrillTwinError, RunError
 from drill_twin.dynamics.discretisation.discretise import tubes_of
-from drill_twin.dynamics.discretisation.kernel_arguments import SPATIAL
+from drill_twin.dynamics.discretisation.kernel_arguments import LATERAL
 from drill_twin.dynamics.twin.dynamics import kernel_of
 from drill_twin.dynamics.twin.frame import Frame
 from drill_twin.dynamics.twin.frame_record import RigSeries
@@ -155,7 +155,7 @@ class EstimatorMembers:
             mean = moved.mean(axis=0)
             within = np.clip(mean, -FARTHEST, FARTHEST)
             self.normal = np.where(mask, np.clip(moved - mean + within, -WIDEST, WIDEST), self.normal)
-        columns = (6,) if self.twins[0].dynamics.form == SPATIAL else ()
+        columns = (6,) if self.twins[0].dynamics.form != LATERAL else ()
         for part in range(2):
             rows = [twin.unknowns[part] for twin in self.twins]
             corrected = applied(found, np.array([row[:, columns] for row in rows]))

@@ -1,0 +1,116 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Depth from which a string moves laterally too; above it the string follows the hole (`numerics.lateral_from`)."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from drill_twin.core.arrays import Mask
+from drill_twin.dynamics.discretisation.discretise import (
+    axial_weight,
+    axis_at,
+    discretise,
+    sections_of,
+    tubes_of,
+    untwisted,
+)
+from drill_twin.dynamics.solver.joined.linear_solver import Workspace, make_workspace
+from drill_twin.physics.effects.gravity import line_weight
+from drill_twin.physics.model.discrete_model import DiscreteModel
+from drill_twin.physics.model.mesh import Rod, Tube, build_rod, tube_constants
+from drill_twin.physics.model.wellbore import Axis
+from drill_twin.scene import Scene
+from drill_twin.scene.set_points import extremes
+
+STIFFER = 3.0
+"""Bending stiffness of a section of the assembly over that of the most flexible pipe of the string."""
+WAVES = 3.0
+"""Length above assembly and buckled pipe, in bending waves of pipe without tension at the frequency of rotation."""
+LEAST_WAVE, LONGEST_WAVE = 10.0, 100.0
+"""Bounds of such a wave [m]."""
+LONGEST_ABOVE = 30.0
+"""Longest element above the joint [m]: a stand, a sixth of the torsional wave of 17 Hz."""
+SAMPLES = 400
+"""Elements of the mesh by length on which the compression is evaluated."""
+
+
+def joint_of(scene: Scene) -> float | None:
+    """Distance from the bit up to which the string moves laterally too [m]; None: the whole string does.
+
+    With `auto` that is `WAVES` bending waves above the assembly, the sections from the bit up that are stiffer than
+    pipe, and above all pipe whose compression may buckle it.
+
+    Raises:
+        TableError: `auto` is to be chosen for a record that cannot be used.
+    """
+    depth = scene.numerics.lateral_from
+    if depth == 0.0:
+        return None
+    if depth != "auto":
+        return scene.length - depth
+    sections = sections_of(scene)
+    bending = [tube_constants(tube)[1] for tube in sections]
+    assembly = 0.0
+    for tube, stiffness in zip(sections, bending, strict=True):
+        if stiffness < STIFFER * min(bending):
+            break
+        assembly += tube.length
+    pipe = tube_constants(sections[int(np.argmin(bending))])
+    speed = max(abs(extremes(scene).rotation), 1e-9)
+    wave = math.tau * (pipe[1] / (pipe[3] * speed**2)) ** 0.25
+    joint = max(assembly, buckled_up_to(scene)) + WAVES * min(max(wave, LEAST_WAVE), LONGEST_WAVE)
+    return joint if joint < scene.length - LONGEST_ABOVE else None
+
+
+def buckled_up_to(scene: Scene) -> float:
+    """Distance from the bit of the highest place whose compression passes the sinusoidal buckling load [m]; 0: none.
+
+    2 sqrt(EI w / r) of pipe that its weight across the hole presses to the wall (Dawson and Paslay 1984), at least
+    1.94 (EI q^2)^(1/3) of pipe that hangs (Lubinski 1950); without friction, rotating on bottom.
+    """
+    rod = build_rod(tubes_of(scene), SAMPLES)
+    model, gravity = discretise(scene, rod), scene.effects.gravity
+    weight = axial_weight(scene, model)
+    own = np.zeros(rod.length.size) if gravity is None else np.abs(line_weight(gravity, model))
+    across = np.sqrt(np.maximum(own**2 - (weight / rod.length) ** 2, 0.0))
+    clearance = model.wellbore.clearance.reshape(-1, 2).mean(axis=1)
+    load = np.maximum(2.0 * np.sqrt(rod.bending * across / clearance), 1.94 * np.cbrt(rod.bending * own**2))
+    buckled = np.flatnonzero(extremes(scene).weight_on_bit - np.cumsum(weight) > load)
+    return float(rod.arc[buckled[-1] + 1]) if buckled.size else 0.0
+
+
+def cut(tubes: list[Tube], at: float) -> tuple[list[Tube], list[Tube]]:
+    """Cut the pieces of a string at a distance from the bit [m]: those below it and those above."""
+    below, above, start = [], [], 0.0
+    for tube in tubes:
+        inside = min(max(at - start, 0.0), tube.length)
+        start += tube.length
+        below += [tube._replace(length=inside)] if inside > 0.0 else []
+        above += [tube._replace(length=tube.length - inside)] if inside < tube.length else []
+    return below, above
+
+
+def counts_above(above: list[Tube]) -> list[int]:
+    """Elements of each piece above the joint."""
+    return [math.ceil(tube.length / LONGEST_ABOVE) for tube in above]
+
+
+def joined_workspace(scene: Scene, model: DiscreteModel, constrained: Mask) -> Workspace:
+    """Workspace of the joined form.
+
+    Args:
+        scene: A scene with a joint.
+        model: Its discrete model.
+        constrained: Constrained unknowns of bit and top, shape (2, 7).
+    """
+    rod, joint = model.rod, joint_of(scene) or 0.0
+    first = int(np.searchsorted(rod.arc, joint - 1e-6))
+    m = rod.length.size - first
+    nodes, points, twist = axis_at(scene, rod.arc[-1] - rod.arc[first:]), model.wellbore.axis, np.zeros(m)
+    if nodes is not None and points is not None:
+        part = Rod(*(field if field is rod.spin_shape else field[first:] for field in rod))
+        twist = np.diff(untwisted(part, np.column_stack((nodes.centre, nodes.tangent, np.zeros(m + 1))))) / part.length
+        points = Axis(*(np.ascontiguousarray(field[2 * first :]) for field in points))
+    return make_workspace(rod, m, constrained, nodes, points, twist)

@@ -1,0 +1,110 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A string with lateral motion from a depth on only, beside the whole one."""
+
+import numpy as np
+import pytest
+
+import drill_twin as dt
+from drill_twin.core.errors import SceneError
+from drill_twin.dynamics.audit.energy import energy
+from drill_twin.dynamics.discretisation.joint import LONGEST_ABOVE, buckled_up_to, joint_of
+from drill_twin.dynamics.discretisation.resolution import mesh, resolution_of
+from drill_twin.dynamics.discretisation.warnings import notes_on
+from drill_twin.dynamics.twin.dynamics import Dynamics
+from drill_twin.scene import load_scene
+
+AUTO = {"numerics.lateral_from": "auto"}
+
+
+@pytest.mark.parametrize(("name", "least"), [("s_shaped", 112.5), ("vertical_3000", 200.0), ("extended_reach", 30.0)])
+def test_auto_keeps_the_assembly_and_says_where_it_ends(name, least):
+    scene = load_scene(f"wells/{name}", overrides=AUTO)
+    joint = joint_of(scene)
+    assert least + 30.0 < joint < least + 300.0
+    rod = mesh(scene, resolution_of(scene)[0])
+    assert rod.length.size == resolution_of(scene)[0]
+    assert np.isclose(rod.arc, joint).any()
+    assert rod.length[rod.arc[:-1] > joint - 1e-6].max() <= LONGEST_ABOVE
+    assert notes_on(scene)[0].startswith(f"lateral motion from {scene.length - joint:.6g} m on")
+    assert joint_of(load_scene(f"wells/{name}")) is None
+
+
+def test_pipe_that_may_buckle_keeps_its_lateral_motion():
+    heavy = {"rig.weight_on_bit.value": "600 kN", "string.sections[4].yield_strength": "5 GPa"}
+    scene = load_scene("wells/s_shaped", overrides=AUTO | heavy)
+    buckled = buckled_up_to(scene)
+    assert buckled > 200.0
+    assert joint_of(scene) > buckled
+    late = load_scene("wells/s_shaped", overrides=heavy | {"numerics.lateral_from": "2700 m"})
+    assert f"at most {scene.length - buckled:.6g} m" in notes_on(late)[1]
+
+
+@pytest.mark.parametrize(
+    ("more", "named"),
+    [
+        ({"numerics.audit": "energy"}, "numerics.audit: energy"),
+        ({"rig.start": "equilibrium"}, "rig.start: equilibrium"),
+        ({"numerics.lateral_from": "3000 m"}, "expected a depth above the bit"),
+    ],
+)
+def test_what_needs_the_whole_string_is_refused(more, named):
+    with pytest.raises(SceneError, match=named):
+        load_scene("wells/s_shaped", overrides=AUTO | more)
+
+
+def test_a_short_string_moves_laterally_as_a_whole():
+    assert joint_of(load_scene("pa6_bench", overrides=AUTO)) is None
+
+
+STRAIGHT = {"effects.eccentricity.offset": "0 mm", "rig.rotation.value": "40 rpm"}
+
+
+@pytest.mark.long
+def test_a_straight_string_on_its_axis_is_the_same_with_and_without():
+    """On one mesh stretch, twist and stick-slip differ by the tolerance of Newton's method only."""
+    whole = load_scene("wells/vertical_3000", overrides=STRAIGHT | {"numerics.elements": "120"})
+    joined = load_scene("wells/vertical_3000", overrides=STRAIGHT | {"numerics.lateral_from": "1500 m"})
+    rod = Dynamics(joined).rod
+    ends = []
+    for scene in (whole, joined):
+        dynamics = Dynamics(scene, rod)
+        for time in np.arange(0.0, 15.0, 0.02):
+            dynamics.advance(np.array([min(time, 10.0) * 1e4, min(time / 10.0, 1.0) * 4.0, 0.0]), 0.02)
+            dynamics.command[:] = [min(time, 10.0) * 1e4, min(time / 10.0, 1.0) * 4.0, 0.0]
+        ends.append(np.vstack(dynamics.unknowns)[:, [2, 5, 6]])
+    scale = np.abs(ends[0]).max(axis=0)
+    assert np.all(np.abs(ends[1] - ends[0]).max(axis=0) < 1e-4 * scale)
+
+
+@pytest.mark.long
+def test_energy_passes_the_joint():
+    """Without friction, damping and load, waves across the joint keep their energy."""
+    off = ("gravity", "mud", "internal_damping", "added_mass", "quadratic_drag", "rotation_drag", "wall",
+           "wall_friction", "bit_torque_stribeck", "eccentricity")  # fmt: skip
+    lossless = {f"effects.{key}": "off" for key in off} | {"numerics.lateral_from": "1500 m"}
+    dynamics = Dynamics(load_scene("wells/vertical_3000", overrides=lossless))
+    rod, (u, v) = dynamics.rod, dynamics.unknowns
+    rising = np.clip(1.0 - rod.arc / rod.arc[-1], 0.0, None)
+    v[:, 2], v[:, 5], v[:, 6] = 0.1 * rising, -0.1 / rod.arc[-1], 5.0 * rising
+    dynamics.command[:] = 0.0
+    start, totals = energy(rod, u, v), []
+    for _ in range(100):
+        dynamics.advance(np.zeros(3), 0.02)
+        totals.append(energy(rod, u, v))
+    assert start.kinetic > 1e3
+    assert min(now.kinetic for now in totals) < 0.8 * start.kinetic
+    assert np.ptp([now.total for now in totals]) < 1e-4 * start.total
+
+
+@pytest.mark.long
+def test_a_curved_string_is_that_of_the_whole_one_within_a_hundredth():
+    """Hookload and torque over the rotating part of the run, period of stick-slip (docs/accuracy.md)."""
+    found = []
+    for more in ({}, AUTO):
+        result = dt.Simulation(load_scene("wells/s_shaped", overrides=more)).run(duration=40)
+        late = np.asarray(result.time) > 10.0
+        (slip,) = result.summary["stick_slip"]
+        found.append(
+            (np.mean(np.asarray(result.hookload)[late]), np.mean(np.asarray(result.torque)[late]), slip["period_s"])
+        )
+    assert np.allclose(found[1], found[0], rtol=0.01)
