@@ -14,7 +14,7 @@ from drill_twin.physics.effects.config import EffectConfig, Incompatibility, See
 from drill_twin.physics.effects.random_draws import generator, random_line
 from drill_twin.physics.model.discrete_model import DiscreteModel
 from drill_twin.physics.model.mesh import Rod
-from drill_twin.physics.model.strain import Point
+from drill_twin.physics.model.strain import Point, transverse_axes
 
 Offset = Annotated[Length, Within(at_least="0 m", at_most="1 m", reason="no string is thicker")]
 Direction = Annotated[Angle, Within(at_least="-360 deg", at_most="360 deg", reason="a turn")]
@@ -82,9 +82,9 @@ class Eccentricity(EffectConfig):
 
 
 class Parameters(NamedTuple):
-    """Mass per length times position of the mass centre in the material, and the inertia added by it."""
+    """Mass per length times position of the mass centre at zero spin and at a quarter turn, and the inertia added."""
 
-    imbalance: Array  # [kg], shape (2 n, 2)
+    imbalance: Array  # in the frame `hole` [kg], shape (2 n, 2, 3)
     inertia: Array  # [kg m], shape (2 n,)
 
 
@@ -100,29 +100,34 @@ def offsets(block: Eccentricity, model: DiscreteModel) -> Array:
 
 
 def parameters(block: Eccentricity, model: DiscreteModel) -> Parameters:
-    """Compute imbalance m e and inertia m e^2 at the Gauss points."""
+    """Compute imbalance m e, across the axis of the hole, and inertia m e^2 at the Gauss points."""
     place, mass = offsets(block, model), model.at_places(model.rod.line_mass)
-    return Parameters(mass[:, None] * place, mass * np.sum(place**2, axis=1))
+    axis = model.wellbore.axis
+    x, y = transverse_axes(np.array([[0.0, 0.0, 1.0]]) if axis is None else axis.tangent)
+    own_x, own_y = (mass[:, None] * place).T[..., None]
+    turned = np.stack([own_x * x + own_y * y, own_x * y - own_y * x], axis=1)
+    return Parameters(turned, mass * np.sum(place**2, axis=1))
 
 
 @kernel
 def distributed_load(parameters: Any, rod: Rod, here: Point, half_step: float, load: Array, stiff: Array) -> None:
-    """Add the inertia of a mass centre at r + e that rotates with the spin (Jeffcott rotor, Genta 2005), small slopes.
+    """Add the inertia of a mass centre at r + e that rotates with the spin (Jeffcott rotor, Genta 2005).
 
-    -m e_ddot on the line and the couple -e x m (r_ddot + e_ddot) on the spin; the weight acts on the centre line.
+    -m e_ddot on the line and the couple -t . e x m (r_ddot + e_ddot) on the spin; e is normal to t, the axis of
+    the hole (small slopes of the string to it). The weight acts on the centre line.
     """
-    turn_x, turn_y = here.cos_spin, here.sin_spin
     law, omega, alpha = parameters.eccentricity, here.spin_rate, here.spin_up
-    own_x, own_y = law.imbalance[here.place, 0], law.imbalance[here.place, 1]
-    inertia = law.inertia[here.place]
-    ex, ey = own_x * turn_x - own_y * turn_y, own_x * turn_y + own_y * turn_x
-    fx, fy = ex * omega * omega + ey * alpha, ey * omega * omega - ex * alpha
-    load[0] += fx
-    load[1] += fy
-    load[3] += ey * here.ax - ex * here.ay - inertia * alpha
+    inertia, acceleration = law.inertia[here.place], (here.ax, here.ay, here.az)
     rate = 1.0 / half_step
-    stiff[0, 3] += half_step * fy - 2.0 * ex * omega - rate * ey
-    stiff[1, 3] += rate * ex - 2.0 * ey * omega - half_step * fx
-    stiff[3, 0] -= rate * ey
-    stiff[3, 1] += rate * ex
-    stiff[3, 3] += rate * inertia - half_step * (ex * here.ax + ey * here.ay)
+    along, across = 0.0, 0.0  # m e and m t x e times the acceleration of the line
+    for i in range(3):
+        zero, quarter = law.imbalance[here.place, 0, i], law.imbalance[here.place, 1, i]
+        e = zero * here.cos_spin + quarter * here.sin_spin
+        turned = quarter * here.cos_spin - zero * here.sin_spin  # t x e
+        load[i] += e * omega * omega - turned * alpha
+        stiff[i, 3] += rate * turned - 2.0 * e * omega - half_step * (turned * omega * omega + e * alpha)
+        stiff[3, i] += rate * turned
+        along += e * acceleration[i]
+        across += turned * acceleration[i]
+    load[3] -= across + inertia * alpha
+    stiff[3, 3] += rate * inertia - half_step * along
