@@ -13,7 +13,13 @@ from collections.abc import Sequence
 
 from drill_twin.cli import interrupt
 from drill_twin.core.errors import printable, words_cut
-from drill_twin.core.process import end_process, error_text, open_closed_streams, refuse_too_little_memory
+from drill_twin.core.process import (
+    end_process,
+    error_text,
+    open_closed_streams,
+    refuse_too_little_memory,
+    use_one_thread_of_blas,
+)
 
 _LONGEST_MESSAGE = 3000
 
@@ -22,6 +28,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
     """Run the command line and end the process with its exit code."""
     interrupt.install()
     open_closed_streams()
+    use_one_thread_of_blas()
     try:
         code = run_command(list(sys.argv[1:] if arguments is None else arguments))
         sys.stdout.flush()

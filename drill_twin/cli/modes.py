@@ -5,7 +5,6 @@ from __future__ import annotations
 
 import cmath
 import math
-import os
 from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -61,9 +60,6 @@ def modes(
     the response to unbalance and bend over the rotation. Campbell diagram and map go up to twice the speed and the load
     of the scene. Bow and eccentricity are left out of the modes: they excite, and change none.
     """
-    # threads of BLAS wait for each other longer than the small matrices here take
-    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
-
     import numpy as np
 
     from drill_twin.api import rotordynamics

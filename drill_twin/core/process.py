@@ -67,6 +67,15 @@ def open_closed_streams() -> None:
             setattr(sys, name, os.fdopen(number, "w", closefd=False))
 
 
+def use_one_thread_of_blas() -> None:
+    """Ask BLAS for one thread, unless the user has asked for a number; to be called before numpy is imported.
+
+    The matrices here are small: on a busy machine its threads wait for each other a thousand times as long as they
+    compute, and the analyzer would stand still.
+    """
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+
+
 def refuse_too_little_memory() -> None:
     """Refuse a limit of the address space in which the libraries cannot be loaded: they end in various ways then.
 

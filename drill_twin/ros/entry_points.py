@@ -17,7 +17,13 @@ from collections.abc import Sequence
 from typing import Any, NoReturn
 
 from drill_twin.core.errors import DrillTwinError, RunError, printable
-from drill_twin.core.process import end_process, error_text, open_closed_streams, refuse_too_little_memory
+from drill_twin.core.process import (
+    end_process,
+    error_text,
+    open_closed_streams,
+    refuse_too_little_memory,
+    use_one_thread_of_blas,
+)
 from drill_twin.ros.core.stop_request import Stopped, StopRequest
 
 NODES = {
@@ -60,6 +66,7 @@ def start(name: str, arguments: Sequence[str] | None = None) -> int:
     stop = StopRequest()
     stop.install()
     open_closed_streams()
+    use_one_thread_of_blas()
     given = list(sys.argv[1:] if arguments is None else arguments)
     try:
         refuse_too_little_memory()

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A signal's exception is held back where it would be lost."""
+"""A signal's exception is held back where it would be lost; one thread of BLAS."""
 
+import os
+import subprocess
 import sys
 
 import llvmlite.binding.executionengine as engine
@@ -31,3 +33,15 @@ def test_places_where_an_exception_is_lost(name, file, lost):
     assert asked(name, file) == lost
     assert not is_unraisable(sys._getframe())
     assert hasattr(engine.ExecutionEngine, "_raw_object_cache_notify")
+
+
+@pytest.mark.parametrize(("asked_for", "threads"), [(None, 1), ("2", min(2, os.cpu_count() or 1))])
+def test_blas_has_one_thread_unless_a_number_is_asked_for(asked_for, threads):
+    code = (
+        "import os; from drill_twin.core.process import use_one_thread_of_blas; use_one_thread_of_blas(); "
+        "import numpy; print(len(os.listdir('/proc/self/task')))"
+    )
+    environment = {name: value for name, value in os.environ.items() if name != "OPENBLAS_NUM_THREADS"}
+    environment |= {} if asked_for is None else {"OPENBLAS_NUM_THREADS": asked_for}
+    done = subprocess.run([sys.executable, "-c", code], env=environment, capture_output=True, text=True, check=True)
+    assert int(done.stdout) == threads
