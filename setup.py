@@ -74,7 +74,7 @@ setup(
         "foxglove": ["foxglove-sdk>=0.14"],
         "las": ["lasio>=0.31"],
         "opcua": ["asyncua>=1.1.8", "cryptography"],
-        "xarray": ["xarray"],
+        "xarray": ["pandas>=2.2", "xarray"],
     },
     zip_safe=False,
     author="The drill_twin contributors",
