@@ -117,7 +117,7 @@ def test_a_bag_is_read_as_arrays(bag: MemoryBag) -> None:
 
 def test_whirl_from_a_sub_is_asked_for_by_its_name(bag: MemoryBag) -> None:
     result = Result(bag)
-    with pytest.raises(AnalysisError, match="more than 4 revolutions"):
+    with pytest.raises(AnalysisError, match="over 4 revolutions of a sub"):
         result.whirl_from_sub("low")
     with pytest.raises(ArgumentError, match="one of low, found 'high'"):
         result.whirl_from_sub("high")
