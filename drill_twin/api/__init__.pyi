@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 # Names of the API and their places, for type checkers and for the loading on first use (`__init__.py`).
 
+from drill_twin.api.cause import Cause as Cause
+from drill_twin.api.cause import why as why
 from drill_twin.api.ensemble import Ensemble as Ensemble
 from drill_twin.api.estimator import Estimator as Estimator
 from drill_twin.api.maps import operating_map as operating_map

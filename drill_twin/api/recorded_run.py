@@ -134,7 +134,7 @@ def rerun(
     if record:
         described, commands = _of_record(recorded, dict(overrides or {}))
     else:
-        commands = recorded_commands(recorded.recording.bag, _plan(described), block=described.rig.moves_block)
+        commands = recorded_commands(recorded.recording.bag, planned(described), block=described.rig.moves_block)
         described = override(described, {"numerics.frame_rate": NANOSECONDS / commands.period, **(overrides or {})})
     simulation = Simulation(described)
     end, stopped = len(commands.commands) * commands.period / NANOSECONDS, ""
@@ -172,7 +172,7 @@ def _of_record(recorded: Result, changes: dict[str, Any]) -> tuple[Scene, Record
     return scene, RecordedCommands(source, period, [schedule.at(k * period / NANOSECONDS) for k in frames], 0.0)
 
 
-def _plan(scene: Scene) -> Callable[[float], Command]:
+def planned(scene: Scene) -> Callable[[float], Command]:
     """Set-points of a scene over time; those at its start where it plays a table, which may not be there any more."""
     if scene.rig.table is not None:
         return lambda _: Command(*scene.rig.first)

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import math
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -242,7 +242,16 @@ class Simulation:
         Raises:
             RunError: The motion could not be followed; `result` gives what came before.
         """
-        return self._run_on(lambda _: command, 1)
+        return self.play([command])
+
+    def play(self, commands: Sequence[Command]) -> State:
+        """Run on by frames, at whose ends the commands hold, as `follow` for each.
+
+        Raises:
+            RunError: The motion could not be followed; `result` gives what came before.
+        """
+        first = self._run.loop.frames + 1
+        return self._run_on(lambda end: commands[round(end / self.frame_time) - first], len(commands))
 
     def result(self) -> Result:
         """All that was recorded so far, and its analysis; the run can go on afterwards.

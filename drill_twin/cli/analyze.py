@@ -70,6 +70,10 @@ def analyze(
     ] = "",
     namespace: NamespaceOption = "",
     states: StatesOption = False,
+    why: Annotated[
+        bool,
+        typer.Option("--why", help="Say why it whirled, from modes and up to eight repeats of the run; minutes."),
+    ] = False,
     sub: Annotated[
         str | None,
         typer.Option(
@@ -89,7 +93,7 @@ def analyze(
 
     if out is not None:
         check_new(out, replace=replace)
-    with shown_progress("analysing the bag"):
+    with shown_progress("analysing the bag") as bar:
         selection = _selection(marks, begin, end, topics, clearance, outer_radius, namespace, sub, units)
         recording = _recording(bag, scene, selection)
         summary = summarise(recording)
@@ -97,9 +101,14 @@ def analyze(
             from drill_twin.report.near_states import near_states
 
             summary["whirl_states"] = near_states(recording, summary)
+        if why:
+            from drill_twin.api.cause import cause_of
+
+            cause = cause_of(recording, summary, progress=bar.show)
+            summary["cause"] = cause.as_data()
     if out is not None:
         write_file(out, to_json(summary))
-    emit(summary, chain(findings_shown(summary), marks_shown(summary)), json=json)
+    emit(summary, chain(findings_shown(summary), marks_shown(summary), cause.shown() if why else ()), json=json)
 
 
 def report(

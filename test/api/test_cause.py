@@ -1,0 +1,68 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Cause of whirl, of runs whose cause is known: the effect that is named, and what ends the whirl."""
+
+import pytest
+from rod_scenes import ROLLING, WALLED, quiet_scene
+
+import drill_twin as dt
+
+SOON = {"wob": 5, "rig.weight_on_bit.duration": 2, "rig.rotation.duration": 2}
+UNBALANCE = "with 0.1 of bow and eccentricity"
+
+
+def by_change(cause):
+    return {trial.change.split(" (")[0]: trial for trial in cause.trials}
+
+
+def test_a_run_without_whirl_says_so_and_repeats_nothing():
+    cause = dt.why(dt.Simulation("pa6_bench", {**SOON, "rps": 1}).run(duration=5))
+    assert str(cause).startswith("The run does not whirl, at 5 N at 1 rev/s at its end. Small motion about the axis")
+    assert "decays" in str(cause)
+    assert cause.causes == ()
+    assert cause.trials == ()
+
+
+def test_the_record_of_a_rig_cannot_be_repeated(tmp_path):
+    record = tmp_path / "rig.csv"
+    record.write_text("time [s],wob [N],rpm [rpm]\n" + "".join(f"{k * 0.1},100,120\n" for k in range(50)))
+    with pytest.raises(dt.BagError, match="expected the bag of a run with its scene"):
+        dt.why(dt.read_bag(record))
+
+
+@pytest.mark.long
+def test_internal_damping_above_the_critical_speed():
+    cause = dt.why(dt.Simulation("pa6_bench", {**SOON, "rps": 3}).run(duration=12))
+    assert cause.causes == ("without internal damping",)
+    trials = by_change(cause)
+    assert trials["without internal damping"].growth_per_s < 0.0
+    assert trials["without wall friction"].growth_per_s > 0.0
+    # Less unbalance only delays a growth: it is no cause.
+    assert not trials[UNBALANCE].ends_whirl
+    assert "it comes later" in trials[UNBALANCE].outcome
+    assert "The growth about the axis ends" in str(cause)
+
+
+@pytest.mark.long
+def test_resonance_of_the_unbalance():
+    near_critical = {**SOON, "rps": 0.87, "effects.eccentricity.offset": "4 mm"}
+    cause = dt.why(dt.Simulation("pa6_bench", near_critical).run(duration=20))
+    assert cause.causes == (UNBALANCE,)
+    assert "Cause (forced, at the speed of rotation)" in str(cause)
+    assert by_change(cause)["at 0.7 of the speed"].ends_whirl
+
+
+@pytest.mark.long
+def test_rolling_on_wall_friction():
+    # A buckled rod without any damping that a kick throws at the wall: only friction makes it roll.
+    kicked = {
+        **ROLLING,
+        "internal_damping": {"bending_time": 0.0},
+        "lateral_kick": {"velocity": 0.3, "shape": "hump"},
+        "bow": {"amplitude": 1e-4},
+    }
+    scene = quiet_scene(kicked, of=WALLED, radius=0.04, step=2e-3, weight_on_bit=20.0)
+    run = dt.Simulation(scene, {"rps": 3.0, "rig.duration": 8}).run()
+    assert run.summary["lasting_motion"] == "rolling along the wall"
+    cause = dt.why(run)
+    assert cause.causes == ("without wall friction",)
+    assert "The weight buckles the string" in str(cause)
