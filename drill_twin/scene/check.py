@@ -95,7 +95,7 @@ def contradictions(scene: SceneParts) -> Iterator[Incompatibility]:
             yield from each()
 
 
-NEED_LATERAL = ("fatigue", "lateral_kick", "top_shake")
+NEED_LATERAL = ("fatigue", "top_shake")
 """Effects that need lateral motion of the whole string."""
 
 
@@ -110,6 +110,7 @@ def _may_follow_the_hole(scene: SceneParts) -> Iterator[Incompatibility]:
             f"expected a depth above the bit ({scene.string.length:.6g} m), found {depth:.6g} m",
         )
     found = [f"effects.{key}" for key in NEED_LATERAL if key in effects.blocks]
+    found += ["effects.lateral_kick.offset"] if effects.lateral_kick is not None and effects.lateral_kick.offset else []
     found += ["no stretch and torsion"] if effects.stretch is None else []
     found += ["numerics.audit: energy"] if numerics.audit != "none" else []
     found += ["numerics.accuracy"] if numerics.accuracy is not None else []

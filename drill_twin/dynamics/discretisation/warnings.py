@@ -60,7 +60,7 @@ def _joint(scene: Scene) -> Iterator[str]:
     if buckled > joint:
         yield (
             f"pipe up to {buckled:.4g} m from the bit may buckle, but has no lateral motion there: expected "
-            f"numerics.lateral_from at most {scene.length - buckled:.6g} m"
+            f"numerics.lateral_from at most {max(scene.length - buckled, 0.0):.6g} m"
         )
 
 

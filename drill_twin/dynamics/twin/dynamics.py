@@ -145,6 +145,8 @@ class Dynamics:
             module = effect_module(name)
             if hasattr(module, "initial_state"):
                 module.initial_state(getattr(self.scene.effects, name), self.model, *self.unknowns)
+        if self.form == JOINED:  # from the joint up the string follows the hole, where a kick does not push it
+            self._state.v[self._work.below.diagonal.shape[0] - 1 :, [0, 1, 3, 4]] = 0.0
 
     @property
     def _bit_is_constrained(self) -> bool:

@@ -43,6 +43,7 @@ def test_pipe_that_may_buckle_keeps_its_lateral_motion():
     ("more", "named"),
     [
         ({"numerics.audit": "energy"}, "numerics.audit: energy"),
+        ({"effects.lateral_kick": "{velocity: 0 m/s, offset: 1 mm}"}, "effects.lateral_kick.offset"),
         ({"rig.start": "equilibrium"}, "rig.start: equilibrium"),
         ({"numerics.lateral_from": "3000 m"}, "expected a depth above the bit"),
     ],
@@ -50,6 +51,20 @@ def test_pipe_that_may_buckle_keeps_its_lateral_motion():
 def test_what_needs_the_whole_string_is_refused(more, named):
     with pytest.raises(SceneError, match=named):
         load_scene("wells/s_shaped", overrides=AUTO | more)
+
+
+def test_a_push_moves_only_what_may_move_laterally():
+    scene = load_scene("wells/s_shaped", overrides=AUTO | {"effects.lateral_kick.velocity": "1 mm/s"})
+    twin = Dynamics(scene)
+    first = int(np.searchsorted(twin.rod.arc, joint_of(scene) - 1e-6))
+    speeds = twin.unknowns[1]
+    assert not speeds[first:].any()
+    assert speeds[1:first, 0].all()
+
+
+def test_the_depth_asked_for_buckled_pipe_is_not_negative():
+    notes = notes_on(load_scene("pa6_bench", overrides={"numerics.lateral_from": "1 m"}))
+    assert any(note.endswith("lateral_from at most 0 m") for note in notes)
 
 
 def test_a_short_string_moves_laterally_as_a_whole():
