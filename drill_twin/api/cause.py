@@ -148,8 +148,11 @@ class _Search:
         sentences = [self.what(), self.mode_text(table, fastest)]
         on_axis = table is not None and table.on_axis
         if on_axis and fastest is not None and fastest.growth > 0.0:
-            sentences[-1] += buckling(self.scene, self.command)
-            sentences.append(limits(self.scene, self.command, self.units))
+            try:
+                sentences[-1] += buckling(self.scene, self.command)
+                sentences.append(limits(self.scene, self.command, self.units))
+            except RunError as error:
+                sentences.append(f"The weight and speed at which the growth ends are not known ({error}).")
         trials = tuple(self.trials())
         sentences.insert(2, self.named(trials))
         stops = [f"{trial.change}: {trial.outcome}" for trial in trials if not trial.of_effects]

@@ -1,10 +1,14 @@
 # SPDX-License-Identifier: Apache-2.0
 """Cause of whirl, of runs whose cause is known: the effect that is named, and what ends the whirl."""
 
+import json
+
 import pytest
 from rod_scenes import ROLLING, WALLED, quiet_scene
+from typer.testing import CliRunner
 
 import drill_twin as dt
+from drill_twin.cli.app import app
 
 SOON = {"wob": 5, "rig.weight_on_bit.duration": 2, "rig.rotation.duration": 2}
 UNBALANCE = "with 0.1 of bow and eccentricity"
@@ -14,12 +18,16 @@ def by_change(cause):
     return {trial.change.split(" (")[0]: trial for trial in cause.trials}
 
 
-def test_a_run_without_whirl_says_so_and_repeats_nothing():
-    cause = dt.why(dt.Simulation("pa6_bench", {**SOON, "rps": 1}).run(duration=5))
+def test_a_run_without_whirl_says_so_and_repeats_nothing(tmp_path):
+    run = dt.Simulation("pa6_bench", {**SOON, "rps": 1}).run(duration=5)
+    cause = dt.why(run)
     assert str(cause).startswith("The run does not whirl, at 5 N at 1 rev/s at its end. Small motion about the axis")
     assert "decays" in str(cause)
     assert cause.causes == ()
     assert cause.trials == ()
+    run.to_bag(tmp_path / "bag")
+    told = CliRunner().invoke(app, ["analyze", str(tmp_path / "bag"), "--why", "--json"])
+    assert json.loads(told.stdout)["cause"] == {"sentences": list(cause.sentences), "causes": [], "trials": []}
 
 
 def test_the_record_of_a_rig_cannot_be_repeated(tmp_path):
