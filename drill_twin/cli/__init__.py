@@ -74,7 +74,8 @@ def _run_command(arguments: Sequence[str]) -> int:
             raise
         context = getattr(error, "ctx", None)
         command = context.command_path if context else "drill-twin"
-        return _fail(f"{error.format_message().rstrip('.')}; see `{command} --help`")
+        text = error.format_message().rstrip(".").replace("Value error, ", "").replace("not one of '', ", "not one of ")
+        return _fail(f"{text}; see `{command} --help`")
     return int(code or 0)
 
 

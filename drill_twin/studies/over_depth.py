@@ -29,6 +29,8 @@ COLUMNS = {
 """Names of columns of measured loads."""
 DEPTHS = ("depth", "bit depth", "md", "dept", "dbtm")
 """Names of the column of the depth of the bit."""
+LARGEST = 5.0
+"""Largest coefficient of friction [-], that of `new`."""
 MOST = 20
 """Most coefficients."""
 
@@ -54,11 +56,12 @@ def coefficients(text: str) -> list[float]:
         found = (
             np.linspace(float(low), float(high), int(count or 5)) if dots else np.array([*map(float, text.split(","))])
         )
-        if not (0 < found.size <= MOST and np.isfinite(found).all() and (found >= 0.0).all()):
+        if not (0 < found.size <= MOST and np.isfinite(found).all() and ((found >= 0.0) & (found <= LARGEST)).all()):
             raise ValueError(text)
     except ValueError:
         raise ArgumentError(
-            f'--friction: expected at most {MOST} coefficients such as "0.15..0.35:5" or "0.2,0.3", found "{text}"'
+            f'--friction: expected at most {MOST} coefficients from 0 to {LARGEST:g} such as "0.15..0.35:5" or '
+            f'"0.2,0.3", found "{text}"'
         ) from None
     return sorted(found.tolist())
 

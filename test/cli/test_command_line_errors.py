@@ -39,6 +39,7 @@ def field(inside, bench_run):
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
+        (["report", "good", "--units", "klbf"], "'--units': 'klbf' is not one of 'field', 'si', 'lab'"),
         (["run", "nope"], "nope: no such scene file; expected a path or one of the installed scenes: bha_full_size"),
         (["run", "pa6_bnech"], 'did you mean "pa6_bench"?'),
         (["run", "malformed.yaml"], "malformed.yaml:"),
