@@ -12,6 +12,7 @@ import math
 import numpy as np
 
 from drill_twin.core.arrays import ComplexArray
+from drill_twin.core.errors import RunError
 from drill_twin.dynamics.rotordynamics.assembly import MOVED, Assembly, Resting, assembly_of
 from drill_twin.dynamics.rotordynamics.eigenvalues import Pencil, modes_near
 from drill_twin.dynamics.rotordynamics.modes import (
@@ -99,8 +100,13 @@ def table_of(scene: Scene, command: Command, fastest: float, resting: Resting, c
         count: Torsional modes and axial modes; of lateral ones all are given.
 
     Raises:
-        RunError: There is no balance.
+        RunError: There is no balance, or no rotation.
     """
+    if command.rotation == 0.0:
+        raise RunError(
+            "expected a rotation for the modes of an assembly that lies on the wall, found 0 rad/s: friction holds a "
+            "string that does not turn; give --rps or --rpm"
+        )
     coarse, assembly, lateral = assembly_modes(scene, command, fastest, resting)
     whole, equations = Pencil(*coarse.linearised(command.rotation).sparse), coarse.equations
     found = coupled_modes(equations, np.arange(equations.unknowns), whole, equations.delay(command))

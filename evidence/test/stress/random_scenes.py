@@ -230,6 +230,7 @@ FIELDS: dict[str, dict[str, Strategy | Callable[[Scale], Strategy]]] = {
         "sticking": between(1.0, 2.0),
         "decay": or_zero(0.01, 10.0),
         "exponent": just(None),
+        "specific_energy": log(1e6, 1e10),
         "creep": log(1e-6, 1e-2),
     },
     "bit_mass": {
