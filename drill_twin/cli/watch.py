@@ -83,7 +83,7 @@ def _play(
     units: str,
     *,
     browser: bool,
-) -> None:  # fmt: skip
+) -> None:
     from drill_twin.io.bag.reading.files import bag_path
     from drill_twin.live.limits import parse_limit
     from drill_twin.live.player import Player

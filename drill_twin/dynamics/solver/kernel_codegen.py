@@ -172,12 +172,6 @@ def above_friction(parameters, here, along, across):
 form = formulation.bind(effects, above_section_stress, above_distributed_load, above_friction)"""
 
 
-def _call(name: str, hook: str) -> str:
-    """Call of an effect's function."""
-    function = function_name(name, hook)
-    return f"{key_of(name)}.{function}({arguments_of(name, function, HOOKS[hook])})"
-
-
 def _audited(effects: Sequence[str], form: str) -> str:
     """The part of the module for the energy audit: the effects once more, each followed by a record of its work."""
     functions = "\n\n".join(_function(hook, effects, audit=True) for hook in _RECORD)
@@ -198,8 +192,8 @@ def _function(hook: str, effects: Sequence[str], *, audit: bool = False, name: s
     damping = hook == "axial_damping"
     for number, effect in sorted(enumerate(effects), key=lambda pair: _comes_later(hook, pair[1])):
         account = f"energy_ledger.FIRST_EFFECT + {number}"
-        if function_name(effect, hook):
-            call = _call(effect, hook)
+        if function := function_name(effect, hook):
+            call = f"{key_of(effect)}.{function}({arguments_of(effect, function, HOOKS[hook])})"
             lines += [f"added = {call}", "force += added[0]", "slope += added[1]"] if damping else [call]
             lines += [f"energy_ledger.{_RECORD[hook].format(ledger=_LEDGER, account=account)}"] if audit else []
         if audit and hook == "distributed_load" and hasattr(effect_module(effect), "dissipated_power"):

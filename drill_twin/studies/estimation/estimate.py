@@ -15,7 +15,7 @@ from drill_twin.studies.goodness import Goodness, sentence
 
 @dataclass(frozen=True)
 class FilterWindow:
-    """Estimate over a window of time.
+    """Set-points and measured samples of a window of time.
 
     Attributes:
         commands: Set-points at the end of each frame, as `Command.values`, shape (F, 3).
