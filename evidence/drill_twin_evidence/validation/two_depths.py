@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Two start-ups of Well B: fitted to either, predicting the other, and fitted to both (docs/blind_test.md).
+"""Two start-ups of Well B: fitted to either, predicting the other, and fitted to both (evidence/docs/blind_test.md).
 
 `python -m drill_twin_evidence.validation.two_depths` prints the verdict on the blind prediction, each fit beside both
 records, and what differs at 2,235 m where one group of the numbers fitted at 1,714 m is freed there.
@@ -25,7 +25,7 @@ from drill_twin_evidence.validation.comparison import Comparison, Validation, da
 from drill_twin_evidence.validation.page import figure, table
 from drill_twin_evidence.validation.well_b import DEEPER, DEPTH, LAST, LEAD, Channels
 
-PREDICTION = Path(__file__).parents[3] / "docs" / "well_b_2235.csv"
+PREDICTION = Path(__file__).parents[2] / "docs" / "well_b_2235.csv"
 """The prediction as it was written down."""
 FREE = {**well_b.FREE, "hole.radius": (0.112, 0.156)}
 """Ranges of the fits; the hole, whose diameter is not published, limits how far the string rolls up its wall."""
