@@ -6,8 +6,7 @@
 
 from drill_twin.whirl.analyzer import Analyzer
 from drill_twin.whirl.bit_only_analyzer import BitOnlyAnalyzer
-from drill_twin.whirl.codes import MotionCode, StickSlipCode
-from drill_twin.whirl.criteria import BitMotion, Criteria, MotionState
+from drill_twin.whirl.criteria import BitMotion, Criteria, MotionCode, MotionState, StickSlipCode
 from drill_twin.whirl.findings import Findings, MotionPeriod, Onset, Quality, StickSlipPeriod, Summary
 from drill_twin.whirl.marks import AnalysisError, MarkInfo
 from drill_twin.whirl.motion.stick_slip import StickSlip

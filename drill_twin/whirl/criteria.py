@@ -9,14 +9,15 @@ constant:
 * the asynchronous part is the rest. It is whirl if it is constant in neither frame.
 
 Radii are fractions of the clearance, times are revolutions of the rotation, so that one set of numbers serves a bench
-rod and a full-size bottom-hole assembly.
+rod and a full-size bottom-hole assembly. Messages that carry numbers (`/whirl/state`, `/twin/summary`) have the codes,
+which are kept.
 """
 
 from __future__ import annotations
 
 import math
-from enum import Enum
-from typing import NamedTuple
+from enum import Enum, IntEnum
+from typing import NamedTuple, Self
 
 
 class MotionState(Enum):
@@ -176,3 +177,50 @@ class Criteria(NamedTuple):
     """Memory of the shares of the states [rev]."""
     state_lead: float = 0.2
     """A new state needs a share larger than that of the present state by this (hysteresis)."""
+
+
+class MotionCode(IntEnum):
+    """Code of each `MotionState`: from 3 on the string whirls."""
+
+    NOT_OBSERVABLE = 0
+    AT_REST = 1
+    FIXED_AXIS = 2
+    SYNCHRONOUS_WHIRL = 3
+    FORWARD_WHIRL = 4
+    REVERSE_WHIRL = 5
+    ROLLING = 6
+    SECOND_BENDING = 7
+    SPIRAL = 8
+    IRREGULAR = 9
+
+    @classmethod
+    def of(cls, state: MotionState) -> Self:
+        """Code of a motion state."""
+        return cls[state.name]
+
+    @property
+    def state(self) -> MotionState:
+        """Motion state of the code; its value is the name in words."""
+        return MotionState[self.name]
+
+    @property
+    def whirls(self) -> bool:
+        """True for a whirl."""
+        return self >= MotionCode.SYNCHRONOUS_WHIRL
+
+
+class StickSlipCode(IntEnum):
+    """Code of each `BitMotion`, by its severity."""
+
+    UNKNOWN = 0
+    AT_REST = 1
+    STARTING = 2
+    STEADY = 3
+    VIBRATION = 4
+    STICK_SLIP = 5
+    STANDS = 6
+
+    @classmethod
+    def of(cls, motion: BitMotion) -> Self:
+        """Code of a motion of the bit."""
+        return cls[motion.name]

@@ -12,8 +12,7 @@ from typing import Any, Literal, NamedTuple
 import numpy as np
 
 from drill_twin.core.arrays import Array
-from drill_twin.whirl.codes import MotionCode
-from drill_twin.whirl.criteria import BitMotion, MotionState
+from drill_twin.whirl.criteria import BitMotion, MotionCode, MotionState
 
 
 @dataclass(frozen=True)

@@ -16,11 +16,10 @@ from drill_twin.io.messages.topics import DIAGNOSTICS, ESTIMATE_STATE, RIG_STATE
 from drill_twin.io.scene_geometry import mark_infos
 from drill_twin.io.twin_summary import Motion, RigSample, TwinSummary
 from drill_twin.live.alarms import Alarms
-from drill_twin.live.lamps import stick_slip_lamp, whirl_lamp
 from drill_twin.live.limits import parse_limit
 from drill_twin.live.page_state import PageState
 from drill_twin.live.sources import Sources
-from drill_twin.live.supervision import Supervision
+from drill_twin.live.supervision import Supervision, stick_slip_lamp, whirl_lamp
 from drill_twin.live.trends import CHANNELS, SECONDS, Trends
 from drill_twin.scene import load_scene
 from drill_twin.whirl import BitMotion, MotionCode, MotionState, StickSlip

@@ -14,8 +14,7 @@ from websockets.sync.client import connect
 
 from drill_twin.core.errors import RunError
 from drill_twin.io.messages.topics import RIG_STATE
-from drill_twin.live.foxglove_server import FoxgloveServer
-from drill_twin.live.viewer_gate import MOST_VIEWERS
+from drill_twin.live.foxglove_server import MOST_VIEWERS, FoxgloveServer
 
 pytest.importorskip("foxglove", reason="needs foxglove-sdk: pip install 'drill_twin[foxglove]'")
 

@@ -12,7 +12,7 @@ from drill_twin.core.rig_channels import RIG_JOINTS
 from drill_twin.io.bag.writer import BagWriter
 from drill_twin.io.messages.cdr import JointStateTemplate, PoseArrayTemplate
 from drill_twin.io.messages.diagnostics import Level, Status, encode_diagnostics
-from drill_twin.io.messages.drawing.pose import orientation
+from drill_twin.io.messages.drawing.transforms import orientation
 from drill_twin.io.messages.encode import MARK_AXES, encode_string
 from drill_twin.io.messages.topics import DIAGNOSTICS, MARKS_STATE, RIG_STATE, STRING_POSES, TWIN_SCENE
 from drill_twin.scene import Scene, load_scene

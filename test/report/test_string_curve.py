@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from drill_twin.dynamics.discretisation.discretise import survey_of
-from drill_twin.io.messages.drawing.pose import orientation, tangent_of
+from drill_twin.io.messages.drawing.transforms import orientation, tangent_of
 from drill_twin.report.string_curve import FINEST, low_side, smooth
 from drill_twin.scene import load_scene
 

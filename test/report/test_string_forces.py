@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from drill_twin.dynamics.twin.twin import Twin
-from drill_twin.io.messages.drawing.pose import orientation, spin_of, tangent_of
+from drill_twin.io.messages.drawing.transforms import orientation, spin_of, tangent_of
 from drill_twin.report import read_recording
 from drill_twin.report.build import draw
 from drill_twin.report.string_forces import string_forces

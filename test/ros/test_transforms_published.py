@@ -3,7 +3,7 @@
 
 import pytest
 
-from drill_twin.ros.simulator.tf_publisher import tf_message
+from drill_twin.ros.simulator.simulation import tf_message
 
 
 def test_tf_is_published_where_its_messages_are_installed(bench):

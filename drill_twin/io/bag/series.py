@@ -15,7 +15,7 @@ from drill_twin.core.rig_channels import RIG_JOINTS
 from drill_twin.dynamics.twin.frame import RigState
 from drill_twin.io.bag.time_series import Column, Rows, Series, usable
 from drill_twin.io.messages.decode import JointState, JointStateReader, JointStates, read_pose_array, read_pose_rows
-from drill_twin.io.messages.drawing.pose import spin_of, tangent_of
+from drill_twin.io.messages.drawing.transforms import spin_of, tangent_of
 from drill_twin.io.messages.encode import MARK_AXES, RIG_COLUMNS
 from drill_twin.io.messages.rig_messages import COMMAND_JOINTS, read_command, read_rig_state
 from drill_twin.io.messages.whirl_encode import read_whirl_state

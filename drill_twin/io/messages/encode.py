@@ -11,7 +11,7 @@ from drill_twin.dynamics.twin.frame import Frames, RigState
 from drill_twin.io.messages.cdr import ClockTemplate, JointStateTemplate, PoseArrayTemplate
 from drill_twin.io.messages.drawing.geometry import StringGeometry, default_exaggeration
 from drill_twin.io.messages.drawing.markers import MarkerArrayTemplate
-from drill_twin.io.messages.drawing.pose import orientation
+from drill_twin.io.messages.drawing.transforms import orientation
 from drill_twin.io.messages.finite import check_rows
 from drill_twin.io.messages.stamps import stamps_ns
 from drill_twin.io.messages.topic_row import FLOAT64, STRING

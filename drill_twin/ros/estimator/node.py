@@ -8,6 +8,7 @@ from collections.abc import Callable
 from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import asdict
 from functools import partial
+from types import SimpleNamespace
 from typing import ClassVar, TypeVar
 
 import numpy as np
@@ -32,8 +33,9 @@ from drill_twin.io.messages.topics import (
     TWIN_SCENE,
 )
 from drill_twin.io.scene_geometry import readings_topic
-from drill_twin.ros.core.node import DONE, TwinNode
-from drill_twin.ros.core.scene_parameters import scene_of
+from drill_twin.ros.core.node import AUTOSTART, DONE, TwinNode
+from drill_twin.ros.core.parameters import Parameter, ParameterError
+from drill_twin.ros.core.scene_parameters import OVERRIDES, SCENE, pairs_of, scene_of
 from drill_twin.ros.estimator.messages import (
     EstimateEncoder,
     NearestTwin,
@@ -42,9 +44,56 @@ from drill_twin.ros.estimator.messages import (
     values_of,
     verdict_of,
 )
-from drill_twin.ros.estimator.parameters import PARAMETERS, make_estimator
 from drill_twin.runs import compile_kernel
-from drill_twin.studies.estimation import Estimate
+from drill_twin.studies.estimation import Estimate, EstimatorOptions
+
+PARAMETERS = (
+    SCENE,
+    OVERRIDES,
+    Parameter(
+        "free", "load_factor=0.8..1.2", 'free numbers and their ranges as KEY=LO..HI, separated by ";"',
+        such_as="wall_friction.coefficient=0.1..0.4; load_factor=0.8..1.2",
+    ),
+    Parameter(
+        "channels", "torque hookload",
+        "channels that correct: torque, or motor_torque with inertia and bearings of the drive; hookload, "
+        "top_drive_speed, bit_speed",
+    ),
+    Parameter(
+        "subs", "",
+        "downhole subs of the scene whose readings correct, by name; of a real rig as measured/NAME",
+        such_as="measured/near_bit",
+    ),
+    Parameter(
+        "set_points", "command", "where set-points come from: /rig/command, the measured message, or the scene", "",
+        choices=("command", "measured", "scene"),
+    ),
+    Parameter("members", 64, "members of the ensemble", "", 4, 1000),
+    Parameter("window", 1.0, "time from estimate to estimate", "s", 0.05, 60.0),
+    Parameter("rate", 10.0, "samples a second that are compared", "Hz", 0.1, 1000.0),
+    Parameter("error", 0.02, "error of a sample, over the largest value of its channel", "", 1e-6, 1.0),
+    Parameter("horizon", 4.0, "time ahead for which the chance of whirl is computed; 0: it is not", "s", 0.0, 60.0),
+    Parameter("show", True, "publish the member nearest to the rig under estimate/"),
+    Parameter("seed", 1, "seed of the draws", "", 0, 2**31 - 1),
+    AUTOSTART,
+)  # fmt: skip
+
+
+def make_estimator(settings: SimpleNamespace) -> Following:
+    """Estimator of the parameters.
+
+    Raises:
+        DrillTwinError: Scene, numbers or channels cannot be taken.
+    """
+    free = pairs_of("free", settings.free)
+    if not free:
+        raise ParameterError('parameter free: expected at least one KEY=LO..HI, found ""')
+    names = ("members", "window", "rate", "error", "horizon", "seed")
+    options = EstimatorOptions(frames=settings.show, **{name: getattr(settings, name) for name in names})
+    return Following(
+        scene_of(settings), free, channels=settings.channels.split(), subs=settings.subs.split(), options=options
+    )
+
 
 _DEPTH = 1000  # messages that wait while another thread has the processor
 _BEHIND = 10  # windows that wait before the oldest is left out

@@ -11,7 +11,7 @@ from drill_twin.dynamics.twin.frame import Frames, RigState
 from drill_twin.io.messages.cdr import JointStateTemplate
 from drill_twin.io.messages.decode import read_clock, read_float64, read_joint_state, read_pose_array
 from drill_twin.io.messages.drawing.geometry import default_exaggeration
-from drill_twin.io.messages.drawing.pose import orientation, spin_of
+from drill_twin.io.messages.drawing.transforms import orientation, spin_of
 from drill_twin.io.messages.encode import TwinEncoder
 from drill_twin.io.messages.rig_messages import CommandEncoder, read_command, read_rig_state
 from drill_twin.io.messages.stamps import seconds, stamp_ns
