@@ -17,21 +17,21 @@ POINTS = 2
 _XI = np.array([0.5 - 0.5 / np.sqrt(3.0), 0.5 + 0.5 / np.sqrt(3.0)])
 
 
-def hermite(xi: Array, h: float) -> Array:
+def hermite(xi: Array, h: ArrayLike) -> Array:
     """Values, first and second derivatives by arc length of the four shape functions.
 
     Args:
         xi: Place in the element, 0 to 1, shape (m,).
-        h: Element length [m].
+        h: Element length [m], one or of each place.
 
     Returns:
         Shape (m, 3, 4): derivative order 0, 1, 2 for r_0, r'_0, r_1, r'_1.
     """
-    x, one = xi, np.ones_like(xi)
+    x, h = (np.asarray(each) for each in np.broadcast_arrays(xi, h))
     value = [1 - 3 * x**2 + 2 * x**3, h * (x - 2 * x**2 + x**3), 3 * x**2 - 2 * x**3, h * (x**3 - x**2)]
     first = [(6 * x**2 - 6 * x) / h, 1 - 4 * x + 3 * x**2, (6 * x - 6 * x**2) / h, 3 * x**2 - 2 * x]
     second = [(12 * x - 6) / h**2, (6 * x - 4) / h, (6 - 12 * x) / h**2, (6 * x - 2) / h]
-    return np.stack([np.stack([f * one for f in row], -1) for row in (value, first, second)], 1)
+    return np.stack([np.stack(row, -1) for row in (value, first, second)], 1)
 
 
 def gauss_places() -> Array:
@@ -173,7 +173,7 @@ def rod_of(tubes: list[Tube], counts: list[int]) -> Rod:
     constants = along([np.array(tube_constants(tube)) for tube in tubes])
     shape = along([hermite(places, size) for size in sizes])
     inner_at, weights = stretch_samples(np.array([tube_constants(tube)[0] for tube in tubes]), counts)
-    inner = np.stack([hermite(np.array([at]), size)[0, 1] for at, size in zip(inner_at, h, strict=True)])
+    inner = hermite(inner_at, h)[:, 1].copy()
     samples = weights * h[:, None]
     return Rod(
         arc=np.concatenate([[0.0], np.cumsum(h)]),
@@ -214,5 +214,4 @@ def locate(rod: Rod, arc: ArrayLike) -> MeshPlaces:
     at = np.asarray(arc, dtype=float).reshape(-1)
     element = np.clip(np.searchsorted(rod.arc, at, side="right") - 1, 0, rod.length.size - 1)
     xi = (at - rod.arc[element]) / rod.length[element]
-    shape = [hermite(np.array([x]), float(rod.length[e]))[0] for x, e in zip(xi, element, strict=True)]
-    return MeshPlaces(element.astype(np.int64), xi, np.reshape(shape, (-1, 3, 4)))
+    return MeshPlaces(element.astype(np.int64), xi, hermite(xi, rod.length[element]))

@@ -113,8 +113,8 @@ def curvature(rod: Rod, u: Array) -> Array:
         rod: The string, n elements.
         u: Node rows (r, r', psi), shape (n + 1, 7).
     """
-    lengths, place = np.unique(rod.length, return_inverse=True)
-    shape = np.stack([hermite(PLACES, float(length)) for length in lengths])[place]
+    n = rod.length.size
+    shape = hermite(np.tile(PLACES, n), np.repeat(rod.length, 3)).reshape(n, 3, 3, 4)
     ends = np.stack([u[:-1, 0:3], u[:-1, 3:6], u[1:, 0:3], u[1:, 3:6]], 1)
     first, second = (np.einsum("npk,nkx->npx", shape[:, :, order], ends) for order in (1, 2))
     return np.asarray(np.linalg.norm(np.cross(first, second), axis=-1) / np.linalg.norm(first, axis=-1) ** 3)
