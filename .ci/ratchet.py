@@ -18,7 +18,6 @@ import tomllib
 from collections import defaultdict
 from itertools import combinations
 from pathlib import Path
-from typing import Any
 
 ROOT = Path(__file__).resolve().parents[1]
 PASSAGE = 6
@@ -100,14 +99,11 @@ def _code(text: str) -> list[str]:
 
 def _parameters() -> int:
     """Parameters of the commands that the package brings itself."""
-    from typer.main import get_command
+    from drill_twin.cli.app import commands
 
-    from drill_twin.cli.app import app
-
-    commands: dict[str, Any] = getattr(get_command(app), "commands", {})
     return sum(
         len(command.params)
-        for command in commands.values()
+        for _, command in commands()
         if str(getattr(command.callback, "__module__", "")).startswith("drill_twin.")
     )
 

@@ -4,24 +4,20 @@
 import re
 from typing import Any
 
-from typer.main import get_command
-
 from _printed.markdown import code, table
-from drill_twin.cli.app import app
+from drill_twin.cli import app as tree
 
 
 def commands() -> str:
-    """A section for each command, in the order of `drill-twin --help`."""
-    group: Any = get_command(app)
-    context = group.make_context("drill-twin", [], resilient_parsing=True)
-    return "\n".join(_command(name, group.get_command(context, name)) for name in group.list_commands(context))
+    """A section for each command, in the order of the help."""
+    return "\n".join(_command(name, command) for name, command in tree.commands())
 
 
 def _command(name: str, command: Any) -> str:
     arguments = [item for item in command.params if item.param_type_name == "argument"]
     options = [item for item in command.params if item.param_type_name == "option" and not item.hidden]
-    usage = " ".join(["drill-twin", name, *(_usage(item) for item in arguments), *(["[OPTIONS]"] if options else [])])
-    lines = [f"## drill-twin {name}", "", _plain(command.help or ""), "", "```text", usage, "```", ""]
+    usage = " ".join([name, *(_usage(item) for item in arguments), *(["[OPTIONS]"] if options else [])])
+    lines = [f"## {name}", "", _plain(command.help or ""), "", "```text", usage, "```", ""]
     rows = [(code(_usage(item)), _plain(item.help or ""), "") for item in arguments]
     rows += [(_names(item), _plain(item.help or ""), _default(item)) for item in options if item.name != "help"]
     return "\n".join([*lines, table(("argument or option", "meaning", "default"), rows) if rows else ""])

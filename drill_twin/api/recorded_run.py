@@ -121,7 +121,7 @@ def rerun(
     if record and scene is None:
         raise ArgumentError(
             f"{bag}: expected the scene of the rig beside its record, found none; name it with --scene "
-            "(`drill-twin new` makes one of a well plan)"
+            "(`drill-twin scene new` makes one of a well plan)"
         )
     for key in () if record else overrides or {}:
         if any(key == fixed or key.startswith(f"{fixed}.") for fixed in _OF_THE_BAG):

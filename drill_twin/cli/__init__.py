@@ -60,7 +60,7 @@ def _run_command(arguments: Sequence[str]) -> int:
     from drill_twin.cli.app import app
 
     try:
-        code = get_command(app).main(arguments or ["--help"], prog_name="drill-twin", standalone_mode=False)
+        code = get_command(app).main(list(arguments), prog_name="drill-twin", standalone_mode=False)
     except StoppedError as error:
         return _fail(str(error), code=1)
     except DrillTwinError as error:

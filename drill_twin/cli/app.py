@@ -1,123 +1,37 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The commands; each imports its modules when it is called, so that --help is fast.
-
-Commands of other packages come from the entry-point group ``drill_twin.commands``: the entry's name is the sub-command,
-its value a function whose arguments typer understands (``clearance = my_package.clearance:clearance``). Its package is
-imported when it is called, and for the list of all commands, which has its help. A command that cannot be loaded stays
-in the list and tells why.
-"""
+"""The tree of commands. Each imports its modules when it is called, so that --help is fast."""
 
 from __future__ import annotations
 
-import sys
-from collections.abc import Callable
-from importlib.metadata import EntryPoint, entry_points
+from collections.abc import Callable, Iterator
 from typing import Annotated, Any
 
 import typer
-from typer.core import TyperGroup
 from typer.main import get_command
 
+from drill_twin.cli import ros
 from drill_twin.cli.analyze import analyze, report
 from drill_twin.cli.compare import compare
 from drill_twin.cli.cost import cost
 from drill_twin.cli.effects import effects
 from drill_twin.cli.estimate import estimate
-from drill_twin.cli.export import drillbotics, export
+from drill_twin.cli.export import export
 from drill_twin.cli.fit import fit
+from drill_twin.cli.groups import CommandGroup, StudyGroup
 from drill_twin.cli.modes import modes
 from drill_twin.cli.operating_map import operating_map
 from drill_twin.cli.rerun import rerun
-from drill_twin.cli.ros import demo, doctor, gateway_keys, load, node, replay, topics
 from drill_twin.cli.run import run
-from drill_twin.cli.scenes import check, new, scenes, schema
+from drill_twin.cli.scene import check, new, scenes, schema
 from drill_twin.cli.statics import statics
 from drill_twin.cli.watch import watch
-from drill_twin.cli.whirl_states import whirl_states
+from drill_twin.cli.whirl import whirl
 from drill_twin.core import __version__
-from drill_twin.core.errors import ArgumentError
-
-GROUP = "drill_twin.commands"
-"""Entry-point group of commands in other packages."""
-
-
-class CommandGroup(TyperGroup):
-    """Own commands, and those of other packages, each in the panel of its distribution.
-
-    A command of drill-twin itself cannot be replaced: one of the same name is left out, which the list of all commands
-    tells in a line on stderr.
-    """
-
-    def __init__(self, **given: Any) -> None:
-        super().__init__(**given)
-        self._owner = dict.fromkeys(self.commands, "drill-twin")
-
-    def list_commands(self, ctx: Any) -> list[str]:
-        """Names of all commands, the own first."""
-        for entry in _entries():
-            self._add(entry)
-        return super().list_commands(ctx)
-
-    def get_command(self, ctx: Any, cmd_name: str) -> Any:
-        """Command of a name; None if there is none."""
-        if cmd_name not in self.commands:
-            if entry := next((entry for entry in _entries() if entry.name == cmd_name), None):
-                self._add(entry)
-            else:
-                self.list_commands(ctx)  # for the names that it may have been meant to be
-        return super().get_command(ctx, cmd_name)
-
-    def _add(self, entry: EntryPoint) -> None:
-        package = _package(entry)
-        owner = self._owner.setdefault(entry.name, package)
-        if owner != package:
-            print(
-                f'drill-twin: the command "{entry.name}" of the package {package} is left out: there is one of that '
-                f"name in {owner}",
-                file=sys.stderr,
-            )
-        elif entry.name not in self.commands:
-            self.commands[entry.name] = _command(entry, package)
-
-
-def _entries() -> list[EntryPoint]:
-    return sorted(entry_points(group=GROUP), key=lambda entry: entry.name)
-
-
-def _package(entry: EntryPoint) -> str:
-    return entry.dist.name if entry.dist else entry.value.partition(".")[0]
-
-
-def _command(entry: EntryPoint, package: str) -> Any:
-    """The command, or one that raises what is wrong with it."""
-    try:
-        return _of_function(entry.name, entry.load(), package)
-    except Exception as error:  # noqa: BLE001 - another package must not stop this one
-        trouble = (
-            f'expected the command "{entry.name}" of the package {package} in {entry.value}, found '
-            f"{type(error).__name__}: {error}; reinstall the package, or remove it"
-        )
-        return _of_function(entry.name, _broken(trouble), package)
-
-
-def _of_function(name: str, function: Callable[..., object], package: str) -> Any:
-    alone = typer.Typer(add_completion=False, rich_markup_mode="rich")
-    alone.command(name, rich_help_panel=f"Of the package {package}")(function)
-    return get_command(alone)
-
-
-def _broken(trouble: str) -> Callable[..., object]:
-    def command() -> None:
-        raise ArgumentError(trouble)
-
-    command.__doc__ = f"Cannot be loaded: {trouble}."
-    return command
-
 
 app = typer.Typer(
     cls=CommandGroup,
-    help="A digital twin of a drillstring: simulate a scene, analyse a bag, draw a report. Only [bold]node[/], "
-    "[bold]demo[/], [bold]replay[/], [bold]load[/], and [bold]watch[/] without a bag, need ROS 2 (rclpy).",
+    help="A digital twin of a drillstring: simulate a scene, analyse a bag, draw a report. Only [bold]ros[/], "
+    "[bold]replay[/], and [bold]watch[/] without a bag, need ROS 2 (rclpy).",
     epilog='For example: [bold]drill-twin run pa6_bench --wob "40 N" --rps 2 --duration 30 --out out/first --report[/]',
     rich_markup_mode="rich",
     add_completion=False,
@@ -141,42 +55,44 @@ def _common(
     del version
 
 
-_RUN, _STUDY, _SCENE, _ROS = "Simulate and analyse", "Studies", "Scenes", "ROS"
-app.command(rich_help_panel=_RUN)(run)
-app.command(rich_help_panel=_RUN)(analyze)
-app.command(rich_help_panel=_RUN)(report)
-app.command(rich_help_panel=_RUN)(rerun)
-app.command(rich_help_panel=_RUN)(export)
-app.command(rich_help_panel=_RUN)(drillbotics)
-app.command(rich_help_panel=_RUN)(fit)
-app.command(rich_help_panel=_RUN)(estimate)
-app.command(rich_help_panel=_RUN)(watch)
-app.command(rich_help_panel=_RUN)(statics)
-app.command(rich_help_panel=_RUN)(modes)
-app.command(rich_help_panel=_RUN)(whirl_states)
-app.command("map", rich_help_panel=_RUN)(operating_map)
-app.command(rich_help_panel=_RUN)(compare)
-app.command(rich_help_panel=_STUDY)(cost)
-app.command(rich_help_panel=_STUDY)(effects)
-app.command(rich_help_panel=_SCENE)(scenes)
-app.command(rich_help_panel=_SCENE)(new)
-app.command(rich_help_panel=_SCENE)(check)
-app.command(rich_help_panel=_SCENE)(schema)
-app.command(
-    rich_help_panel=_ROS,
-    context_settings={
-        "allow_extra_args": True,
-        "allow_interspersed_args": False,
-        "ignore_unknown_options": True,
-    },
-)(node)
-app.command(
-    rich_help_panel=_ROS,
-    add_help_option=False,
-    context_settings={"allow_extra_args": True, "ignore_unknown_options": True, "help_option_names": []},
-)(demo)
-app.command(rich_help_panel=_ROS)(replay)
-app.command(rich_help_panel=_ROS)(load)
-app.command(rich_help_panel=_ROS)(gateway_keys)
-app.command(rich_help_panel=_ROS)(doctor)
-app.command(rich_help_panel=_ROS)(topics)
+def _add(group: typer.Typer, commands: dict[str, Callable[..., object]], panel: str | None = None) -> None:
+    for name, function in commands.items():
+        group.command(name, rich_help_panel=panel)(function)
+
+
+_add(
+    app,
+    {"run": run, "rerun": rerun, "analyze": analyze, "report": report, "export": export, "watch": watch,
+     "replay": ros.replay},
+    "Runs and records",
+)  # fmt: skip
+_add(
+    app,
+    {"statics": statics, "modes": modes, "whirl": whirl, "map": operating_map, "compare": compare, "cost": cost,
+     "effects": effects, "fit": fit, "estimate": estimate},
+    "Questions about a string",
+)  # fmt: skip
+
+_scene = typer.Typer(cls=CommandGroup, help="List, make and check scenes.")
+_add(_scene, {"list": scenes, "new": new, "check": check, "schema": schema})
+
+_nodes = typer.Typer(cls=CommandGroup, help="Run, examine and measure the ROS 2 nodes; demo, node and load need rclpy.")
+_NOT_OURS = {"allow_extra_args": True, "ignore_unknown_options": True}
+_nodes.command(add_help_option=False, context_settings={**_NOT_OURS, "help_option_names": []})(ros.demo)
+_nodes.command(context_settings={**_NOT_OURS, "allow_interspersed_args": False})(ros.node)
+_add(_nodes, {"doctor": ros.doctor, "topics": ros.topics, "load": ros.load, "keys": ros.keys})
+
+_study = typer.Typer(cls=StudyGroup, help="Commands of other packages: those of drill_twin_evidence, and of yours.")
+for _name, _group in (("scene", _scene), ("ros", _nodes), ("study", _study)):
+    app.add_typer(_group, name=_name, rich_help_panel="Groups of commands")
+
+
+def commands(group: Any = None, name: str = "drill-twin") -> Iterator[tuple[str, Any]]:
+    """Whole name and command of each leaf of the tree, in the order of the help."""
+    group = group or get_command(app)
+    for key in group.list_commands(None):
+        command = group.get_command(None, key)
+        if isinstance(command, CommandGroup):
+            yield from commands(command, f"{name} {key}")
+        else:
+            yield f"{name} {key}", command

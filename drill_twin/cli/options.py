@@ -11,7 +11,8 @@ import typer
 from drill_twin.core.errors import SceneError
 
 SceneArgument = Annotated[
-    str, typer.Argument(metavar="SCENE", help="An installed scene by name (see `drill-twin scenes`), or a scene file.")
+    str,
+    typer.Argument(metavar="SCENE", help="Installed scene (see `drill-twin scene list`), or a scene file."),
 ]
 BagArgument = Annotated[
     Path,

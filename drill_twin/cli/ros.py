@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Commands `drill-twin node`, `demo`, `replay`, `load`, `topics`, `doctor` and `gateway-keys`: nodes and topics."""
+"""Commands `drill-twin replay` and `drill-twin ros ...`: nodes and topics."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ def node(
 
 
 def demo(context: typer.Context) -> None:
-    """Run the paper's bench as ROS 2 nodes; see `drill-twin demo --help`. Needs ROS 2 (rclpy)."""
+    """Run the paper's bench as ROS 2 nodes; see `drill-twin ros demo --help`. Needs ROS 2 (rclpy)."""
     from drill_twin.ros.entry_points import start
 
     raise typer.Exit(start("demo", context.args))
@@ -212,7 +212,7 @@ def _shown(checks: list[Check], problems: int) -> Iterator[Table | Text | str]:
     yield f"{problems} problem{'' if problems == 1 else 's'}" if problems else "nothing is wrong"
 
 
-def gateway_keys(
+def keys(
     folder: Annotated[Path, typer.Argument(help="Folder of the keys; made where it is missing.")],
     user: Annotated[str, typer.Option(help="User to add, or who gets another password.")],
     password: Annotated[

@@ -4,7 +4,7 @@
 Exit codes: 0 ended as asked (also by SIGINT or SIGTERM), 1 the run could not go on, 2 refused to start.
 
 A new node is a class of `core.node.TwinNode`, a row in `NODES` and one in `permissions.RIGHTS`, and the two
-files printed from its tables: `config/nodes/NAME.yaml` by `drill-twin node NAME --parameters`, and
+files printed from its tables: `config/nodes/NAME.yaml` by `drill-twin ros node NAME --parameters`, and
 `config/security/NAME.policy.xml` by `policy_text`. Its help text and tests follow from these; its executable is a copy
 of the others in `resource/executables/`.
 """

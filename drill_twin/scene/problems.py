@@ -24,7 +24,7 @@ def scene_error(found: list[ErrorDetails], lines: Lines, model: type[BaseModel])
     details = sorted(causes, key=lambda detail: (detail["type"] == "missing", lines.order(_place(detail))))
     messages = tuple(dict.fromkeys(_message(detail, lines, model) for detail in details[:_MOST_EXPLAINED]))
     more = len(messages) - 1 + len(details[_MOST_EXPLAINED:])
-    rest = f" (and {more} more {'problem' if more == 1 else 'problems'}: see `drill-twin check`)" if more else ""
+    rest = f" (and {more} more {'problem' if more == 1 else 'problems'}: see `drill-twin scene check`)" if more else ""
     result = SceneError(messages[0] + rest)
     result.problems = messages
     return result

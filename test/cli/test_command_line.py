@@ -11,17 +11,16 @@ import time
 from pathlib import Path
 
 import pytest
-from typer.main import get_command
 from variants import one_of
 
 from drill_twin import __version__
-from drill_twin.cli.app import app
+from drill_twin.cli.app import commands
 from drill_twin.io.bag.reader import Bag
 from drill_twin.io.messages.topics import MARKS_STATE, OF_SUBS, TOPICS
 from drill_twin.report.figures import FIGURES
 from drill_twin.scene import parse_scene, presets, well_scenes
 
-COMMANDS = get_command(app)
+COMMANDS = dict(commands())
 SOURCE = str(Path(__file__).resolve().parents[2])
 QUICK = (
     "--wob", "100 N", "--set", "rig.weight_on_bit.duration=1 s", "--set", "rig.rotation.duration=0.5 s",
@@ -95,37 +94,37 @@ def test_report_goes_beside_the_bag_unless_told_otherwise(call, bench_run, insid
 
 
 def test_scenes_are_listed_and_checked(call):
-    listed = json.loads(call("scenes", "--json").out)
+    listed = json.loads(call("scene", "list", "--json").out)
     assert [scene["scene"] for scene in listed] == [*presets(), *well_scenes()]
-    assert "pa6_bench" in call("scenes").out
-    checked = call("check", "pa6_bench", "--set", "hole.radius=70 mm", "--json")
+    assert "pa6_bench" in call("scene", "list").out
+    checked = call("scene", "check", "pa6_bench", "--set", "hole.radius=70 mm", "--json")
     assert json.loads(checked.out)["hole_radius_m"] == 0.07
-    assert "is right" in call("check", "pa6_bench").out
-    assert parse_scene(call("check", "pa6_bench", "--yaml").out).name == "pa6_bench"
+    assert "is right" in call("scene", "check", "pa6_bench").out
+    assert parse_scene(call("scene", "check", "pa6_bench", "--yaml").out).name == "pa6_bench"
     cased = "effects.wall_friction.intervals=[{top: 9 m, bottom: 12 m, coefficient: 0.1}]"
-    told = call("check", "pa6_bench", "--set", cased).out
+    told = call("scene", "check", "pa6_bench", "--set", cased).out
     assert "0.1 from 9 to 12 m" in told
     assert "below the bit at 5 m" in told
 
 
 def test_schema_is_that_of_the_package(call, inside):
-    printed = call("schema").out
+    printed = call("scene", "schema").out
     assert json.loads(printed)["$schema"]
-    assert call("schema", "--out", "scene.json").code == 0
+    assert call("scene", "schema", "--out", "scene.json").code == 0
     assert (inside / "scene.json").read_text("utf-8") == printed
 
 
 def test_topics_are_those_of_the_contract(call):
-    assert [topic["name"] for topic in json.loads(call("topics", "--json").out)] == [
+    assert [topic["name"] for topic in json.loads(call("ros", "topics", "--json").out)] == [
         *TOPICS,
         *(row.name for row in OF_SUBS),
     ]
-    assert all(name in call("topics").out for name in TOPICS)
-    assert call("topics", "--markdown").out.startswith("| topic | type |")
+    assert all(name in call("ros", "topics").out for name in TOPICS)
+    assert call("ros", "topics", "--markdown").out.startswith("| topic | type |")
 
 
 def test_demo_hands_its_options_on(process):
-    said = process("demo", "--help")
+    said = process("ros", "demo", "--help")
     assert said.code == 0
     assert "--pace" in said.out
     assert "--replace" in said.out
@@ -135,14 +134,14 @@ def test_version(call):
     assert call("--version").out == f"drill-twin {__version__}\n"
 
 
-@pytest.mark.parametrize("command", ["run", "analyze", "report", "scenes", "check", "schema", "topics"])
+@pytest.mark.parametrize("command", ["run", "analyze", "scene list", "scene schema", "ros topics"])
 def test_every_command_explains_itself(call, command):
-    said = call(command, "--help")
+    said = call(*command.split(), "--help")
     assert said.code == 0
     assert said.err == ""
     assert f"drill-twin {command}" in said.out
     assert "--help" in said.out
-    assert ("--json" in said.out) is (command != "schema")
+    assert ("--json" in said.out) is (command != "scene schema")
 
 
 def test_help_loads_nothing_heavy(call):
@@ -181,17 +180,32 @@ def test_interrupted_run_keeps_a_whole_bag_and_says_so(start, inside, number):
 
 
 def test_reader_that_leaves_early_is_no_error(start):
-    child = start("topics", "--json")
+    child = start("ros", "topics", "--json")
     child.stdout.close()
     assert child.wait(timeout=60) in {0, 1}
     assert child.stderr.read() == ""
 
 
-@pytest.mark.parametrize("name", COMMANDS.list_commands(None))
+@pytest.mark.parametrize("name", COMMANDS)
 def test_help_says_which_commands_need_ros(call, name):
-    command = COMMANDS.get_command(None, name).callback
-    needs = "drill_twin.ros" in inspect.getsource(command) and name != "doctor"  # which says so where there is none
-    help_text = "" if name == "demo" else call(name, "--help").out
+    words, command = name.split()[1:], COMMANDS[name].callback
+    needs = "drill_twin.ros" in inspect.getsource(command) and words[-1] != "doctor"  # it says so where there is none
+    help_text = "" if words[-1] == "demo" else call(*words, "--help").out
     assert ("ROS 2" in help_text + (command.__doc__ or "")) == needs
-    if needs:
-        assert f"[bold]{name}[/]" in app.info.help
+    assert not needs or words[0] in {"ros", "replay", "watch"}
+
+
+def test_an_old_or_wrong_name_is_refused_with_the_one_that_was_meant(call):
+    for name, now in (("scenes", "scene list"), ("doctor", "ros doctor"), ("verify", "study verify"),
+                      ("whirl-states", "whirl"), ("drillbotics", "export --drillbotics")):  # fmt: skip
+        said = call(name, "--json")
+        assert (said.code, said.out) == (2, "")
+        assert said.err == f'drill-twin: error: expected a command, found "{name}"; it is "drill-twin {now}" now\n'
+    assert 'did you mean "drill-twin scene list"?' in call("scene", "lst").err
+
+
+def test_a_group_alone_lists_its_commands(call):
+    for group, one in (("scene", "schema"), ("ros", "doctor"), ("study", "verify")):
+        said = call(group)
+        assert said.code == 0
+        assert one in said.out

@@ -44,8 +44,8 @@ def field(inside, bench_run):
         (["run", "pa6_bnech"], 'did you mean "pa6_bench"?'),
         (["run", "malformed.yaml"], "malformed.yaml:"),
         (["run", "wrong.yaml"], "wrong.yaml:"),
-        (["whirl-compare", "pa6_bench", "--loads", "40:10:4", "--speeds", "1:2:2"], "with LOW not above HIGH"),
-        (["check", "malformed.yaml"], "malformed.yaml:"),
+        (["study", "whirl-compare", "pa6_bench", "--loads", "40:10:4", "--speeds", "1:2:2"], "with LOW not above HIGH"),
+        (["scene", "check", "malformed.yaml"], "malformed.yaml:"),
         (["run", "nothing"], "expected a scene file, found a folder"),
         (["run", "pa6_bench", "--wob", "40 kg"], 'expected a force such as "40 N", found "40 kg" (mass)'),
         (["run", "pa6_bench", "--duration", "nan s"], "duration"),
@@ -62,7 +62,7 @@ def field(inside, bench_run):
         (["run", "pa6_bench", "--accuracy", "1 %", "--set", "numerics.tolerance=1e-6"], "which chooses it"),
         (["run"], "Missing argument 'SCENE'; see `drill-twin run --help`"),
         (["run", "pa6_bench", "--bogus"], "No such option: --bogus"),
-        (["frobnicate"], "No such command 'frobnicate'"),
+        (["frobnicate"], 'expected a command, found "frobnicate"'),
         (["analyze", "missing"], "missing: expected a bag folder or file, found nothing there"),
         (["analyze", "nothing"], "found nothing in it"),
         (["analyze", "full"], "found precious.txt; not a bag"),
@@ -85,8 +85,8 @@ def field(inside, bench_run):
         (["analyze", "no_bag", "--sub", "near_bit", "--marks", "mark_2"], "--marks: expected none beside --sub, which"),
         (["analyze", "no_bag", "--sub", ""], "--sub: expected the name of a downhole sub, found"),
         (["modes", "pa6_bench", "--out", "text.mcap"], "text.mcap: expected a place to write the result"),
-        (["schema", "--out", "full/precious.txt"], "expected a new file, found one that exists"),
-        (["schema", "--out", "text.mcap/x"], "cannot be written"),
+        (["scene", "schema", "--out", "full/precious.txt"], "expected a new file, found one that exists"),
+        (["scene", "schema", "--out", "text.mcap/x"], "cannot be written"),
     ],
 )
 def test_one_line_and_exit_code_2(call, field, arguments, words):
@@ -107,13 +107,13 @@ def test_an_absurd_path_is_cut(call, inside):
 
 def test_check_prints_every_problem_on_a_line_of_its_own(call, inside):
     (inside / "three.yaml").write_text("base: pa6_bench\nhole: {radius: 1 kg}\neffects: {wall: off, gravity: 3}\n")
-    said = call("check", "three.yaml")
+    said = call("scene", "check", "three.yaml")
     lines = said.err.splitlines()
     assert (said.code, said.out, len(lines)) == (2, "", 3)
     assert all(line.startswith("drill-twin: error: ") for line in lines)
     for place in ("hole.radius", "effects.gravity", "effects.wall_friction"):
         assert f": {place}: expected " in said.err
-    assert "(and 2 more problems: see `drill-twin check`)" in call("run", "three.yaml").err
+    assert "(and 2 more problems: see `drill-twin scene check`)" in call("run", "three.yaml").err
 
 
 def test_a_run_that_the_guard_stops_ends_with_another_code(call, inside):

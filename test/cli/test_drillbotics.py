@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""`drill-twin drillbotics`: the two files hold the bag's signals by D-WIS name, and a broken rule is found."""
+"""`drill-twin export --drillbotics`: the two files hold the bag's signals by D-WIS name, and a broken rule is found."""
 
 import csv
 import math
@@ -18,7 +18,7 @@ lasio = pytest.importorskip("lasio")
 
 @pytest.fixture
 def files(bench_run, call, tmp_path):
-    said = call("drillbotics", bench_run.bag, "--out", tmp_path / "out", "--well", "Ä 1", "--rate", "5 Hz",
+    said = call("export", "--drillbotics", bench_run.bag, "--out", tmp_path / "out", "--well", "Ä 1", "--rate", "5 Hz",
                 "--start", "2026-05-14T13:57:00Z")  # fmt: skip
     assert said.code == 0, said.err
     assert "1 row a second or more" in said.out
@@ -58,7 +58,7 @@ def test_of_a_bag_with_two_runs_the_last_one_counts(bench_run, call, files, tmp_
         for topic, stamp, raw in messages:
             writer.write(topic, stamp + end + 10**9, raw)
     given = ("--well", "Ä 1", "--rate", "5 Hz", "--start", "2026-05-14T13:57:00Z")
-    said = call("drillbotics", tmp_path / "bag_0", "--out", tmp_path / "twice", *given)
+    said = call("export", "--drillbotics", tmp_path / "bag_0", "--out", tmp_path / "twice", *given)
     assert said.code == 0, said.err
     once, twice = ((folder / TIMESERIES).read_text("utf-8").splitlines() for folder in (files, tmp_path / "twice"))
     assert twice == once
@@ -91,6 +91,6 @@ def test_what_is_no_such_file_or_rate_is_refused(bench_run, call, files, tmp_pat
     renamed = (files / TIMESERIES).rename(tmp_path / "series.csv")
     assert not next(check_timeseries(renamed)).passed
     for options, words in ((("--rate", "0.5 Hz"), "expected 1 Hz"), (("--start", "noon"), "expected a time such as")):
-        said = call("drillbotics", bench_run.bag, "--out", tmp_path / "no", *options)
+        said = call("export", "--drillbotics", bench_run.bag, "--out", tmp_path / "no", *options)
         assert said.code != 0
         assert words in said.err

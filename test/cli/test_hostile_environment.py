@@ -124,7 +124,7 @@ def test_names_of_a_bag_do_not_reach_the_terminal_as_they_are():
     "key", ["9" * 5000, f"string.sections[{'9' * 5000}]", "string.sections[\u00b2].length", "x." * 5000]
 )
 def test_keys_of_overrides_that_cannot_be(key, capsys):
-    assert run_command(["check", "pa6_bench", "--set", f"{key}=1"]) == 2
+    assert run_command(["scene", "check", "pa6_bench", "--set", f"{key}=1"]) == 2
     said = capsys.readouterr().err
     assert "error:" in said
     assert len(said) < 3100

@@ -19,8 +19,8 @@ PACKAGE = Path(__file__).resolve().parents[2]
 LONG = int(os.environ.get("DRILL_TWIN_SIGNALS", "15"))
 CLI = ("-m", "drill_twin.cli")
 COMMANDS = (
-    (*CLI, "scenes", "--json"),
-    (*CLI, "check", "pa6_bench"),
+    (*CLI, "scene", "list", "--json"),
+    (*CLI, "scene", "check", "pa6_bench"),
     (*CLI, "run", "pa6_bench", "--duration", "500 s"),
 )
 WITH_WORKERS = (*CLI, "effects", "pa6_bench", "--duration", "100 s", "--workers", "2")
@@ -95,7 +95,9 @@ def test_a_signal_before_the_first_import_of_a_command_ends_it(tmp_path):
     (tmp_path / "typer.py").write_text(
         "import os, signal, time\nos.kill(os.getpid(), signal.SIGINT)\ntime.sleep(9)\n", "utf-8"
     )
-    code = f"import sys; sys.path.insert(0, {str(tmp_path)!r}); from drill_twin.cli import main; main(['scenes'])"
+    code = (
+        f"import sys; sys.path.insert(0, {str(tmp_path)!r}); from drill_twin.cli import main; main(['scene', 'list'])"
+    )
     done = subprocess.run(
         [sys.executable, "-c", code], capture_output=True, text=True, timeout=60, check=False, env=environment()
     )

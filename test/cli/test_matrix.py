@@ -16,16 +16,16 @@ CONFIG = Path(__file__).resolve().parents[2] / "config"
 SCENES = {path.stem: path for room in ("scenes", "wells") for path in sorted((CONFIG / room).glob("*.yaml"))}
 LONG_ONES = {"extended_reach": "0.1 s"}
 """Simulated time of the slow scenes; the others run for 0.5 s."""
-MUST_RUN = {f"{command} {name}" for command in ("check", "statics", "modes") for name in ("s_shaped", "pa6_bench")}
+MUST_RUN = {f"{command} {name}" for command in ("scene", "statics", "modes") for name in ("s_shaped", "pa6_bench")}
 """Pairs that must not be refused, so that the matrix is no list of refusals."""
 LIGHT = [("pa6_bench", "analyze"), ("two_mass", "rerun"), ("s_shaped", "check"), ("drillbotics", "statics"),
          ("pa6_calibrated", "estimate"), ("ufrj_rig", "modes")]  # fmt: skip
 """Pairs of the normal run; the others are long."""
 OF_SCENE = {
-    "check": ("check", "{scene}"),
+    "check": ("scene", "check", "{scene}"),
     "statics": ("statics", "{scene}"),
     "modes": ("modes", "{scene}", "--out", "{out}"),
-    "whirl-states": ("whirl-states", "{scene}", "--starts", "0"),
+    "whirl": ("whirl", "{scene}", "--starts", "0"),
     "equilibrium": ("run", "{scene}", "--set", "rig.start=equilibrium", "--duration", "{time}", "--out", "{out}"),
     "compare": ("compare", "{scene}", "{scene},numerics.seed=7", "--duration", "{time}", "--out", "{out}"),
     "cost": ("cost", "{scene}", "--elements", "20,30", "--duration", "{time}", "--replicas", "0", "--out", "{out}"),
@@ -38,7 +38,7 @@ OF_BAG = {
     "report": ("report", "{bag}", "--out", "{out}"),
     "rerun": ("rerun", "{bag}", "--out", "{out}"),
     "export": ("export", "{bag}", "--csv", "--out", "{out}"),
-    "drillbotics": ("drillbotics", "{bag}", "--out", "{out}"),
+    "drillbotics": ("export", "--drillbotics", "{bag}", "--out", "{out}"),
     "fit": ("fit", "{bag}", *NUMBER, "--rounds", "1", "--members", "8"),
     "estimate": ("estimate", "{bag}", *NUMBER, "--members", "4", "--window", "0.1"),
 }  # fmt: skip

@@ -6,7 +6,6 @@ import sys
 from pathlib import Path
 
 import pytest
-from typer.main import get_command
 
 import drill_twin as dt
 from drill_twin.io.messages.diagnostics import decode_diagnostics
@@ -72,12 +71,11 @@ def test_scene_keys_are_those_of_the_models(printed):
 
 
 def test_commands_and_parameters(printed):
-    from drill_twin.cli.app import app
+    from drill_twin.cli.app import commands
     from drill_twin.ros import entry_points
     from drill_twin.ros.composed_twin import ComposedTwin
 
-    names = get_command(app).list_commands(None)
-    assert _headings(printed("commands")) == [f"drill-twin {name}" for name in names]
+    assert _headings(printed("commands")) == [name for name, _ in commands()]
     text = printed("nodes")
     assert _headings(text) == [*entry_points.NODES, "twin"]
     wanted = {item.name for name in entry_points.NODES for item in entry_points.load(name).PARAMETERS}

@@ -64,7 +64,7 @@ def test_a_user_who_is_there_gets_another_password_and_the_others_keep_theirs(fo
 
 
 def test_the_command_says_what_it_did_and_the_second_time_too(tmp_path):
-    command = [sys.executable, "-m", "drill_twin.cli", "gateway-keys", "keys", "--user", "me", "--password"]
+    command = [sys.executable, "-m", "drill_twin.cli", "ros", "keys", "keys", "--user", "me", "--password"]
 
     def run(password):
         return subprocess.run([*command, password], cwd=tmp_path, capture_output=True, text=True, check=False)

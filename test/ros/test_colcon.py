@@ -47,7 +47,7 @@ def test_a_wheel_brings_one_command_and_the_executables_of_ros2_run(tmp_path):
     _run([str(environment / "bin" / "pip"), "install", "--no-deps", "--no-index", str(wheel)])
     assert {file.name for file in (environment / "bin").iterdir()} - before == {"drill-twin"}
     assert {file.name for file in (environment / "lib" / "drill_twin").iterdir()} == {*NODES, "twin", "watch"}
-    for command in ("lib/drill_twin/simulator", "bin/drill-twin node simulator"):
+    for command in ("lib/drill_twin/simulator", "bin/drill-twin ros node simulator"):
         said = _run([str(environment / command.split()[0]), *command.split()[1:], "--help"])
         assert said.startswith("usage: simulator ")
     from_share = f"import drill_twin.scene as s; assert str(s.presets()['pa6_bench']).startswith('{environment}/share')"

@@ -21,7 +21,7 @@ def test_processor_time_is_that_of_the_process():
 
 
 def test_ctrl_c_is_one_line_and_leaves_no_node(bench):
-    words = ["env", "-u", "ROS_DOMAIN_ID", sys.executable, "-m", "drill_twin.cli", "load"]
+    words = ["env", "-u", "ROS_DOMAIN_ID", sys.executable, "-m", "drill_twin.cli", "ros", "load"]
     process = bench.command("load", words)
     children = Path(f"/proc/{process.pid}/task/{process.pid}/children")
     bench.until(lambda: len(children.read_text("utf-8").split()) == 4, what="the nodes")
@@ -34,7 +34,7 @@ def test_ctrl_c_is_one_line_and_leaves_no_node(bench):
 
 @pytest.mark.long
 def test_every_node_is_measured_while_it_works(bench):
-    words = ["load", "--seconds", "3", "--elements", "16", "--rate", "100", "--json"]
+    words = ["ros", "load", "--seconds", "3", "--elements", "16", "--rate", "100", "--json"]
     process = bench.command("load", ["env", "-u", "ROS_DOMAIN_ID", sys.executable, "-m", "drill_twin.cli", *words])
     assert process.wait(120.0) == 0, process.text
     told = json.loads(process.text[process.text.index("{") :])

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""`drill-twin doctor`: a healthy twin has no problem, and each fault put in is found with its remedy."""
+"""`drill-twin ros doctor`: a healthy twin has no problem, and each fault put in is found with its remedy."""
 
 import json
 import os
@@ -17,7 +17,7 @@ from drill_twin.ros.doctor.installation import ros_installation
 def _doctor(bench, *arguments, **environment):
     """Exit code, and the checks by section and name."""
     process = bench.command(
-        "doctor", [sys.executable, "-m", "drill_twin.cli", "doctor", "--json", *arguments], **environment
+        "doctor", [sys.executable, "-m", "drill_twin.cli", "ros", "doctor", "--json", *arguments], **environment
     )
     bench.until(lambda: process.code is not None, what="the doctor")
     text = process.text

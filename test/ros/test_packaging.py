@@ -135,7 +135,7 @@ def test_a_parameter_file_holds_every_parameter_with_its_default_and_a_comment(n
 
 @pytest.mark.parametrize("node", sorted(NODES))
 def test_a_parameter_file_is_what_the_table_of_the_node_prints(node):
-    """To make it anew: drill-twin node NODE --parameters > config/nodes/NODE.yaml."""
+    """To make it anew: drill-twin ros node NODE --parameters > config/nodes/NODE.yaml."""
     make = NODES[node]
     assert (ROOT / "config" / "nodes" / f"{node}.yaml").read_text("utf-8") == file_text(
         node, make.PURPOSE, make.PARAMETERS

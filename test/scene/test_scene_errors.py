@@ -100,7 +100,7 @@ def test_a_string_is_not_longer_than_the_longest_well():
 def test_the_first_of_several_mistakes_is_told_and_the_others_counted(refusal):
     message = refusal("16.5 mm\n      youngs_modulus: 2.3 GPa", "16.5 kg\n      youngs_modulus: 2.3 kg")
     assert message.startswith("x.yaml:5: ")
-    assert message.endswith("(and 1 more problem: see `drill-twin check`)")
+    assert message.endswith("(and 1 more problem: see `drill-twin scene check`)")
 
 
 def test_problems_between_parts_show_beside_those_of_fields(changed):

@@ -35,7 +35,7 @@ _LONGEST_NAME = 60
 _COST = (17, 8, 1)  # log2 n, r, p: the least that OWASP's password storage cheat sheet names for scrypt; 128 MiB
 _COST_BEFORE = (13, 8, 1)  # of hashes that do not name theirs
 _HARDEST = (20, 16, 8)
-_REMEDY = "make it with drill-twin gateway-keys"
+_REMEDY = "make it with drill-twin ros keys"
 
 
 class KeysError(DrillTwinError):
@@ -197,7 +197,7 @@ def read_keys(folder: Path) -> Keys:
     Raises:
         KeysError: A file is missing or no certificate, or others than its owner can read a secret.
     """
-    remedy = "make one with drill-twin gateway-keys"
+    remedy = "make one with drill-twin ros keys"
     for name in (CERTIFICATE, PRIVATE_KEY, USERS):
         if not (folder / name).is_file():
             raise KeysError(f"{folder}: expected a folder of keys with {name}, found none; {remedy}")

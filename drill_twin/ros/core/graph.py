@@ -3,7 +3,7 @@
 
 The incompatible-QoS callback of rclpy names a policy, and neither the other node nor what it offers; another type is
 reported by no event (Fast DDS of the wheels). Both are told here, with a remedy, to a node's diagnostics and by
-`drill-twin doctor`.
+`drill-twin ros doctor`.
 """
 
 from __future__ import annotations

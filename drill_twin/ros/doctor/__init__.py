@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Checks of an installation and of the nodes in a domain, for `drill-twin doctor`; only `graph` needs rclpy."""
+"""Checks of an installation and of the nodes in a domain, for `drill-twin ros doctor`; only `graph` needs rclpy."""

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""All checks of `drill-twin doctor`."""
+"""All checks of `drill-twin ros doctor`."""
 
 from __future__ import annotations
 

@@ -45,7 +45,7 @@ PARAMETERS = (
     Parameter(
         "keys",
         "",
-        "folder of keys (drill-twin gateway-keys): clients need a trusted certificate, encryption and a user; "
+        "folder of keys (drill-twin ros keys): clients need a trusted certificate, encryption and a user; "
         '"": everybody reads without encryption, on this host only, and nobody commands',
     ),
     Parameter(
@@ -100,7 +100,7 @@ class Gateway(TwinNode):
         if not self.settings.keys and not is_loopback(self.settings.host):
             raise ParameterError(
                 f"parameter host: expected an address of this host only, as keys is not set, found "
-                f"{self.settings.host}; make keys with drill-twin gateway-keys"
+                f"{self.settings.host}; make keys with drill-twin ros keys"
             )
         self._signals = read_signals(signals_path(self.settings.signals))
         self._quantities = TwinQuantities(time.monotonic)

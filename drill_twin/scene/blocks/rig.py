@@ -174,7 +174,7 @@ class Rig(Part):
     """Initial state. `axis`: the string on the axis of the hole, at rest, set-points from their `initial`.
     `equilibrium`: the set-points hold their `value` from the first instant; the string is in static equilibrium under
     that weight, twisted by the resisting torques, and rotates rigidly. `whirl-state`: the set-points hold their `value`
-    too; the string is in a steady whirl, a stable one if there is one (`drill-twin whirl-states`)."""
+    too; the string is in a steady whirl, a stable one if there is one (`drill-twin whirl`)."""
     table: RecordedTable | None = None
     """Recorded table of the set-points of shape `table`."""
 

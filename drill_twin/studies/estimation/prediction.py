@@ -19,7 +19,7 @@ HELD = (
     f"low and high are bands of {SHARE:.0%}; on twins with hidden numbers they held the truth in 67 to 100 % (by kind "
     "of quantity); doubtful: the largest wall force, 76 to 81 %"
 )
-"""Shares that bands have held, as measured by `drill-twin estimator-score` (docs/bands.md)."""
+"""Shares that bands have held, as measured by `drill-twin study estimator-score` (docs/bands.md)."""
 
 
 @dataclass(frozen=True)

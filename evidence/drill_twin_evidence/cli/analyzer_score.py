@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Command `drill-twin analyzer-score`: detection study of the analyzer."""
+"""Command `drill-twin study analyzer-score`: detection study of the analyzer."""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Command `drill-twin estimator-score`: the estimator on twins with hidden numbers."""
+"""Command `drill-twin study estimator-score`: the estimator on twins with hidden numbers."""
 
 from __future__ import annotations
 

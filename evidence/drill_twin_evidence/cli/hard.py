@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Command `drill-twin hard`: stress study on hard scenes."""
+"""Command `drill-twin study hard`: stress study on hard scenes."""
 
 from __future__ import annotations
 
@@ -56,7 +56,9 @@ def hard(
         return
     cases = choose_hard(only, quick=quick)
     if not cases:
-        raise SceneError(f'--only: expected a part of the name of a case, found "{only}"; see drill-twin hard --list')
+        raise SceneError(
+            f'--only: expected a part of the name of a case, found "{only}"; see drill-twin study hard --list'
+        )
     if names:
         reasons = {case.scene_name: case.why for case in cases}
         say(Table(("scene", "why it is hard"), reasons.items()))

@@ -43,7 +43,7 @@ def write_page(
     from drill_twin.studies.json_io import json_text
 
     options = [*(["--only", only] if only else []), *(flag for flag, on in flags.items() if on)]
-    write_file(page, build(" ".join(["drill-twin", command, *options, "--page", page.as_posix()])))
+    write_file(page, build(" ".join(["drill-twin study", command, *options, "--page", page.as_posix()])))
     file = _data_file(page)
     write_file(file, json_text(data))
     remark(f"{page}, {file}")

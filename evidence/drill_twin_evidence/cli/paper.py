@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Commands `drill-twin paper` and `drill-twin calibrate`: reproduction of the paper, and calibration."""
+"""Commands `drill-twin study paper` and `drill-twin study calibrate`: reproduction of the paper, and calibration."""
 
 from __future__ import annotations
 
@@ -61,7 +61,7 @@ def calibrate(
     """Calibrate the parameters that the paper does not give (ramps, imperfections, damping, friction).
 
     Prints values, bounds and residuals. The fit starts from the scene and uses a part of the table; the rest
-    validates it (`drill-twin paper`). The search is differential evolution; the same seed gives the same result.
+    validates it (`drill-twin study paper`). The search is differential evolution; the same seed gives the same result.
     """
     from drill_twin.cli.emit import check_new, emit
     from drill_twin.cli.show import shown_progress

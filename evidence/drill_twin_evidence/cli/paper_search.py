@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Command `drill-twin paper-search`: search for a set of numbers that meets the paper, and what excludes what."""
+"""Command `drill-twin study paper-search`: search for a set of numbers that meets the paper, and what excludes what."""
 
 from __future__ import annotations
 
@@ -37,9 +37,9 @@ def paper_search(
     """Search all that the paper leaves open for sets that meet its numbers, two at a time and as many as possible.
 
     Prints which published numbers exclude each other and which assumption, given up, makes them agree; writes the
-    least misfit of each pair as table and figure, and the best sets as scenes, which `drill-twin paper --scene` judges
-    with stretch, twist and the resolution of a run. The same seed gives the same sets; a search that was broken off
-    goes on where it was.
+    least misfit of each pair as table and figure, and the best sets as scenes, which `drill-twin study paper --scene`
+    judges with stretch, twist and the resolution of a run. The same seed gives the same sets; a search that was broken
+    off goes on where it was.
     """
     from dataclasses import asdict
 

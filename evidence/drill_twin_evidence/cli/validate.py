@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Command `drill-twin validate`: records of rigs beside the twin."""
+"""Command `drill-twin study validate`: records of rigs beside the twin."""
 
 from __future__ import annotations
 

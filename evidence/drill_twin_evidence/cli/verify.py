@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Command `drill-twin verify`: every verification case, in one table."""
+"""Command `drill-twin study verify`: every verification case, in one table."""
 
 from __future__ import annotations
 
@@ -49,7 +49,9 @@ def verify(
 
     cases = choose(only, quick=quick)
     if not cases:
-        raise SceneError(f'--only: expected a part of the name of a case, found "{only}"; see drill-twin verify --list')
+        raise SceneError(
+            f'--only: expected a part of the name of a case, found "{only}"; see drill-twin study verify --list'
+        )
     if names:
         _print_names(cases)
         return

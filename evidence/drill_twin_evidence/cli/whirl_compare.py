@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Command `drill-twin whirl-compare`: steady whirl states against the simulation in time, on a grid."""
+"""Command `drill-twin study whirl-compare`: steady whirl states against the simulation in time, on a grid."""
 
 from __future__ import annotations
 

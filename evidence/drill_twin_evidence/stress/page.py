@@ -18,7 +18,7 @@ EXACT = (
     "buckling.euler", "rotor.whirl_driven_by_internal_damping", "contact.bounce_without_loss", "contact.restitution",
     "contact.pure_rolling", "contact.climbing", "stick_slip.cycle", "stick_slip.thresholds",
 )  # fmt: skip
-"""Cases of `drill-twin verify` on the same physics."""
+"""Cases of `drill-twin study verify` on the same physics."""
 
 ALLOWED = 6  # index of the column of the allowed depth, too wide for a terminal
 COLUMNS = ("scene", "form", "steps", "cut", "back", "depth", "law + step", "energy", "RTF", "")
@@ -27,7 +27,7 @@ _HEAD = """# Hard cases
 
 <!-- Written by `{command}`; do not edit. Run it again after a change of physics or solver. -->
 
-The scenes of `evidence/drill_twin_evidence/config/hard/`, each run to its end. `drill-twin hard` does it on your
+The scenes of `evidence/drill_twin_evidence/config/hard/`, each run to its end. `drill-twin study hard` does it on your
 machine and ends with exit code 1 if one is not in order; `drill-twin run hard/load_300_n` runs one as any other scene.
 {summary}
 

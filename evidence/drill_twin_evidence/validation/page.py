@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 _HEAD = """# Validation
 
-<!-- Written by `drill-twin validate --page docs/validation.md`; do not edit. -->
+<!-- Written by `drill-twin study validate --page docs/validation.md`; do not edit. -->
 
 The twin beside records of rigs. *Fit*: the numbers of the scene were fitted to this part of the record. *Prediction*:
 they were not. The records are not part of the package: `DRILL_TWIN_DATA` or `--data` names their folder, with

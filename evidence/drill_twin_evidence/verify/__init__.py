@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Verification: scenes whose results are compared with closed forms or published numbers.
 
-The command `drill-twin verify`, evidence/docs/verification.md and the tests in evidence/test/verify use the same cases.
+The command `drill-twin study verify`, evidence/docs/verification.md and the tests in evidence/test/verify use the same
+cases.
 """
 
 from __future__ import annotations

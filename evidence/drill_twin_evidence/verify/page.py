@@ -21,8 +21,8 @@ _HEAD = """# Verification
 Results of the twin beside closed forms and published numbers. Every row comes from a scene that the twin runs as any
 other; the references are formulas, zeros and tables. A few rows are consistency checks, counted apart: their source
 begins with *this twin*, and they show that two of its parts agree, not that either is right. The tolerance covers the
-errors of mesh, time step and evaluation, which each case states. `drill-twin verify` runs all cases on your machine and
-ends with exit code 1 if a row misses its tolerance; the tests in `evidence/test/verify` run the same cases.
+errors of mesh, time step and evaluation, which each case states. `drill-twin study verify` runs all cases on your
+machine and ends with exit code 1 if a row misses its tolerance; the tests in `evidence/test/verify` run the same cases.
 
 *Form* is the formulation: `spatial` with stretch and torsion, `lateral` without them
 ([design.md](../../docs/design.md)). Of each case and form, *of* is how many numbers were compared; the table has the

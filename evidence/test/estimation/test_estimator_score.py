@@ -12,7 +12,7 @@ from drill_twin_evidence.estimation.cases import CASES, JUMP
 from drill_twin_evidence.estimation.hidden_truth import follow
 from drill_twin_evidence.estimation.score import _warnings, lines, rate_interval, score
 
-SMALL = ["estimator-score", "--only=stick_slip", "--truths=1", "--seconds=16", "--members=4"]
+SMALL = ["study", "estimator-score", "--only=stick_slip", "--truths=1", "--seconds=16", "--members=4"]
 
 
 def test_score_tells_numbers_bands_and_virtual_sensors():
@@ -36,7 +36,7 @@ def test_several_members_give_error_against_members_and_processor_time():
 
 @pytest.mark.parametrize("option", ["--members=0", "--only=no_such_case"])
 def test_what_cannot_be_scored_is_refused(option):
-    assert CliRunner().invoke(app, ["estimator-score", option]).exit_code != 0
+    assert CliRunner().invoke(app, ["study", "estimator-score", option]).exit_code != 0
 
 
 def followed(onset: float, *warnings: float) -> dict:

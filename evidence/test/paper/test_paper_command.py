@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""`drill-twin paper` and `drill-twin calibrate` write what they say."""
+"""`drill-twin study paper` and `drill-twin study calibrate` write what they say."""
 
 import json
 
@@ -17,7 +17,7 @@ def command(*words):
 
 def test_paper_writes_table_page_and_figures(quick_file, tmp_path):
     out = tmp_path / "paper"
-    done = command("paper", "--scene", quick_file, "--only-bench", "--workers", "1", "--out", out)
+    done = command("study", "paper", "--scene", quick_file, "--only-bench", "--workers", "1", "--out", out)
     assert done.exit_code == 0, done.output
     for words in (
         "published numbers of the bench within 20 %",
@@ -39,14 +39,14 @@ def test_paper_writes_table_page_and_figures(quick_file, tmp_path):
     for name in ("displacement", "paths", "spectra", "speed", "load", "motion"):
         assert (out / f"paper_{name}.png").stat().st_size > 10_000
         assert f"![paper {name}](paper_{name}.png)" in page
-    again = command("paper", "--scene", quick_file, "--only-bench", "--out", out)
+    again = command("study", "paper", "--scene", quick_file, "--only-bench", "--out", out)
     assert isinstance(again.exception, BagError)
     assert "--replace" in str(again.exception)
 
 
 def test_calibrate_examines_a_scene(quick_file, tmp_path):
     out = tmp_path / "calibration"
-    done = command("calibrate", "--scene", quick_file, "--generations", "0", "--out", out)
+    done = command("study", "calibrate", "--scene", quick_file, "--generations", "0", "--out", out)
     assert done.exit_code == 0, done.output
     for words in ("Values found", "retardation time", "Residuals", "loss factor 0.006 to 0.4 at 1 Hz"):
         assert words in done.output
@@ -60,7 +60,7 @@ def test_calibrate_examines_a_scene(quick_file, tmp_path):
 def test_a_scene_without_what_is_sought_is_one_clear_error(quick_file, tmp_path):
     bare = tmp_path / "bare.yaml"
     bare.write_text(f"base: {quick_file}\nname: bare\neffects: {{bow: off}}\n", "utf-8")
-    done = command("calibrate", "--scene", bare, "--generations", "0", "--out", tmp_path / "x")
+    done = command("study", "calibrate", "--scene", bare, "--generations", "0", "--out", tmp_path / "x")
     assert isinstance(done.exception, SceneError)
     assert str(done.exception) == "bare: expected `effects.bow`, whose bow is varied, found none"
     assert not (tmp_path / "x").exists()
@@ -75,7 +75,7 @@ def test_a_scene_without_what_is_sought_is_one_clear_error(quick_file, tmp_path)
     ],
 )
 def test_a_scene_that_is_no_bench_is_one_clear_error(name, scene, words, tmp_path):
-    done = command(name, "--scene", scene, "--out", tmp_path / "x")
+    done = command("study", name, "--scene", scene, "--out", tmp_path / "x")
     assert isinstance(done.exception, SceneError)
     assert words in str(done.exception)
     assert not (tmp_path / "x").exists()

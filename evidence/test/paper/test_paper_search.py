@@ -202,7 +202,7 @@ def test_a_search_goes_on_where_it_was_and_prints_what_excludes_what(tmp_path):
 
     done = CliRunner().invoke(
         app,
-        ["paper-search", "--record", str(whole), "--sets", "0", "--seed", "5", "--duration", str(SECONDS)],
+        ["study", "paper-search", "--record", str(whole), "--sets", "0", "--seed", "5", "--duration", str(SECONDS)],
         env={"COLUMNS": "200"},
     )
     assert done.exit_code == 0, done.output
@@ -221,7 +221,7 @@ def test_a_search_goes_on_where_it_was_and_prints_what_excludes_what(tmp_path):
 
 def test_habits_need_no_search(tmp_path, monkeypatch):
     monkeypatch.setattr(Bench, "run", lambda _self, wanted, _own: [failed(case) for _, case in wanted])
-    words = ["paper-search", "--record", str(tmp_path / "new.jsonl"), "--sets", "0", "--habits"]
+    words = ["study", "paper-search", "--record", str(tmp_path / "new.jsonl"), "--sets", "0", "--habits"]
     done = CliRunner().invoke(app, words, env={"COLUMNS": "200"})
     assert done.exit_code == 0, done.output
     assert "0 sets by 0 runs" in done.output

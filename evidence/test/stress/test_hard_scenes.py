@@ -177,7 +177,7 @@ def test_the_depth_allowed_is_that_of_an_impact():
 
 def test_the_command_tells_and_ends_with_one_where_a_case_is_not_in_order(tmp_path, monkeypatch):
     page = tmp_path / "hard.md"
-    said = CliRunner().invoke(app, ["hard", "--only", "start_at_rest[spatial]", "--json", "--page", str(page)])
+    said = CliRunner().invoke(app, ["study", "hard", "--only", "start_at_rest[spatial]", "--json", "--page", str(page)])
     assert said.exit_code == 0, said.output
     found = json.loads(page.with_suffix(".json").read_text("utf-8"))
     assert [case["name"] for case in found["cases"]] == ["start_at_rest[spatial]"]
@@ -185,7 +185,7 @@ def test_the_command_tells_and_ends_with_one_where_a_case_is_not_in_order(tmp_pa
     good = result_of("start_at_rest[spatial]")
     bad = type(good)(**{**good.__dict__, "verdict": "stopped: here"})
     monkeypatch.setattr(stress, "run_hard", lambda *_, **__: [bad])
-    said = CliRunner().invoke(app, ["hard", "--only", "start_at_rest[spatial]"])
+    said = CliRunner().invoke(app, ["study", "hard", "--only", "start_at_rest[spatial]"])
     assert said.exit_code == 1
     assert "stopped: here" in said.output
-    assert CliRunner().invoke(app, ["hard", "--only", "no such"]).exit_code != 0
+    assert CliRunner().invoke(app, ["study", "hard", "--only", "no such"]).exit_code != 0

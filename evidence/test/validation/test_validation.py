@@ -114,12 +114,12 @@ def test_a_missed_aim_is_told_and_a_number_without_an_aim_is_not_judged():
 
 def test_a_record_of_another_name_is_told():
     with pytest.raises(ArgumentError, match="--only: expected ufrj_rig or well_b, found nope"):
-        CliRunner().invoke(app, ["validate", "--only", "nope"], catch_exceptions=False)
+        CliRunner().invoke(app, ["study", "validate", "--only", "nope"], catch_exceptions=False)
 
 
 def test_records_that_are_not_there_are_asked_for(tmp_path):
     with pytest.raises(ArgumentError, match=f"expected a folder with ufrj_rig/ or well_b/, found none.*{VARIABLE}"):
         data_folder(None, {})
     assert data_folder(None, {VARIABLE: str(tmp_path)}) == tmp_path
-    done = CliRunner().invoke(app, ["validate", "--data", str(tmp_path)])
+    done = CliRunner().invoke(app, ["study", "validate", "--data", str(tmp_path)])
     assert "expected a folder ufrj_rig or well_b, found none" in str(done.exception)

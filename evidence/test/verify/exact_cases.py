@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Cases of `drill-twin verify` as tests."""
+"""Cases of `drill-twin study verify` as tests."""
 
 from itertools import cycle
 

@@ -65,7 +65,7 @@ def test_the_heavy_string_of_the_literature() -> None:
 
 
 def invoke(*arguments: str) -> object:
-    return CliRunner().invoke(app, ["verify", *arguments])
+    return CliRunner().invoke(app, ["study", "verify", *arguments])
 
 
 def test_the_command_runs_cases_and_writes_the_page(tmp_path: Path) -> None:
@@ -79,7 +79,7 @@ def test_the_command_runs_cases_and_writes_the_page(tmp_path: Path) -> None:
     assert len(found["cases"][0]["rows"]) == 3
     text = page.read_text("utf-8")
     assert "3 of 3 numbers beside formulas, zeros and tables, of 1 cases, are within their tolerance." in text
-    assert f"drill-twin verify --only {QUICK} --page {page.as_posix()}" in text
+    assert f"drill-twin study verify --only {QUICK} --page {page.as_posix()}" in text
     assert "Blevins 1979" in text
     assert "## Not validated" in text
 
@@ -152,6 +152,8 @@ def test_the_data_of_a_page_of_the_documentation_are_evidence(tmp_path, monkeypa
         output.write_page(
             tmp_path / page, lambda line: f"by {line}\n", {}, command="hard", only="", flags={"--quick": True}
         )
-        assert (tmp_path / page).read_text() == f"by drill-twin hard --quick --page {(tmp_path / page).as_posix()}\n"
+        assert (
+            tmp_path / page
+        ).read_text() == f"by drill-twin study hard --quick --page {(tmp_path / page).as_posix()}\n"
         assert (tmp_path / data).read_text() == "{}\n"
     assert not (tmp_path / "evidence" / "docs" / "hard.json").exists()

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A run that begins in static equilibrium (`rig.start`); closed forms are in `drill-twin verify --only statics`."""
+"""A run that begins in static equilibrium (`rig.start`); closed forms: `drill-twin study verify --only statics`."""
 
 from pathlib import Path
 

@@ -125,7 +125,7 @@ def test_a_run_from_the_axis_ends_on_a_stable_state(weight, turns):
 def test_a_state_on_the_command_line(tmp_path):
     """The states as JSON; their figure."""
     form = ["--set", "effects.stretch=off", "--set", "effects.torsion=off", "--set", "numerics.elements=12"]
-    arguments = ["whirl-states", "pa6_bench", "--wob", "40 N", "--rps", "6.5", "--starts", "0", "--json"]
+    arguments = ["whirl", "pa6_bench", "--wob", "40 N", "--rps", "6.5", "--starts", "0", "--json"]
     said = CliRunner().invoke(app, [*arguments, "--out", str(tmp_path), *form])
     assert said.exit_code == 0, said.output
     found = json.loads(said.stdout)

@@ -15,7 +15,7 @@ CASES = {
     for file in (HERE.parents[2] / "evidence" / "drill_twin_evidence" / "verify").rglob("*.py")
     for name in re.findall(r"^@case\(.*\n(?:.*\n)*?def (\w+)", file.read_text("utf-8"), re.MULTILINE)
 }
-"""Exact checks of `drill-twin verify`, by the text of their files: the package knows nothing of its evidence."""
+"""Exact checks of `drill-twin study verify`, by the text of their files: the package knows nothing of its evidence."""
 ROWS = {
     cells[0].strip("` "): cells
     for line in PAGE.read_text().splitlines()

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The command `drill-twin new`, and short runs of the shipped wells."""
+"""The command `drill-twin scene new`, and short runs of the shipped wells."""
 
 import json
 from pathlib import Path
@@ -20,24 +20,24 @@ OPTIONS = [
 
 def test_new_writes_a_scene_that_check_accepts(tmp_path: Path) -> None:
     file = tmp_path / "s_shaped.yaml"
-    said = CliRunner().invoke(app, ["new", str(file), *OPTIONS])
+    said = CliRunner().invoke(app, ["scene", "new", str(file), *OPTIONS])
     assert said.exit_code == 0, said.output
     assert "3000 m, 5 sections, 8 stations" in said.stderr
     assert load_scene(file) == load_scene("wells/s_shaped")
-    checked = CliRunner().invoke(app, ["check", str(file), "--json"])
+    checked = CliRunner().invoke(app, ["scene", "check", str(file), "--json"])
     assert json.loads(checked.stdout)["length_m"] == 3000.0
 
 
 def test_new_replaces_no_file_and_asks_for_what_is_missing(tmp_path: Path) -> None:
     file = tmp_path / "mine.yaml"
     file.write_text("mine")
-    assert "--replace" in str(CliRunner().invoke(app, ["new", str(file), *OPTIONS]).exception)
-    missing = CliRunner().invoke(app, ["new", str(tmp_path / "other.yaml"), *OPTIONS[2:]])
+    assert "--replace" in str(CliRunner().invoke(app, ["scene", "new", str(file), *OPTIONS]).exception)
+    missing = CliRunner().invoke(app, ["scene", "new", str(tmp_path / "other.yaml"), *OPTIONS[2:]])
     assert "--survey: expected it, found nothing" in str(missing.exception)
     assert not (tmp_path / "other.yaml").exists()
     survey = tmp_path / "survey.csv"
     survey.write_text("mine")
-    taken = CliRunner().invoke(app, ["new", str(survey), "--survey", str(survey), *OPTIONS[2:], "--replace"])
+    taken = CliRunner().invoke(app, ["scene", "new", str(survey), "--survey", str(survey), *OPTIONS[2:], "--replace"])
     assert "found the table of --survey" in str(taken.exception)
     assert survey.read_text() == "mine"
 

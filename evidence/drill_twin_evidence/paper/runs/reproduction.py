@@ -42,7 +42,7 @@ class VariantResult:
 
 @dataclass(frozen=True, eq=False)
 class Reproduction:
-    """Results of `drill-twin paper`."""
+    """Results of `drill-twin study paper`."""
 
     scene: Scene
     """The bench."""

@@ -24,7 +24,7 @@ from drill_twin_evidence.paper.search.space import ParameterSet
 LATERAL = {"effects.stretch": "off", "effects.torsion": "off"}
 """Keys of the lateral form, ten times faster."""
 COARSE = {"numerics.elements": 8, "numerics.step": 0.01}
-"""Resolution of the runs of the search; `drill-twin paper` judges what it finds at its own."""
+"""Resolution of the runs of the search; `drill-twin study paper` judges what it finds at its own."""
 
 
 @dataclass(frozen=True)

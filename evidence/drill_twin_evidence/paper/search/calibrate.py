@@ -86,8 +86,8 @@ class Calibration:
         """Result in a line, values found, and residuals."""
         yield (
             f"loss {self.tried[0].total:.2f} at the start, {self.best.total:.2f} found in {len(self.tried)} "
-            f"evaluations, seed {self.seed}; validated by drill-twin paper on {len(HELD_OUT)} other numbers and the "
-            "trends"
+            f"evaluations, seed {self.seed}; validated by drill-twin study paper on {len(HELD_OUT)} other numbers and "
+            "the trends"
         )
         described = self.found.described()
         values = [

@@ -25,7 +25,7 @@ from drill_twin_evidence.paper.search.space import (
 
 
 class Assumptions(NamedTuple):
-    """Assumptions that may differ from the bench as calibrated and from the readings of `drill-twin paper`."""
+    """Assumptions that may differ from the bench as calibrated and from the readings of `drill-twin study paper`."""
 
     name: str
     free: frozenset[int]

@@ -29,7 +29,7 @@ LEVELS = {"1 mm": (1e-3, 0.0), "5 % of the clearance": (0.0, 0.05), "half the cl
 TIMES = tuple(f"{level}, {where}" for level in LEVELS for where in ("any mark", "mark_2"))
 KINDS = {CRITICAL_TIME: "time", FREQUENCY: "whirl", RATIO: "whirl", DISPLACEMENT: "size"}
 BASE = {"time": "5 % of the clearance, any mark", "whirl": "precession of mark_2", "size": "wall, 30 s"}
-"""Readings of `drill-twin paper`, as near as these come; numbers of one kind are read in one way."""
+"""Readings of `drill-twin study paper`, as near as these come; numbers of one kind are read in one way."""
 IRREGULAR = 0.2
 """Spread of the precession from which a motion is irregular."""
 LARGEST = 8.0

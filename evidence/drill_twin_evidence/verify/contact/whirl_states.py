@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Steady whirl states (`drill-twin whirl-states`) against pure rolling, an independent code, and the simulation."""
+"""Steady whirl states (`drill-twin whirl`) against pure rolling, an independent code, and the simulation."""
 
 from __future__ import annotations
 

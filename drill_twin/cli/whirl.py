@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Command `drill-twin whirl-states`: steady whirl of a scene and its stability."""
+"""Command `drill-twin whirl`: steady whirl of a scene and its stability."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ if TYPE_CHECKING:
 _STABLE = {"stable": "yes", "unstable": "no", "not determined": "?"}
 
 
-def whirl_states(
+def whirl(
     scene: SceneArgument,
     wob: WeightOption = "",
     rps: TurnOption = "",

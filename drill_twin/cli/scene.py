@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Commands `drill-twin scenes`, `check`, `schema` and `new`: scene files, also from a well plan."""
+"""Commands `drill-twin scene list`, `new`, `check` and `schema`: scene files, also from a well plan."""
 
 from __future__ import annotations
 
