@@ -49,7 +49,7 @@ setup(
         "zstandard",
     ],
     extras_require={
-        "docs": ["furo", "myst-parser", "sphinx"],
+        "docs": ["codespell>=2.4", "furo", "myst-parser", "sphinx"],
         "test": [
             "asyncua>=1.1.8",
             "colcon-common-extensions",

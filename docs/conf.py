@@ -9,11 +9,13 @@ from typing import Any
 from docutils import nodes
 from docutils.utils.math.latex2mathml import tex2mathml
 from sphinx.application import Sphinx
+from sphinx.util import logging
 
 HERE = Path(__file__).parent
 sys.path[:0] = [str(HERE.parent), str(HERE)]
 
 import _printed  # noqa: E402 - the two paths above come first
+import style  # noqa: E402
 
 import drill_twin  # noqa: E402
 
@@ -45,7 +47,14 @@ napoleon_use_ivar = True  # attributes in a docstring are not declared a second 
 nitpick_ignore_regex = [("py:.*", r"(?!drill_twin\.[A-Za-z_]+$).*")]
 
 
+_LOG = logging.getLogger(__name__)
 _PRINTED = re.compile(r"^<!-- printed: (\w+) -->$(?:.*?^<!-- end: \1 -->$)?", re.MULTILINE | re.DOTALL)
+
+
+def _check_style(_app: Sphinx, page: str, source: list[str]) -> None:
+    """Warn of each fault of style that a page has, which ends `make docs`."""
+    for line, fault in style.faults(source[0]):
+        _LOG.warning("%s", fault, location=(page, line), type="style")
 
 
 def _insert_printed(_app: Sphinx, _page: str, source: list[str]) -> None:
@@ -76,5 +85,6 @@ def _formula_apart(page: Any, node: nodes.math_block) -> None:
 def setup(app: Sphinx) -> None:
     """Connect the printed parts, formulas as MathML, and a filter of docstrings that comes before napoleon."""
     app.add_html_math_renderer("mathml", (_formula, None), (_formula_apart, None))
+    app.connect("source-read", _check_style, priority=400)
     app.connect("source-read", _insert_printed)
     app.connect("autodoc-process-docstring", _no_type_in_the_text, priority=400)

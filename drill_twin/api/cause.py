@@ -33,7 +33,7 @@ LESS = 0.7
 SMALL = 0.1
 """Share of bow and eccentricity that is left. Not zero: a perfect string never leaves the axis of a vertical hole."""
 
-BACKWARD = (MotionState.REVERSE_WHIRL.value, MotionState.ROLLING.value)
+BACKWARD = (MotionState.BACKWARD_WHIRL.value, MotionState.ROLLING.value)
 FORWARD = (MotionState.FORWARD_WHIRL.value, MotionState.SYNCHRONOUS_WHIRL.value)
 
 _EFFECTS = {

@@ -137,14 +137,14 @@ def _table(curve: Curve) -> Table:
         "spread", "", "", _share(noise.path), _share(noise.onset), _share(noise.frequency),
         _share(noise.radius), _share(noise.contact), "", "", "",
     ))  # fmt: skip
-    columns = ("form", "el.", "step", "path", "onset", "whirl", "orbit", "wall", "ms/s", "RTF", "p95")
+    columns = ("form", "el.", "step", "path", "onset", "whirl", "orbit", "wall", "ms/s", "× rt", "p95")
     compiling = max(one.compile_seconds for one in curve.runs)
     title = (
         f"{curve.scene}: the cheapest resolution for each error, against {curve.reference.elements} elements and "
         f"{curve.reference.step * 1e3:.3g} ms in the {curve.reference.form} form.\n"
         "Step in ms. Errors: path and time of the onset; after it whirl frequency, mean radius of the orbit and share "
         "at the wall. "
-        "Time: processor ms per simulated second, times faster than real time, us that 95 % of the frames stay below; "
+        "Time: processor ms per simulated second, speed over real time (× rt), us that 95 % of the frames stay below; "
         f"compiling or loading took {compiling:.0f} s, once. Spread: of runs set apart by a push of 0.1 mm/s."
     )
     return Table(columns, rows, title=title, right=range(1, 11))
@@ -166,10 +166,10 @@ def _meshes(curve: Curve) -> Table:
         f"{curve.scene}: errors over elements at a step of {curve.runs[0].resolution.step * 1e3:.2g} ms, against "
         f"{curve.reference.elements} elements and {curve.reference.step * 1e3:.2g} ms.\n"
         "Path and time of the onset; means of hookload and torque over the second half; period of stick-slip; whirl "
-        "frequency. Time: processor ms per simulated second, times faster than real time. "
+        "frequency. Time: processor ms per simulated second, speed over real time (× rt). "
         "Spread: of runs set apart by a push of 0.1 mm/s."
     )
-    columns = ("el.", "path", "onset", "hookload", "torque", "stick-slip", "whirl", "ms/s", "RTF")
+    columns = ("el.", "path", "onset", "hookload", "torque", "stick-slip", "whirl", "ms/s", "× rt")
     return Table(columns, rows, title=title, right=range(9))
 
 

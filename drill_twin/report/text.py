@@ -25,7 +25,7 @@ from drill_twin.whirl import Criteria, MotionState
 _OF_THE_STRING = {MotionState.SPIRAL.value, MotionState.SECOND_BENDING.value}
 """States that only the string has, by its shape."""
 FIELD_NAMES = {
-    MotionState.ROLLING.value: "backward whirl", MotionState.REVERSE_WHIRL.value: "backward whirl",
+    MotionState.ROLLING.value: "backward whirl", MotionState.BACKWARD_WHIRL.value: "backward whirl",
     MotionState.IRREGULAR.value: "chaotic whirl",
 }  # fmt: skip
 """Names of states in the field, where they are others (vocabulary of D-WIS)."""

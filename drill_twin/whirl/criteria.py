@@ -52,7 +52,7 @@ class MotionState(Enum):
     IRREGULAR = "irregular"
     """Whirl without a steady rate or radius: most of the last revolutions had a coherence of the angle below
     `coherence` or an unevenness of the radius above `unevenness`."""
-    REVERSE_WHIRL = "reverse whirl"
+    BACKWARD_WHIRL = "backward whirl"
     """Regular whirl against the sense of rotation that does not roll: free of the wall, or sliding along it."""
     SPIRAL = "spiral"
     """Of the string only: whirl, with marks that do not lie in one plane (planarity below `planar`): a helix."""
@@ -187,7 +187,7 @@ class MotionCode(IntEnum):
     FIXED_AXIS = 2
     SYNCHRONOUS_WHIRL = 3
     FORWARD_WHIRL = 4
-    REVERSE_WHIRL = 5
+    BACKWARD_WHIRL = 5
     ROLLING = 6
     SECOND_BENDING = 7
     SPIRAL = 8

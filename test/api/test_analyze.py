@@ -29,7 +29,7 @@ def test_onset_frequency_and_sense_are_found():
     assert whirl.frequency_hz == pytest.approx(-5.0, rel=1e-3)
     assert whirl.precession[-1] == pytest.approx(-5.0, rel=1e-3)
     assert whirl.ratio[-1] == pytest.approx(-2.5, rel=1e-3)
-    assert whirl.motion[-1]["state"] == "reverse whirl"
+    assert whirl.motion[-1]["state"] == "backward whirl"
     assert whirl.motion[-1]["end_s"] == TIME[-1]
     assert whirl.notes == whirl.summary.notes
 

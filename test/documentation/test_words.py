@@ -1,35 +1,37 @@
 # SPDX-License-Identifier: Apache-2.0
-"""One term for one thing: words that the pages do not use, each with the one that they use."""
+"""The pages keep to the terms, their sentences are short, and the whole can be read in a day (docs/style.py)."""
 
-import re
+import sys
 from pathlib import Path
 
 import pytest
 
 ROOT = Path(__file__).parents[2]
-INSTEAD = {
-    r"mark-\d": "mark_1, mark_2 ...",
-    r"\btexts\b": "text",
-    r"\bone a core\b": "one per core",
-    r"\bleave out\b": "omit",
-    r"\b(?:the house|rooms?)\b": "package",
-    r"\breal-time factor\b": "multiple of real time",
-}
-"""Pattern of each word, and what to write instead."""
-PAGES = [
-    ROOT / "README.md",
-    ROOT / "CONTRIBUTING.md",
-    *(page for page in (ROOT / "docs").rglob("*.md") if "<!-- printed" not in page.read_text("utf-8")),
-]
+DOCS = ROOT / "docs"
+PAGES = [ROOT / "README.md", *sorted(DOCS.rglob("*.md"))]
+BY_A_COMMAND = "<!-- Written by `drill-twin"
 
 
-@pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(ROOT)))
-def test_a_page_keeps_to_the_terms(page):
-    text = page.read_text("utf-8")
-    found = [f"{word[0]!r}: write {better}" for pattern, better in INSTEAD.items()
-             for word in re.finditer(pattern, text)]  # fmt: skip
-    assert not found
+@pytest.fixture(scope="module")
+def style():
+    sys.path.insert(0, str(DOCS))
+    try:
+        import style
+    finally:
+        sys.path.remove(str(DOCS))
+    return style
 
 
-def test_a_word_is_seen():
-    assert any(re.search(pattern, "Path of mark-2") for pattern in INSTEAD)
+@pytest.mark.parametrize("page", [*PAGES, ROOT / "CONTRIBUTING.md"], ids=lambda page: str(page.relative_to(ROOT)))
+def test_a_page_keeps_to_the_terms_and_to_short_sentences(style, page):
+    assert not list(style.faults(page.read_text("utf-8")))
+
+
+def test_faults_are_seen_with_their_lines_and_not_in_code(style):
+    page = f"# Title\n\nThe path of `mark-2`.\n\n```\nmark-2\n```\n* A marker.\n\n{'Word ' * (style.LONGEST + 1)}."
+    assert [line for line, _ in style.faults(page)] == [8, 10]
+
+
+def test_the_pages_have_at_most_26_000_words_written_by_hand(style):
+    texts = [page.read_text("utf-8") for page in PAGES]
+    assert sum(style.words(style.prose(text)) for text in texts if BY_A_COMMAND not in text) <= 26_000

@@ -55,7 +55,7 @@ def test_lines_have_the_values_of_the_run_and_the_onset_is_named(recording):
 
 def test_states_and_spectra_are_there(recording):
     states = traces(chart(draw("motion", recording)), 0, "area")
-    assert {t["text"].partition(",")[0] for t in states} >= {"reverse whirl"}
+    assert {t["text"].partition(",")[0] for t in states} >= {"backward whirl"}
     (mesh,) = traces(chart(draw("spectrum_over_time", recording)), 0, "mesh")
     shape = (len(numbers(mesh["y"])) - 1, len(numbers(mesh["x"])) - 1)
     values = np.frombuffer(base64.b64decode(mesh["values"]), "u1").reshape(shape)

@@ -90,7 +90,7 @@ def test_page_shows_every_figure_as_it_is_on_disk(page, files):
 
 
 def test_page_says_what_was_found_and_what_is_not_validated(page):
-    for words in ("pa6_bench", "-0.60 Hz", "(backward)", "-0.300", "reverse whirl", "12.5", "9.9.9", "gravity, wall"):
+    for words in ("pa6_bench", "-0.60 Hz", "(backward)", "-0.300", "backward whirl", "12.5", "9.9.9", "gravity, wall"):
         assert words in page.words, words
     assert all(text in page.words for text in NOT_VALIDATED)
     assert "estimated" in page.words  # the scene's provenance

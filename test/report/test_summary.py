@@ -117,7 +117,7 @@ def test_finds_what_was_put_into_the_bag(summary):
     assert summary["rotation_rev_s"] == pytest.approx(2.0, rel=1e-3)
     assert set(summary["max_radius_m"]) == {"mark_1", "mark_2", "mark_3", "mark_4"}
     assert list(summary["max_radius_m"].values()) == pytest.approx([0.031] * 4, rel=0.02)
-    assert summary["motion"][-1]["state"] == "reverse whirl"
+    assert summary["motion"][-1]["state"] == "backward whirl"
     assert summary["motion"][-1]["end_s"] == summary["duration_s"] == 12.0
     assert summary["samples"] == 1200
     assert not summary["truncated"]

@@ -33,7 +33,7 @@ CASES = {
     MotionState.ROLLING: {"whirl": shaped([1.0, 1.0, 1.0], ratio=BENCH.rolling_ratio, level=1.0)},
     MotionState.SECOND_BENDING: {"bow": 0.03, "whirl": shaped([1.0, 0.1, -0.8])},
     MotionState.IRREGULAR: {"whirl": wander},
-    MotionState.REVERSE_WHIRL: {"bow": 0.03, "whirl": shaped([0.8, 1.0, 0.9], ratio=-0.3)},
+    MotionState.BACKWARD_WHIRL: {"bow": 0.03, "whirl": shaped([0.8, 1.0, 0.9], ratio=-0.3)},
     MotionState.SPIRAL: {"bow": 0.03, "whirl": shaped(np.exp(1j * np.arange(3)))},
 }
 
@@ -116,10 +116,10 @@ def test_contact_comes_from_the_force_where_it_is_given():
     assert found[-1].motion is MotionState.ROLLING
     _, found = play(moved)
     assert found[-1].contact_fraction[0] == 0.0
-    assert found[-1].motion is MotionState.REVERSE_WHIRL
+    assert found[-1].motion is MotionState.BACKWARD_WHIRL
 
 
-@pytest.mark.parametrize(("ratio", "state"), [(0.5, MotionState.FORWARD_WHIRL), (-0.5, MotionState.REVERSE_WHIRL)])
+@pytest.mark.parametrize(("ratio", "state"), [(0.5, MotionState.FORWARD_WHIRL), (-0.5, MotionState.BACKWARD_WHIRL)])
 def test_what_slides_along_the_wall_does_not_roll(ratio, state):
     """Pure rolling is backward, at -r_o / clearance = -0.1 here."""
     _, found = play(pressed(motion(clock(100, 14), whirl=shaped([1.0], ratio=ratio, level=1.0))), force=True)
@@ -169,5 +169,5 @@ def test_change_between_two_whirls_is_dated_to_when_it_came():
 
     analyzer, _ = play(motion(time, bow=0.02, whirl=whirl).with_noise(0.005, 3))
     states = [(period.state, period.start_s) for period in analyzer.summary().motion]
-    assert [state for state, _ in states[-2:]] == [MotionState.FORWARD_WHIRL, MotionState.REVERSE_WHIRL]
+    assert [state for state, _ in states[-2:]] == [MotionState.FORWARD_WHIRL, MotionState.BACKWARD_WHIRL]
     assert states[-1][1] == pytest.approx(20.0, abs=0.3)

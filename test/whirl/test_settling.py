@@ -51,7 +51,7 @@ def test_whirl_after_the_fall_to_the_low_side_is_dated_to_when_it_leaves_it():
 
 
 def test_displaced_string_that_stands_is_not_called_whirl():
-    """A whirl that comes to a stop at a place: no forward or reverse whirl at a ratio of 0 afterwards."""
+    """A whirl that comes to a stop at a place: no forward or backward whirl at a ratio of 0 afterwards."""
     time = clock(100, 40)
 
     def whirl(_time, angle):

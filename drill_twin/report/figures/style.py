@@ -41,7 +41,7 @@ STATE_COLOURS = {
     MotionState.ROLLING: BLUE,
     MotionState.SECOND_BENDING: GREEN,
     MotionState.IRREGULAR: YELLOW,
-    MotionState.REVERSE_WHIRL: VERMILION,
+    MotionState.BACKWARD_WHIRL: VERMILION,
     MotionState.SPIRAL: PURPLE,
 }
 

@@ -79,7 +79,7 @@ _CODES = {regime: code for code, regime in enumerate(REGIMES)}
 _BY_STATE = {
     MotionState.SYNCHRONOUS_WHIRL: Regime.FORWARD,
     MotionState.FORWARD_WHIRL: Regime.FORWARD,
-    MotionState.REVERSE_WHIRL: Regime.BACKWARD,
+    MotionState.BACKWARD_WHIRL: Regime.BACKWARD,
     MotionState.ROLLING: Regime.BACKWARD,
     MotionState.IRREGULAR: Regime.IRREGULAR,
 }

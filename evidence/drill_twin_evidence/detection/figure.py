@@ -19,7 +19,7 @@ _SHORT = {
     "rolling along the wall": "rolling",
     "second bending": "2nd bending",
     "irregular": "irregular",
-    "reverse whirl": "reverse",
+    "backward whirl": "reverse",
     "spiral": "spiral",
 }
 

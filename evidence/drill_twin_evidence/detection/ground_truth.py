@@ -247,4 +247,4 @@ class _Points:
         slip = 1.0 - ratio / rolling if rolling else 0.0
         if touching and ratio < 0.0 and abs(slip) < ROLLING:
             return "rolling along the wall", rough
-        return "forward whirl" if ratio > 0.0 else "reverse whirl", rough
+        return "forward whirl" if ratio > 0.0 else "backward whirl", rough

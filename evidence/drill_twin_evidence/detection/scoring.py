@@ -22,7 +22,7 @@ STATES = (
     "rolling along the wall",
     "second bending",
     "irregular",
-    "reverse whirl",
+    "backward whirl",
     "spiral",
     "not observable",
 )

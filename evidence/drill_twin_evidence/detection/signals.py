@@ -22,7 +22,7 @@ MOTIONS = (
     "rolling along the wall",
     "second bending",
     "irregular",
-    "reverse whirl",
+    "backward whirl",
     "spiral",
 )
 """Motions of a record after its steady rotation."""
@@ -116,7 +116,7 @@ def _random_motion(name: str, draw: np.random.Generator, marks: tuple[MarkInfo, 
     shape = (1.0 - draw.uniform(0.0, 0.5) * along) * np.exp(1j * draw.uniform(-0.15, 0.15, m))
     if name == "forward whirl":
         ratio = abs(ratio)
-    elif name == "reverse whirl":
+    elif name == "backward whirl":
         ratio = -float(draw.uniform(0.1, 1.2))
     elif name == "rolling along the wall":
         ratio = marks[0].rolling_ratio * float(draw.uniform(0.85, 1.15))
@@ -184,7 +184,7 @@ def _truth(motions: list[_Motion], time: Array, angle: Array, part: ComplexArray
         motion = motions[0] if revolutions[i] < change else motions[1]
         name = motion.name
         if name == "rolling along the wall" and radius[i, 0] < TOUCHING:
-            name = "reverse whirl"  # still growing
+            name = "backward whirl"  # still growing
         string.append("rotation about a fixed axis" if time[i] < first else name)
         for k, mine in enumerate(marks):
             began = onsets[k]
@@ -199,7 +199,7 @@ def _of_mark(motion: _Motion, name: str, mark: int) -> str:
     if abs(motion.shape[mark]) * motion.level < 2.0 * WHIRL_THRESHOLD:
         return ""
     if name in {"second bending", "spiral"}:
-        return "forward whirl" if motion.ratio > 0.0 else "reverse whirl"
+        return "forward whirl" if motion.ratio > 0.0 else "backward whirl"
     return name
 
 

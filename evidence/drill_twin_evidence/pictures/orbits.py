@@ -42,7 +42,7 @@ PANELS = (
     Panel("rotation about a fixed axis", "the string turns and stays in place", "pa6_bench", 15.0,
           changes={"wob": "5 N"}),
     Panel("forward whirl", "around the hole, with the rotation", "pa6_bench", 8.2),
-    Panel("reverse whirl", "around the hole, against the rotation", "pa6_bench", 11.7, 1.7,
+    Panel("backward whirl", "around the hole, against the rotation", "pa6_bench", 11.7, 1.7,
           changes={"effects.wall_friction.coefficient": "0.6", "effects.internal_damping.bending_time": "3 ms"}),
     Panel("rolling along the wall", "backward on the wall, without slip", "bha_full_size", 14.0),
     Panel("spiral", "the shape is a helix", "pa6_bench", 18.0, shape=True),

@@ -54,8 +54,8 @@ SMOOTHING = 0.5
 ABOUT = (
     "The top drive follows its recorded speed; its inertia is the published one. Friction of pipe and assembly, "
     "damping, drag, friction of the drive and the diameter of an assembly of one size were fitted to torque and "
-    "downhole speed of 0 to 45 s: all of it is a fit, at these elements and this step. Of the measured downhole speed "
-    "the largest of each half second after 20 s is drawn."
+    "downhole speed of 0 to 45 s. All of it is a fit, at these elements and this step. The figure has the largest "
+    "downhole speed measured in each half second after 20 s."
 )
 
 

@@ -46,7 +46,7 @@ ONE_SIDE = np.sin(np.pi * ALONG)
     ("ratio", "shape", "level", "state"),
     [
         (0.5, ONE_SIDE, 0.6, "forward whirl"),
-        (-0.5, ONE_SIDE, 0.6, "reverse whirl"),
+        (-0.5, ONE_SIDE, 0.6, "backward whirl"),
         (-0.1, ONE_SIDE, 1.0, "rolling along the wall"),
         (0.5, ONE_SIDE, 1.0, "forward whirl"),
         (0.5, np.sin(2.0 * np.pi * ALONG), 0.6, "second bending"),

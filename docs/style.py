@@ -1,0 +1,64 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Style of the pages: one term for one thing, and sentences that are short enough. `make docs` warns of each fault."""
+
+import re
+from collections.abc import Iterator
+
+INSTEAD = {
+    r"mark-\d|\bmarkers?\b": "mark_1, mark_2 ..., or mark",
+    r"\btexts\b": "text, or strings",
+    r"\b(?:one|a|line|lines|runs) a (?:core|terminal|coefficient|fit)\b": "one for each, or per",
+    r"\b(?:leaves?|left|leaving) out\b": "omit",
+    r"\b(?:goes|going) on\b|\bwent on\b": "resume, or continue",
+    r"\bare told\b|\bis told\b|\btold (?:in|by|of)\b": "reported",
+    r"\bin space\b": "spatial, or in three dimensions",
+    r"\b(?:the house|rooms?)\b": "package",
+    r"\breal-time factor\b|\bRTF\b|\btimes real time\b": "× real time",
+    r"\breverse whirl\b": "backward whirl",
+    r"\bprecession\b": "whirl frequency, or whirl speed",
+    r"\bcritical time\b": "onset",
+    r"\bpresets?\b": "scene",
+    r"\b(?:live|watch) page\b": "dashboard",
+    r"\br/min\b": "rpm",
+    r"\bpeers?\b": "other tools",
+    r"\b(?:simply|obviously|easily|of course)\b": "nothing",
+    r"\b(?:lever|price tag|pull in|lab notebook|comes? by mail)\b": "the plain word instead of a metaphor",
+}
+"""Pattern of each word that the pages do not use, and what to write instead."""
+LONGEST = 32
+"""Words of the longest sentence."""
+
+_SKIPPED = re.compile(
+    r"^<!-- printed: (\w+) -->\n.*?^<!-- end: \1 -->$|^<!-- output of .*?^<!-- end of output -->$|^[ ]*```.*?^[ ]*```$"
+    r"|<!--.*?-->|\$\$.*?\$\$|\]\([^)]*\)|`[^`\n]*`|\$[^$\n]+\$",
+    re.MULTILINE | re.DOTALL,
+)
+_BLOCK = re.compile(r"\n\s*\n|\n(?=\s*(?:[*|#>:]|\d\.|- ))")
+_SENTENCE = re.compile(r"(?<=[.!?:])\s+(?=[^\sa-z])")
+
+
+def prose(page: str) -> str:
+    """Text of a page on the same lines, without code, formulas, targets of links and what a command printed."""
+    return _SKIPPED.sub(lambda found: "\n" * found[0].count("\n") or ("]" if found[0][0] == "]" else "CODE"), page)
+
+
+def words(text: str) -> int:
+    """Number of words: what has a letter or a digit."""
+    return sum(any(sign.isalnum() for sign in word) for word in text.split())
+
+
+def faults(page: str) -> Iterator[tuple[int, str]]:
+    """Number of the line and description of each word to avoid and each sentence that is too long."""
+    text = prose(page)
+    for pattern, better in INSTEAD.items():
+        for found in re.finditer(pattern, text, re.IGNORECASE):
+            yield text.count("\n", 0, found.start()) + 1, f"{found[0]!r}: write {better}"
+    start = 0
+    for end in (*(found.end() for found in _BLOCK.finditer(text)), len(text)):
+        block, line = text[start:end], text.count("\n", 0, start) + 1
+        start = end
+        if block.lstrip().startswith(("|", "#")):
+            continue
+        for sentence in _SENTENCE.split(" ".join(block.split())):
+            if words(sentence) > LONGEST:
+                yield line, f"a sentence of {words(sentence)} words, at most {LONGEST}: {sentence[:60]} ..."
