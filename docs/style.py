@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Style of the pages: one term for one thing, and sentences that are short enough. `make docs` warns of each fault."""
+"""Style of the pages: one term for one thing, short sentences, figures with a source. `make docs` warns of faults."""
 
 import re
 from collections.abc import Iterator
@@ -25,6 +25,8 @@ INSTEAD = {
     r"\b(?:lever|price tag|pull in|lab notebook|comes? by mail)\b": "the plain word instead of a metaphor",
 }
 """Pattern of each word that the pages do not use, and what to write instead."""
+WRITTEN = "<!-- Written by `drill-twin"
+"""Mark of a page that a command writes as a whole."""
 LONGEST = 32
 """Words of the longest sentence."""
 
@@ -32,6 +34,15 @@ _SKIPPED = re.compile(
     r"^<!-- printed: (\w+) -->\n.*?^<!-- end: \1 -->$|^<!-- output of .*?^<!-- end of output -->$|^[ ]*```.*?^[ ]*```$"
     r"|<!--.*?-->|\$\$.*?\$\$|\]\([^)]*\)|`[^`\n]*`|\$[^$\n]+\$",
     re.MULTILINE | re.DOTALL,
+)
+_FIGURE = re.compile(
+    r"\d ?%|\b\d[\d,]* of (?:the )?\d|\de-\d|(?<![\d.])\d[\d.,]* ?(?:ns|ms|µs|s|min|h|GB|MB|Hz|N|kN|N m|kN m|mm|m)\b"
+    r"|\d (?:times|× real)|(?<![\d.])\d+\.\d+(?![\d.])"
+)
+_NO_FIGURE = re.compile(r"Python 3\.\d+(?: or 3\.\d+)?|doi 10\S+")
+_SOURCE = re.compile(
+    r"drill-twin [a-z]|\bmake [a-z]|python -m|\bros2 [a-z]|\btest_\w+\.py"
+    r"|\b(?:test|evidence|drill_twin|config|docs)/[\w/]+\.(?:py|md|yaml)|<!-- (?:printed|output of|no command):? .*?-->"
 )
 _BLOCK = re.compile(r"\n\s*\n|\n(?=\s*(?:[*|#>:]|\d\.|- ))")
 _SENTENCE = re.compile(r"(?<=[.!?:])\s+(?=[^\sa-z])")
@@ -48,7 +59,8 @@ def words(text: str) -> int:
 
 
 def faults(page: str) -> Iterator[tuple[int, str]]:
-    """Number of the line and description of each word to avoid and each sentence that is too long."""
+    """Number of the line and description of each word to avoid, sentence that is too long and figure without source."""
+    yield from _without_source(page)
     text = prose(page)
     for pattern, better in INSTEAD.items():
         for found in re.finditer(pattern, text, re.IGNORECASE):
@@ -62,3 +74,18 @@ def faults(page: str) -> Iterator[tuple[int, str]]:
         for sentence in _SENTENCE.split(" ".join(block.split())):
             if words(sentence) > LONGEST:
                 yield line, f"a sentence of {words(sentence)} words, at most {LONGEST}: {sentence[:60]} ..."
+
+
+def _without_source(page: str) -> Iterator[tuple[int, str]]:
+    """Sections with a figure, and neither the command that prints it nor the file of code, test or scene that has it.
+
+    A figure of neither kind, as of a definition, is let through by a comment `<!-- no command: REASON -->`.
+    """
+    if WRITTEN in page:
+        return
+    line = 1
+    for section in re.split(r"^(?=#+ )", page, flags=re.MULTILINE):
+        found = _FIGURE.search(_NO_FIGURE.sub("", prose(section)))
+        if found and not _SOURCE.search(section):
+            yield line, f"a figure without the command or file that it comes from: {found[0]!r}"
+        line += section.count("\n")

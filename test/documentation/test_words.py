@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The pages keep to the terms, their sentences are short, and the whole can be read in a day (docs/style.py)."""
+"""The pages keep to the terms, sentences are short, figures have a source, the whole is short (docs/style.py)."""
 
+import re
 import sys
 from pathlib import Path
 
@@ -9,7 +10,6 @@ import pytest
 ROOT = Path(__file__).parents[2]
 DOCS = ROOT / "docs"
 PAGES = [ROOT / "README.md", *sorted(DOCS.rglob("*.md"))]
-BY_A_COMMAND = "<!-- Written by `drill-twin"
 
 
 @pytest.fixture(scope="module")
@@ -32,6 +32,31 @@ def test_faults_are_seen_with_their_lines_and_not_in_code(style):
     assert [line for line, _ in style.faults(page)] == [8, 10]
 
 
+@pytest.mark.parametrize(
+    ("section", "right"),
+    [
+        ("It takes 0.4 s.", False),
+        ("56 of 57 cases hold.", False),
+        ("It takes 0.4 s (`make bench`).", True),
+        ("<!-- no command: a definition --> A minute has 60 s.", True),
+        ("Python 3.11 is needed.", True),
+    ],
+)
+def test_a_figure_needs_its_source_in_its_section(style, section, right):
+    assert (not list(style.faults(f"`make docs`\n\n## Section\n\n{section}\n"))) == right
+
+
+def test_few_figures_have_no_command():
+    texts = [page.read_text("utf-8") for page in PAGES]
+    assert sum(text.count("<!-- no command: ") for text in texts) <= 4
+
+
+@pytest.mark.parametrize("page", sorted((ROOT / "evidence" / "docs").glob("*.md")), ids=lambda page: page.name)
+def test_lab_notes_name_the_command_that_printed_them(page):
+    text = page.read_text("utf-8")
+    assert re.search(r"drill-twin [a-z]|\bmake [a-z]|python -m", text)
+
+
 def test_the_pages_have_at_most_26_000_words_written_by_hand(style):
     texts = [page.read_text("utf-8") for page in PAGES]
-    assert sum(style.words(style.prose(text)) for text in texts if BY_A_COMMAND not in text) <= 26_000
+    assert sum(style.words(style.prose(text)) for text in texts if style.WRITTEN not in text) <= 26_000
