@@ -85,7 +85,7 @@ $(STAMPS)/run-$(KIND): $(STAMPS)/venv-$(KIND) requirements.txt constraints.txt s
 	@grep -v $(NOT_PINNED) constraints.txt > $(STAMPS)/constraints.txt
 	@$(PIP) $(INSTEAD_OF_ROS)
 	@$(PIP) --no-build-isolation --editable . --editable evidence
-	@echo "compiling the physics of the paper's scene (half a minute)"
+	@echo "compiling the physics of the paper's scene (about a minute)"
 	@$(PYTHON) -c "from drill_twin.scene import load_scene; from drill_twin.runs import Session; Session(load_scene('pa6_bench'))"
 	@touch $@
 
