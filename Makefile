@@ -10,7 +10,7 @@ VENV := .venv
 PYTHON := $(VENV)/bin/python
 STAMPS := $(VENV)/.stamps
 
-# A sourced ROS is used as it is: its Python, its rclpy. Without one, the wheels of requirements.txt stand in.
+# A sourced ROS is used as it is: its Python, its rclpy. Without one, the wheels of the extra `ros` stand in.
 # env -u: the variables of another wheel environment must not leak into the one made here.
 CLEAN := env -u _ROS_WHEELS_BOOTSTRAP_COMPLETE
 ROS := $(if $(AMENT_PREFIX_PATH),$(shell python3 -c 'import rclpy; print("sourced")' 2>/dev/null))
@@ -19,18 +19,20 @@ ifeq ($(ROS),sourced)
   VENV_FLAGS := --system-site-packages
   # Its numpy (1.26 on Ubuntu 24.04) stays, and so does everything ROS; the pandas of constraints.txt needs numpy 2.
   NOT_PINNED := -e '^numpy==' -e '^pandas==' -e '^setuptools==' -e '^ros-'
-  INSTEAD_OF_ROS := 'numpy<2'
+  FIRST := 'numpy<2'
+  EXTRA :=
   KIND := sourced-ros
 else
   CANDIDATES := python3.12 python3.11 python3
   VENV_FLAGS :=
   NOT_PINNED := -e '^$$'
-  INSTEAD_OF_ROS := setuptools -r requirements.txt
+  FIRST := setuptools
+  EXTRA := [ros]
   KIND := wheels
 endif
 PIP := $(CLEAN) $(PYTHON) -m pip install --disable-pip-version-check -qq -c $(STAMPS)/constraints.txt
 
-.PHONY: help setup setup-test demo docs test test-long evidence faults faults-seeded kills soak fuzz day damage random-scenes fit-coverage sub-onsets browser bench bag-window map-boundary advice-loop peers check clean
+.PHONY: help setup setup-test demo docs test test-long evidence faults faults-seeded kills soak fuzz day damage random-scenes fit-coverage sub-onsets browser bench bounds bag-window map-boundary advice-loop peers check clean
 
 help:
 	@echo 'make demo       the paper'"'"'s drillstring over DDS: four nodes, a bag, a report in out/demo/'
@@ -50,6 +52,7 @@ help:
 	@echo 'make sub-onsets  onsets from one sub beside their true times, 330 random scenes and motions'
 	@echo 'make browser    the page of drill-twin watch in a headless Chromium'
 	@echo 'make bench      speed of the kernel: by effect, by elements, and against earlier runs'
+	@echo 'make bounds     the suite without ROS with the lowest and the newest versions of what setup.py asks for'
 	@echo 'make bag-window  cost of one minute out of a bag of 2 GB, MCAP and SQLite'
 	@echo 'make map-boundary  error of a map against dense grids of runs; goes on where it was broken off'
 	@echo 'make advice-loop  50 random scenes in closed loop with the advice; goes on where it was broken off'
@@ -80,11 +83,11 @@ $(STAMPS)/venv-$(KIND):
 	[ -e $(PYTHON) ] || { echo "making $(VENV) with $$($$found --version)"; $(CLEAN) $$found -m venv $(VENV_FLAGS) $(VENV); }
 	@mkdir -p $(STAMPS) && touch $(VENV)/COLCON_IGNORE $@
 
-$(STAMPS)/run-$(KIND): $(STAMPS)/venv-$(KIND) requirements.txt constraints.txt setup.py setup.cfg evidence/setup.py
+$(STAMPS)/run-$(KIND): $(STAMPS)/venv-$(KIND) constraints.txt setup.py setup.cfg evidence/setup.py
 	@echo 'installing what the twin needs (0.9 GB, a minute or two)'
 	@grep -v $(NOT_PINNED) constraints.txt > $(STAMPS)/constraints.txt
-	@$(PIP) $(INSTEAD_OF_ROS)
-	@$(PIP) --no-build-isolation --editable . --editable evidence
+	@$(PIP) $(FIRST)
+	@$(PIP) --no-build-isolation --editable '.$(EXTRA)' --editable evidence
 	@echo "compiling the physics of the paper's scene (about a minute)"
 	@$(PYTHON) -c "from drill_twin.scene import load_scene; from drill_twin.runs import Session; Session(load_scene('pa6_bench'))"
 	@touch $@
@@ -184,6 +187,10 @@ bench: $(STAMPS)/bench-$(KIND)
 	@$(PYTHON) -m drill_twin_evidence.benchmarks.kernel machine
 	@$(PYTHON) -m drill_twin_evidence.benchmarks.kernel growth
 	@$(PYTHON) -m drill_twin_evidence.benchmarks.kernel effects
+
+bounds:
+	@nice .ci/bounds lowest
+	@nice .ci/bounds newest
 
 bag-window: setup
 	@$(PYTHON) -m drill_twin_evidence.benchmarks.bag_window

@@ -30,23 +30,23 @@ setup(
         *config_files(),
     ],
     python_requires=">=3.11",
+    # Tested at both ends by `make bounds`: the lowest versions named here, and the newest that pip finds.
     install_requires=[
-        "lz4",
-        "matplotlib",
+        "lz4>=4.0.2",
+        "matplotlib>=3.6.3",
         "mcap>=1.6,<1.7",  # io/bag/mcap_writer.py uses private names of its Writer
         "numba>=0.63.1,<0.69",  # core/compile uses private names of it: evidence/docs/private_compiler.md
-        "numpy>=1.26,<2.6",  # 1.26: what Ubuntu 24.04 gives ROS Jazzy; 2.6: what numba does not take yet
+        "numpy>=1.26.4,<2.6",  # 1.26: what Ubuntu 24.04 gives ROS Jazzy; 2.6: what numba does not take yet
         "pint>=0.24.4",
         "plotly>=5.20",
         "pydantic>=2.12",  # 2.7 to 2.11 take a scene without a name
-        "pyyaml",
-        "rich>=13",
+        "pyyaml>=6.0.1",
+        "rich>=13.7",
         "rosbags>=0.11.6",  # 0.11.0 to 0.11.5 refuse messages that Fast DDS pads at the end
-        "scipy>=1.11",  # 1.11: what Ubuntu 24.04 has
-        "setuptools",
+        "scipy>=1.11.4",  # what Ubuntu 24.04 has
         "typer>=0.19",
         "websockets>=14",  # 13 has no bound of the messages that wait for a client
-        "zstandard",
+        "zstandard>=0.22",
     ],
     extras_require={
         "docs": ["codespell>=2.4", "furo", "myst-parser", "sphinx"],
@@ -73,17 +73,36 @@ setup(
         "dask": ["distributed>=2024.5"],
         "foxglove": ["foxglove-sdk>=0.14"],
         "las": ["lasio>=0.31"],
+        # rclpy, Fast DDS and the messages of Jazzy as wheels (glibc 2.28 or newer), for a machine without it.
+        "ros": [
+            f"{name} ; sys_platform == 'linux' and platform_machine == 'x86_64'"
+            for name in (
+                "ros-jazzy-rclpy==7.1.6",
+                "ros-jazzy-rmw-fastrtps-cpp==8.4.3",
+                "ros-jazzy-common-interfaces==5.3.6",
+            )
+        ],
         "opcua": ["asyncua>=1.1.8", "cryptography"],
         "xarray": ["pandas>=2.2", "xarray"],
     },
     zip_safe=False,
     author="The drill_twin contributors",
     maintainer="The drill_twin contributors",
-    maintainer_email="drill_twin@example.org",
     description="A digital twin of a flexible drillstring as a ROS 2 node set",
     long_description=Path("README.md").read_text(encoding="utf-8") if Path("README.md").exists() else "",
     long_description_content_type="text/markdown",
     license="Apache-2.0",
+    keywords=["drilling", "drillstring", "whirl", "stick-slip", "digital twin", "ROS 2"],
+    classifiers=[
+        "Development Status :: 4 - Beta",
+        "Environment :: Console",
+        "Intended Audience :: Science/Research",
+        "Operating System :: POSIX :: Linux",
+        "Programming Language :: Python :: 3.11",
+        "Programming Language :: Python :: 3.12",
+        "Topic :: Scientific/Engineering :: Physics",
+        "Typing :: Typed",
+    ],
     entry_points={
         "console_scripts": [f"drill-twin = {PACKAGE}.cli:main"],
     },

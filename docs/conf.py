@@ -48,7 +48,7 @@ nitpick_ignore_regex = [("py:.*", r"(?!drill_twin\.[A-Za-z_]+$).*")]
 
 
 _LOG = logging.getLogger(__name__)
-_PRINTED = re.compile(r"^<!-- printed: (\w+) -->$(?:.*?^<!-- end: \1 -->$)?", re.MULTILINE | re.DOTALL)
+_PRINTED = re.compile(r"^<!-- printed: (\w+) -->$(?!.*?^<!-- end: \1 -->$)", re.MULTILINE | re.DOTALL)
 
 
 def _check_style(_app: Sphinx, page: str, source: list[str]) -> None:
@@ -58,7 +58,7 @@ def _check_style(_app: Sphinx, page: str, source: list[str]) -> None:
 
 
 def _insert_printed(_app: Sphinx, _page: str, source: list[str]) -> None:
-    """Put what the code prints in place of each line `<!-- printed: NAME -->`, up to its end where there is one."""
+    """Put what the code prints in place of each line `<!-- printed: NAME -->` whose part is not committed."""
     source[0] = _PRINTED.sub(lambda found: _printed.PAGES[found[1]](), source[0])
 
 

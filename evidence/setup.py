@@ -39,7 +39,6 @@ setup(
     zip_safe=False,
     author="The drill_twin contributors",
     maintainer="The drill_twin contributors",
-    maintainer_email="drill_twin@example.org",
     description="Evidence that drill_twin is right: exact checks, records of rigs, stress, scores, benchmarks",
     license="Apache-2.0",
     entry_points={

@@ -14,6 +14,7 @@ from __future__ import annotations
 import importlib
 import sys
 from collections.abc import Sequence
+from importlib.util import find_spec
 from typing import Any, NoReturn
 
 from drill_twin.core.errors import DrillTwinError, RunError, printable
@@ -56,6 +57,8 @@ def load(name: str) -> Any:
         raise DrillTwinError(f"expected one of {', '.join(EXECUTABLES)}, found {name!r}")
     module, _, attribute = {**NODES, **PROGRAMS}[name].partition(":")
     try:
+        if find_spec("rclpy") is None:  # the demo loads it in its nodes only
+            raise ModuleNotFoundError(name="rclpy")
         return getattr(importlib.import_module(module), attribute)
     except ModuleNotFoundError as error:
         raise _missing(error) from error
@@ -99,7 +102,7 @@ def end(code: int) -> NoReturn:
 
 
 def _missing(error: ModuleNotFoundError) -> DrillTwinError:
-    remedy = "source /opt/ros/jazzy/setup.bash, or run `make setup` and use .venv/bin/python"
+    remedy = "source /opt/ros/jazzy/setup.bash, or pip install 'drill_twin[ros]' (in a clone: make setup)"
     if error.name and not error.name.startswith(("rclpy", "rcl_", "std_", "sensor_", "geometry_", "diagnostic_")):
         remedy = "run `make setup`, or pip install the requirements of drill_twin into this Python"
     return DrillTwinError(f"expected the Python module {error.name!r}, found none in {sys.prefix}; {remedy}")

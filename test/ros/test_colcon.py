@@ -7,12 +7,16 @@ import subprocess
 import sys
 import venv
 from pathlib import Path
+from zipfile import ZipFile
 
 import pytest
 
+import drill_twin
+from drill_twin.core.compile.kernel_cache import cache_folder
 from drill_twin.ros.entry_points import NODES
 
 ROOT = Path(__file__).resolve().parents[2]
+PIP = (sys.executable, "-m", "pip", "--disable-pip-version-check")
 
 
 @pytest.mark.long
@@ -28,37 +32,76 @@ def test_the_package_builds_and_its_executables_run():
     assert "ok: the README from the workspace" in done.stdout
 
 
+@pytest.fixture(scope="module")
+def built(tmp_path_factory):
+    """Folder with the sdist of what git would hand over, and the wheels: `a` of the tree, `b` of the sdist."""
+    folder = tmp_path_factory.mktemp("built")
+    listed = ["git", "ls-files", "-z", "--cached", "--others", "--exclude-standard"]
+    for name in subprocess.run(listed, cwd=ROOT, capture_output=True, text=True, check=True).stdout.split("\0"):
+        if name and (ROOT / name).is_file():
+            target = folder / "source" / name
+            target.parent.mkdir(parents=True, exist_ok=True)
+            shutil.copy2(ROOT / name, target)
+    make_sdist = "import sys; from setuptools import build_meta; build_meta.build_sdist(sys.argv[1])"
+    _run([sys.executable, "-c", make_sdist, str(folder)], folder / "source")
+    (sdist,) = folder.glob("*.tar.gz")
+    for name, source in (("a", folder / "source"), ("b", sdist)):
+        _run([*PIP, "wheel", "--no-deps", "--no-build-isolation", "--wheel-dir", str(folder / name), str(source)])
+    return folder
+
+
 @pytest.mark.long
-def test_a_wheel_brings_one_command_and_the_executables_of_ros2_run(tmp_path):
-    """Into an environment that has nothing else but the path of the libraries that the tests use."""
-    source = tmp_path / "source"
-    for name in ("drill_twin", "config", "resource"):
-        shutil.copytree(ROOT / name, source / name, ignore=shutil.ignore_patterns("__pycache__"))
-    for name in ("setup.py", "setup.cfg", "package.xml", "README.md", "LICENSE", "MANIFEST.in", "colcon.pkg"):
-        shutil.copy(ROOT / name, source)
-    environment = tmp_path / "environment"
+def test_the_wheel_has_what_a_user_needs_and_so_has_that_of_the_sdist(built):
+    first, second = (ZipFile(next((built / name).glob("*.whl"))) for name in ("a", "b"))
+    crc = [{item.filename: item.CRC for item in wheel.infolist() if not item.is_dir()} for wheel in (first, second)]
+    assert crc[0] == crc[1]
+    tracked = {path.relative_to(built / "source") for path in (built / "source").rglob("*") if path.is_file()}
+    data = f"drill_twin-{drill_twin.__version__}.data/data/share/drill_twin"
+    needed = {str(path) for path in tracked if path.parts[0] == "drill_twin"}
+    needed |= {f"{data}/{path.relative_to('config')}" for path in tracked if path.parts[0] == "config"}
+    names = set(crc[0])
+    assert needed <= names
+    others = {name for name in names - needed if ".dist-info/" not in name}
+    assert {Path(name).parent.name for name in others} == {"packages", "drill_twin", "bin", "hook"}
+    assert not [name for name in names if "test" in Path(name).parts or "__pycache__" in name]
+
+
+@pytest.mark.long
+def test_a_wheel_runs_from_an_empty_environment(built, tmp_path):
+    """It has the path of the libraries that the tests use, their kernels, an empty home and no clone around."""
+    environment, where = (
+        tmp_path / "environment",
+        {"HOME": str(tmp_path / "home"), "DRILL_TWIN_CACHE": str(cache_folder())},
+    )
+    (tmp_path / "home").mkdir()
     venv.create(environment, with_pip=True)
     (packages,) = environment.glob("lib/python*/site-packages")
     (packages / "libraries.pth").write_text("".join(f"{path}\n" for path in sys.path if "site-packages" in path))
     before = {file.name for file in (environment / "bin").iterdir()}
-    pip = [sys.executable, "-m", "pip", "--disable-pip-version-check"]
-    _run([*pip, "wheel", "--no-deps", "--no-build-isolation", "--wheel-dir", str(tmp_path), str(source)])
-    (wheel,) = tmp_path.glob("*.whl")
+    (wheel,) = (built / "b").glob("*.whl")
     _run([str(environment / "bin" / "pip"), "install", "--no-deps", "--no-index", str(wheel)])
     assert {file.name for file in (environment / "bin").iterdir()} - before == {"drill-twin"}
     assert {file.name for file in (environment / "lib" / "drill_twin").iterdir()} == {*NODES, "twin", "watch"}
+    from_share = f"import drill_twin.scene as s; assert str(s.presets()['pa6_bench']).startswith('{environment}/share')"
+    _run([str(environment / "bin" / "python"), "-c", from_share])
     for command in ("lib/drill_twin/simulator", "bin/drill-twin ros node simulator"):
         said = _run([str(environment / command.split()[0]), *command.split()[1:], "--help"])
         assert said.startswith("usage: simulator ")
-    from_share = f"import drill_twin.scene as s; assert str(s.presets()['pa6_bench']).startswith('{environment}/share')"
-    _run([str(environment / "bin" / "python"), "-c", from_share])
+    for command in (
+        "run pa6_bench --duration 1 --out run",
+        "report run/bag_0 --out report",
+        "ros demo --duration 1 --pace fast --out demo",
+    ):
+        _run([str(environment / "bin" / "drill-twin"), *command.split()], tmp_path, **where)
+    for file in ("run/summary.json", "report/report.html", "demo/report.html"):
+        assert (tmp_path / file).stat().st_size > 0
 
 
-def _run(command):
+def _run(command, folder=Path("/"), **variables):
     """Output of a command that must succeed, run where nothing of the clone is on the path."""
     environment = {name: text for name, text in os.environ.items() if name != "PYTHONPATH"}
     done = subprocess.run(
-        command, cwd="/", env=environment, capture_output=True, text=True, timeout=300, check=False
+        command, cwd=folder, env=environment | variables, capture_output=True, text=True, timeout=300, check=False
     )  # fmt: skip
     assert done.returncode == 0, done.stdout + done.stderr
     return done.stdout

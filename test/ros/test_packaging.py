@@ -114,10 +114,25 @@ def test_versions_are_pinned(setup_arguments):
     extras = setup_arguments["extras_require"]
     for line in [*setup_arguments["install_requires"], *extras["test"], *extras["docs"]]:
         assert re.split(r"[<>=!~ ]", line)[0].lower() in names, line
-    for line in (ROOT / "requirements.txt").read_text("utf-8").splitlines():
-        if line and not line.startswith("#"):
-            name, _, rest = line.partition("==")
-            assert pins[name] == rest.partition(";")[0].strip()
+    assert {line.partition(" ")[0] for line in extras["ros"]} <= {f"{name}=={pin}" for name, pin in pins.items()}
+
+
+def test_each_bound_names_a_version_that_can_be_tested(setup_arguments):
+    """`.ci/bounds lowest` installs it."""
+    for line in setup_arguments["install_requires"]:
+        assert re.fullmatch(r"[a-z0-9]+>=[0-9.]+(,<[0-9.]+)?", line)
+
+
+def test_a_ros_workspace_gets_what_has_no_key_in_rosdep(setup_arguments):
+    page, manifest = ((ROOT / name).read_text("utf-8") for name in ("docs/install.md", "package.xml"))
+    (line,) = re.findall(r"^\$ \.venv/bin/pip install (.*)$", page, re.MULTILINE)
+    keys = {"pyyaml": "python3-yaml"}
+    needed = {
+        line
+        for line in setup_arguments["install_requires"]
+        if f">{keys.get(name := line.partition('>')[0], f'python3-{name}')}<" not in manifest
+    }
+    assert set(re.findall(r'"([^"]+)"', line)) == {"numpy<2", *needed}
 
 
 @pytest.mark.parametrize("node", sorted(NODES))
@@ -219,4 +234,8 @@ def test_the_installed_scenes_are_all_there():
 def test_the_changelog_is_one_for_ros():
     lines = (ROOT / "CHANGELOG.rst").read_text("utf-8").splitlines()
     assert lines[1] == "Changelog for package drill_twin"
-    assert any(re.fullmatch(r"Forthcoming|\d+\.\d+\.\d+ \(\d{4}-\d{2}-\d{2}\)", line) for line in lines)
+    releases = [line for line in lines if re.fullmatch(r"\d+\.\d+\.\d+ \(\d{4}-\d{2}-\d{2}\)", line)]
+    version, _, date = releases[0].partition(" ")
+    assert version == drill_twin.__version__
+    citation = yaml.safe_load((ROOT / "CITATION.cff").read_text("utf-8"))
+    assert (citation["version"], f"({citation['date-released']})") == (version, date)

@@ -150,11 +150,12 @@ def test_an_unknown_node_is_refused(bench):
     assert "usage: python -m drill_twin.ros" in process.text
 
 
-def test_without_rclpy_a_node_says_what_to_do(bench):
+@pytest.mark.parametrize("program", ["analyzer", "demo"])
+def test_without_rclpy_a_program_says_what_to_do(bench, program):
     # An interpreter that finds this package and its libraries, but no rclpy: as after pip install without ROS.
-    start = "from drill_twin.ros.entry_points import start; sys.exit(start('analyzer'))"
+    start = f"from drill_twin.ros.entry_points import start; sys.exit(start({program!r}, []))"
     hide = f"import sys; sys.modules['rclpy'] = None; {start}"
-    process = bench.command("analyzer", [sys.executable, "-c", hide])
+    process = bench.command(program, [sys.executable, "-c", hide])
     assert process.wait() == 2
     assert "source /opt/ros/jazzy/setup.bash" in process.text
     assert "Traceback" not in process.text

@@ -79,7 +79,7 @@ def ros_installation() -> Iterator[Check]:
             "rclpy",
             "not installed: simulation, analysis, reports and the page of a bag work; nodes, replay and load do not",
             Verdict.NOTE,
-            "for the nodes: source /opt/ros/jazzy/setup.bash, or run make setup",
+            "for the nodes: source /opt/ros/jazzy/setup.bash, or pip install 'drill_twin[ros]' (clone: make setup)",
         )
         return
     middleware, error = _middleware()
