@@ -41,8 +41,7 @@ def licences() -> str:
 def _setup_arguments() -> dict[str, Any]:
     with contextlib.chdir(ROOT), mock.patch("setuptools.setup") as setup:
         runpy.run_path(str(ROOT / "setup.py"))
-    found: dict[str, Any] = setup.call_args.kwargs
-    return found
+    return dict(setup.call_args.kwargs)
 
 
 def _closure(lines: list[str], seen: set[str], extras: frozenset[str] = frozenset({""})) -> set[str]:
@@ -60,10 +59,10 @@ def _closure(lines: list[str], seen: set[str], extras: frozenset[str] = frozense
 
 def _licence(name: str) -> str:
     """Expression, classifiers or short name of a distribution, the first that it states."""
-    stated = metadata.metadata(name)
-    classifiers = [line.rpartition(" :: ")[2] for line in stated.get_all("Classifier", []) if "License ::" in line]
-    said = stated.get("License-Expression") or ", ".join(classifiers) or stated.get("License") or "not stated"
-    return re.sub(r" \(.*\)$", "", said)
+    stated = metadata.metadata(name).json
+    lines = [line.rpartition(" :: ")[2] for line in stated.get("classifier", []) if "License ::" in line]
+    said = stated.get("license_expression") or ", ".join(lines) or stated.get("license") or "not stated"
+    return re.sub(r" \(.*\)$", "", str(said))
 
 
 def _ros_rows() -> list[tuple[str, str, str]]:
