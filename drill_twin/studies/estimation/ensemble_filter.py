@@ -4,24 +4,26 @@
 from __future__ import annotations
 
 import math
+from collections import deque
 from collections.abc import Collection, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from numbers import Integral, Real
 
 import numpy as np
 
-from drill_twin.core.arrays import Array
+from drill_twin.core.arrays import Array, Mask
 from drill_twin.core.errors import ArgumentError
 from drill_twin.core.rig_channels import INSTANT
 from drill_twin.scene import Scene
 from drill_twin.studies.estimation.channel_errors import ChannelErrors, ModelMismatchAlarm
 from drill_twin.studies.estimation.estimate import Estimate, FilterWindow
-from drill_twin.studies.estimation.innovations import Innovations, widening, widening_of_numbers
-from drill_twin.studies.estimation.jumps import Jumps
+from drill_twin.studies.estimation.innovations import WINDOWS, Innovations, widening, widening_of_numbers
+from drill_twin.studies.estimation.jumps import UNEXPLAINED, Jumps
 from drill_twin.studies.estimation.members import EstimatorMembers
 from drill_twin.studies.estimation.phase import PhaseCorrection
 from drill_twin.studies.estimation.prediction import Band, Prediction, WindowTiming
 from drill_twin.studies.estimation.regime_resampling import RegimeResampling
+from drill_twin.studies.estimation.restarts import Restarts
 from drill_twin.studies.estimation.square_root_filter import Correction, applied, corrections
 from drill_twin.studies.estimation.subs import VALUES, speed
 from drill_twin.studies.fitting.sampling import Ranges
@@ -34,9 +36,10 @@ _LATERAL = ("radius", "bending_stress")
 """Those that the correction of the lateral motion changes too; the largest wall force, of an impact, follows none."""
 _FOLLOWED = ("radius", "bit_speed", "wall_force")
 """Virtual sensors whose bands hold with a sub as without."""
-_FEW = 3.0
-"""Factor of the bands of the others with a sub: so few members have too little spread in the many directions of a
-motion that it corrects. Found on eleven truths of `pa6_bench`; judged on others (docs/bands.md)."""
+_FEW, _IMPACT = 2.0, 1.1
+"""Factors of the bands of the others with a sub, as so few members have too little spread in the many directions of a
+motion that it corrects, and of the largest wall force. Found on 17 truths of `pa6_bench`; judged on others
+(docs/bands.md)."""
 _WHIRLS = 0.5
 """Share of members that whirl, above which none is followed ahead."""
 
@@ -131,8 +134,10 @@ class EnsembleFilter:
         self._resampling = RegimeResampling(options.members, options.seed)
         self._innovations, self._alarm = Innovations(self.channels), ModelMismatchAlarm(self.channels)
         self._jumps = Jumps(self.channels, self.members.keys)
+        self._restarts = Restarts(self.members, self._computed)
         self._phase = PhaseCorrection(self.members, options.error)
         self._replaced, self._unmeasured = 0, 0.0
+        self._recent: deque[dict[str, Array]] = deque(maxlen=WINDOWS)
         self._distance: Array = np.zeros(options.members)
 
     def advance(self, window: FilterWindow) -> Estimate:
@@ -141,13 +146,15 @@ class EnsembleFilter:
         Raises:
             RunError: No member could be followed.
         """
+        self._restarts.begin(window.commands)
         frames, prediction = self.members.advance(window.commands, self._nearest)
         start, self.time = self.time, self.time + self.pace.window
         predicted, measured, readings = self._compared(prediction, window)
         measured = self._errors.screen(predicted, measured)
+        self._restarts.end(measured)
         self._innovations.take(predicted, measured, self._errors.scale, self._errors.stated)
         misfit, normalised = self._innovations.misfit, self._innovations.normalised
-        anew = self._jumps.take(start, predicted, self.members.normal, self._errors.stated, normalised)
+        anew = self._jumps.take(predicted, self.members.normal, self._errors.stated, normalised)
         found = corrections(predicted, measured, self._errors.deviation)
         lateral = self._phase(self.members, prediction.readings, readings, found) if self.members.subs else []
         corrected = applied(found, predicted)
@@ -155,11 +162,10 @@ class EnsembleFilter:
         free = [self._jumps.free] * len(found) + [False if self._phase.lost else self._jumps.free] * len(lateral)
         self.members.correct([*found, *lateral], free)
         if anew.any():
-            self.members.draw_anew(anew)
-            self._errors.forget()
-            self._innovations.forget()
+            self._start_again(start, anew)
         self._forget()
         sensors = self._sensors(prediction, found, lateral)
+        self._recent.append(sensors)
         self._alarm.take(start, normalised)
         self._unmeasured = 0.0 if np.isfinite(misfit).any() else self._unmeasured + self.pace.window
         predicted = np.concatenate((predicted, self._phase.predicted), axis=1)
@@ -173,7 +179,7 @@ class EnsembleFilter:
             time=self.time,
             numbers=self.members.bands(of_numbers),
             untold=self.members.untold(of_numbers),
-            sensors={name: Band.of(values, self._wider(name, factor)) for name, values in sensors.items()},
+            sensors={name: self._band(name, values, factor) for name, values in sensors.items()},
             whirls=float(prediction.whirls.mean()),
             chance=self._chance(window.commands, float(prediction.whirls.mean())),
             unexplained=self._alarm.since,
@@ -186,10 +192,29 @@ class EnsembleFilter:
             frames=frames,
         )
 
+    def _start_again(self, start: float, told: Mask) -> None:
+        """Follow again with the numbers that explain a jump; if none do, all are as they were, and held."""
+        restart = self._restarts.found(told, self._errors.stated)
+        self._jumps.explain(start, np.zeros_like(told) if restart is None else restart.chosen)
+        if restart is None:
+            self.members.set_numbers(self._restarts.held)
+        else:
+            self._restarts.follow(restart)
+            self._errors.forget()
+            self._innovations.forget()
+
+    def _band(self, name: str, values: Array, factor: float) -> Band:
+        """Band of a virtual sensor; after a jump that no number explains, all that the members did of late."""
+        own = Band.of(values, self._wider(name, factor))
+        if UNEXPLAINED not in self._jumps.since:
+            return own
+        late = Band.of(np.concatenate([each[name] for each in self._recent]))
+        return replace(own, low=min(own.low, late.low), high=max(own.high, late.high))
+
     def _wider(self, name: str, factor: float) -> float:
         """Factor of the band of a virtual sensor, from that of what is not measured."""
         if not self.members.subs or name in _FOLLOWED:
-            return factor
+            return _IMPACT * factor if name == "wall_force" else factor
         return _FEW * max(factor, math.sqrt(self._phase.chi_square))
 
     @property

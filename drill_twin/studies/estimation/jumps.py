@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Jumps of numbers: shown by the innovations of a channel, after which the numbers that it tells are drawn anew.
+"""Jumps of numbers: shown by the innovations of a channel, and explained by one that it tells, or by none.
 
-The filter has by then a spread that does not reach the new value. A share of the members is drawn again from the prior,
-in those numbers alone to which the channel responds; the others keep what was learnt.
+The filter has by then a spread that does not reach the new value. What explains the jump is found by restarts
+(`drill_twin.studies.estimation.restarts`) and is looked for anew; the other numbers are held as they were.
 """
 
 from __future__ import annotations
@@ -16,9 +16,10 @@ from drill_twin.studies.estimation.channel_errors import BEGIN, LIMIT
 
 _WINDOWS = 2
 """Windows in a row, not explained, that show a jump."""
-_ALONE, _APART = 10, 20
-"""Windows after a jump in which the numbers that were drawn anew are corrected alone, and before the next jump: a
-motion that has lost its phase with the load is no jump of friction."""
+_ALONE, _APART, _LONGEST = 10, 20, 80
+"""Windows after a jump in which the numbers that explain it are corrected alone, and before the next jump: a motion
+that has lost its phase with the load is no jump of friction. Where none explains it, all are held until the next, and
+the time to it doubles, as restarts cost some windows of computing."""
 _TELLS = 0.5
 """Share of the variance of a number that its channel explains, from which the channel tells it."""
 _KEPT = 0.97
@@ -26,12 +27,16 @@ _KEPT = 0.97
 _DIRECTIONS, _LEAST = 5, 0.01
 """Most directions of a channel that explain a number, and their least variance over that of the stated error."""
 
+UNEXPLAINED = "none of the numbers"
+"""Key of a jump that no number explains."""
+
 
 class Jumps:
     """Detector of jumps over windows of C channels, for d numbers.
 
     Attributes:
-        since: Time of the jump [s] by key, of numbers that were drawn anew for `_APART` windows.
+        since: Time of the jump [s] by key of each number that explains it, for `_APART` windows; of `UNEXPLAINED`, if
+            none does.
     """
 
     def __init__(self, channels: Sequence[str], keys: Sequence[str]) -> None:
@@ -40,19 +45,19 @@ class Jumps:
         self._told: Array = np.zeros((len(channels), len(keys)))
         self._odd = np.zeros(len(channels), dtype=int)
         self._wait = BEGIN  # windows before the next jump
+        self._apart = _APART
 
     @property
     def free(self) -> Mask | bool:
-        """Numbers that may be corrected, shape (d,): after a jump those alone that were drawn anew; else all."""
-        if not self.since or self._wait < _APART - _ALONE:
+        """Numbers that may be corrected, shape (d,): after a jump those alone that explain it; else all."""
+        if UNEXPLAINED not in self.since and (not self.since or self._wait < _APART - _ALONE):
             return True
         return np.array([key in self.since for key in self._keys])
 
-    def take(self, start: float, predicted: Array, numbers: Array, stated: Array, normalised: Array) -> Mask:
-        """Take a window before its correction; returns the numbers that are to be drawn anew, shape (d,).
+    def take(self, predicted: Array, numbers: Array, stated: Array, normalised: Array) -> Mask:
+        """Take a window before its correction; returns the numbers that may explain a jump, shape (d,).
 
         Args:
-            start: Its first time [s].
             predicted: Channels of the members, shape (N, C, S).
             numbers: Their numbers, shape (N, d).
             stated: Stated errors of a sample, shape (C,).
@@ -64,13 +69,19 @@ class Jumps:
         if self._wait:
             self._wait -= 1
             return np.zeros(len(self._keys), dtype=bool)
-        self.since = {}
         jumped = self._odd >= _WINDOWS
-        anew: Mask = jumped[self._told.argmax(axis=0)] & (self._told.max(axis=0) > _TELLS)
-        if anew.any():
-            self.since = {key: start for key, of in zip(self._keys, anew, strict=True) if of}
-            self._wait, self._odd[:] = _APART, 0
-        return anew
+        may: Mask = jumped[self._told.argmax(axis=0)] & (self._told.max(axis=0) > _TELLS)
+        if not may.any():
+            self.since = {}
+        return may
+
+    def explain(self, start: float, chosen: Mask) -> None:
+        """Take the numbers that explain a jump, shape (d,), and the first time of the window that showed it [s]."""
+        found = {key: start for key, of in zip(self._keys, chosen, strict=True) if of}
+        again = not found and UNEXPLAINED in self.since
+        self.since = found or {UNEXPLAINED: self.since.get(UNEXPLAINED, start)}
+        self._apart = min(2 * self._apart, _LONGEST) if again else _APART
+        self._wait, self._odd[:] = self._apart, 0
 
 
 def explained(predicted: Array, numbers: Array) -> Array:
@@ -91,5 +102,7 @@ def explained(predicted: Array, numbers: Array) -> Array:
 
 def told_of_jumps(since: Mapping[str, float]) -> str:
     """Sentence on numbers that are being looked for anew, by key with the time of the jump [s]; empty without."""
+    if UNEXPLAINED in since:
+        return f"a jump at {since[UNEXPLAINED]:.1f} s that {UNEXPLAINED} explains: they are held as they were"
     parts = [f"{key} since {time:.1f} s" for key, time in since.items()]
     return f"looked for anew after a jump: {', '.join(parts)}" if parts else ""

@@ -66,7 +66,6 @@ class EstimatorMembers:
         self._check()
         drawn = stats.qmc.Sobol(len(ranges), seed=np.random.default_rng(seed)).random(count)
         self.normal: Array = special.ndtri(np.clip(drawn, 1e-4, 1.0 - 1e-4))
-        self._generator = np.random.default_rng((seed, 1))
         self.twins = [Twin(self._scene(number)) for number in range(count)]
         self.lateral, self._reader = LateralMotion(scene, self.twins[0]), SubReader(scene, self.twins[0], self.subs)
         self._record = self.twins[0].record(pace.frames, nodes=bool(self.subs))
@@ -167,17 +166,25 @@ class EstimatorMembers:
         for number, twin in enumerate(self.twins):
             twin.change_numbers(self._scene(number))
 
-    def draw_anew(self, chosen: Mask) -> None:
-        """Draw some numbers of half of the members from the prior.
+    def set_numbers(self, normal: Array) -> None:
+        """Give the members other numbers, shape (N, d); they keep their motion."""
+        self.normal = normal.copy()
+        self._write()
+
+    def replay(self, number: int, state: Mapping[str, Array], windows: Sequence[Array]) -> list[Mapping[str, Array]]:
+        """Set a member back to a checkpoint, and advance it with the numbers that it has now; returns its channels.
 
         Args:
-            chosen: Numbers, shape (d,).
+            number: Number of the member.
+            state: Checkpoint of its twin.
+            windows: Set-points of each window, as of `advance`.
+
+        Raises:
+            DrillTwinError: It cannot be followed.
         """
-        count = len(self) // 2
-        who = self._generator.permutation(len(self))[:count]
-        for number in np.flatnonzero(chosen).tolist():
-            self.normal[who, number] = special.ndtri((self._generator.permutation(count) + 0.5) / count)
-        self._write()
+        self.twins[number].restore(state)
+        self.twins[number].change_numbers(self._scene(number))
+        return [self._advance(number, commands)[0] for commands in windows]
 
     @property
     def places(self) -> dict[str, Array]:

@@ -63,6 +63,18 @@ def test_a_jump_of_the_load_is_told_and_followed_and_friction_stays():
     assert any("load_factor | " in line and " s" in line for line in lines("load_jump", found))
 
 
+@pytest.mark.parametrize(("case", "number"), [("friction_jump", 101), ("stiffness_jump", 100)])
+def test_a_jump_is_followed_in_the_number_that_explains_it_alone(case, number):
+    found = follow(CASES[case], number, 45.0, 16)
+    for key in found.hidden:
+        if key != CASES[case].jump:
+            assert found.dragged(key)[0] < 0.03, key
+    if case == "friction_jump":
+        assert found.found_after(CASES[case].jump, 0.05) < 10.0
+    else:
+        assert "that none of the numbers explains" in found.estimates[-1].alarm
+
+
 def test_a_campaign_that_was_broken_off_goes_on_with_the_same_truths(tmp_path):
     options = [*SMALL, f"--journal={tmp_path / 'rows.jsonl'}"]
     done = CliRunner().invoke(app, options)

@@ -212,7 +212,7 @@ def test_divergence_begins_with_its_first_window_and_ends():
     assert seen[32] == {}
 
 
-def test_numbers_of_the_channel_that_jumps_are_drawn_anew():
+def test_numbers_of_the_channel_that_jumps_may_explain_it_and_the_others_are_held():
     draw, jumps = np.random.default_rng(2), Jumps(["torque", "hookload"], ["friction", "load"])
     numbers = draw.standard_normal((32, 2))
     found = []
@@ -220,10 +220,16 @@ def test_numbers_of_the_channel_that_jumps_are_drawn_anew():
         load = numbers[:, 1, None] + 0.1 * draw.standard_normal((32, 10))
         predicted = np.stack((numbers[:, :1] * np.sin(np.arange(10.0)), load), axis=1)
         normalised = np.array([np.nan, 6.0 if 20 <= window < 30 else 0.8])
-        found.append(jumps.take(float(window), predicted, numbers, np.ones(2), normalised).tolist())
-    assert [k for k, anew in enumerate(found) if any(anew)] == [21]
+        found.append(jumps.take(predicted, numbers, np.ones(2), normalised).tolist())
+        if any(found[-1]):
+            jumps.explain(20.0, np.array(found[-1]))
+            assert np.array_equal(jumps.free, [False, True])
+    assert [k for k, told in enumerate(found) if any(told)] == [21]
     assert found[21] == [False, True]
     assert told_of_jumps({"load": 20.0}) == "looked for anew after a jump: load since 20.0 s"
+    jumps.explain(50.0, np.zeros(2, dtype=bool))
+    assert not np.any(jumps.free)
+    assert "50.0 s that none of the numbers explains" in told_of_jumps(jumps.since)
 
 
 def test_command_follows_a_record(record, tmp_path):
