@@ -6,12 +6,17 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
-from browser import Browser
-from made_up import MARKS, make_frame
 
-from drill_twin.io.messages.drawing.geometry import StringGeometry
-from drill_twin.runs import Outcome, Session
-from drill_twin.scene import Scene, load_scene
+from drill_twin.core.process import use_one_thread_of_blas
+
+use_one_thread_of_blas()  # as commands and nodes do, before numpy: workers share the cores, and its threads wait
+
+from browser import Browser  # noqa: E402
+from made_up import MARKS, make_frame  # noqa: E402
+
+from drill_twin.io.messages.drawing.geometry import StringGeometry  # noqa: E402
+from drill_twin.runs import Outcome, Session  # noqa: E402
+from drill_twin.scene import Scene, load_scene  # noqa: E402
 
 __all__ = ["make_frame"]
 

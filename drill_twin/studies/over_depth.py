@@ -15,7 +15,7 @@ from drill_twin.core.arrays import Array
 from drill_twin.core.errors import ArgumentError, TableError
 from drill_twin.core.table import Table
 from drill_twin.core.units.dimension import FORCE, LENGTH, TORQUE
-from drill_twin.core.units.spelling import name_and_unit
+from drill_twin.core.units.parse import name_and_unit
 from drill_twin.dynamics.torque_drag.over_depth import OverDepth
 from drill_twin.report.figures.style import BLUE, GREEN, INK, VERMILION, blank, head, styled
 from drill_twin.scene.records import read_columns

@@ -109,14 +109,12 @@ def two_sided_spectrum(time: Array, z: ComplexArray, *, segment: float | None = 
     Raises:
         AnalysisError: Fewer than 16 finite samples, or times that do not rise.
     """
-    good = np.isfinite(time) & np.isfinite(z.real) & np.isfinite(z.imag)
-    time, z = np.asarray(time, float)[good], np.asarray(z, complex)[good]
+    time, z = _finite(time, z)
     if time.size < FEWEST:
         raise AnalysisError(f"expected at least {FEWEST} finite samples for a spectrum, found {time.size}")
     if not (np.diff(time) > 0).all():
         raise AnalysisError("expected times that rise from sample to sample, found some that do not; sort the record")
-    grid = np.linspace(time[0], time[-1], time.size)
-    even = np.interp(grid, time, z.real) + 1j * np.interp(grid, time, z.imag)
+    _, even = _evenly(time, z)
     rate = (time.size - 1) / (time[-1] - time[0])
     length = time.size if segment is None else min(time.size, max(FEWEST, round(segment * rate)))
     padded = 2 ** math.ceil(math.log2(2 * length))
@@ -151,16 +149,14 @@ def spectrum_over_time(time: Array, z: ComplexArray, window: float, columns: int
     Raises:
         AnalysisError: The record is shorter than the window, or has fewer than 16 finite samples in one.
     """
-    good = np.isfinite(time) & np.isfinite(z.real) & np.isfinite(z.imag)
-    time, z = np.asarray(time, float)[good], np.asarray(z, complex)[good]
+    time, z = _finite(time, z)
     rate = (time.size - 1) / float(time[-1] - time[0]) if time.size > 1 else 0.0
     length = round(window * rate)
     if length < FEWEST or length > time.size:
         raise AnalysisError(
             f"expected a record of at least {window:.3g} s with {FEWEST} finite samples in it, found {time.size}"
         )
-    grid = np.linspace(time[0], time[-1], time.size)
-    even = np.interp(grid, time, z.real) + 1j * np.interp(grid, time, z.imag)
+    grid, even = _evenly(time, z)
     centres = np.unique(np.linspace(0, time.size - 1, min(columns, time.size)).astype(np.intp))
     place, taper = _tapers(centres, length, time.size)
     padded = 2 ** math.ceil(math.log2(2 * length))
@@ -168,6 +164,17 @@ def spectrum_over_time(time: Array, z: ComplexArray, window: float, columns: int
     radius = np.abs(spectra) / taper.sum(axis=1, keepdims=True)
     frequency = np.fft.fftshift(np.fft.fftfreq(padded, 1.0 / rate))
     return grid[centres], frequency, radius.T
+
+
+def _finite(time: Array, z: ComplexArray) -> tuple[Array, ComplexArray]:
+    good = np.isfinite(time) & np.isfinite(z.real) & np.isfinite(z.imag)
+    return np.asarray(time, float)[good], np.asarray(z, complex)[good]
+
+
+def _evenly(time: Array, z: ComplexArray) -> tuple[Array, ComplexArray]:
+    """Record on the mean grid of its times."""
+    grid = np.linspace(time[0], time[-1], time.size)
+    return grid, np.interp(grid, time, z.real) + 1j * np.interp(grid, time, z.imag)
 
 
 def _tapers(centres: NDArray[np.intp], length: int, samples: int) -> tuple[NDArray[np.intp], Array]:

@@ -48,7 +48,7 @@ def summarise(
         whirl_frequency_hz=precession if single else None,
         precession_ratio=ratio if single else None,
         frequency_mark=None if mark is None else names[mark],
-        max_radius_m=dict(zip(names, _finite(largest), strict=True)),
+        max_radius_m=dict(zip(names, map(number_or_none, largest.tolist()), strict=True)),
         rotation_rev_s=turns / seconds if seconds > 0.0 else None,
         motion=motion,
         mark_motion={name: timeline.periods for name, timeline in zip(names, timelines[:-1], strict=True)},
@@ -96,7 +96,3 @@ def _notes(
     if dropped:
         notes.append(f"{dropped} later changes of the string's motion are not listed")
     return tuple(notes)
-
-
-def _finite(values: Array) -> list[float | None]:
-    return [value if math.isfinite(value) else None for value in values.tolist()]

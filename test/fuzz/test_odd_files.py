@@ -23,7 +23,7 @@ from drill_twin.report import build_report
 from drill_twin.scene import load_scene
 from drill_twin.scene.records import read_columns
 from drill_twin.scene.set_points import read_table
-from drill_twin.scene.well_plan.survey_file import read_survey
+from drill_twin.scene.well_plan.plan import read_survey
 from drill_twin.scene.well_plan.tally import read_tally
 from drill_twin.studies.maps.operating_map import read_map
 

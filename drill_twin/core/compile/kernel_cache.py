@@ -29,9 +29,8 @@ import numba
 import numpy as np
 from numba.core.dispatcher import Dispatcher
 
-from drill_twin.core.compile.bitcode_cache import keep_parts
 from drill_twin.core.compile.jit import is_inlined
-from drill_twin.core.compile.object_cache import is_open, keep_machine_code
+from drill_twin.core.compile.object_cache import is_open, keep_machine_code, keep_parts
 from drill_twin.core.compile.source_hash import modules_reached, source_hash
 from drill_twin.core.errors import RunError
 from drill_twin.core.files.output import PRIVATE, write_whole

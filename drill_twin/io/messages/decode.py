@@ -234,20 +234,9 @@ def read_pose_rows(raws: Sequence[bytes]) -> tuple[list[int], Array] | None:
 
 def _poses_by_rosbags(raw: bytes) -> PoseArray:
     content = deserialize(raw, POSE_ARRAY)
-    rows = [
-        (
-            p.position.x,
-            p.position.y,
-            p.position.z,
-            p.orientation.x,
-            p.orientation.y,
-            p.orientation.z,
-            p.orientation.w,
-        )
-        for p in content.poses
-    ]
-    poses = np.array(rows, np.float64).reshape(-1, 7)
-    return PoseArray(header_stamp(content), poses[:, :3], poses[:, 3:])
+    position = [(at.x, at.y, at.z) for at in (pose.position for pose in content.poses)]
+    orientation = [(turn.x, turn.y, turn.z, turn.w) for turn in (pose.orientation for pose in content.poses)]
+    return PoseArray(header_stamp(content), np.array(position).reshape(-1, 3), np.array(orientation).reshape(-1, 4))
 
 
 def read_float64(raw: bytes) -> float:

@@ -18,7 +18,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from drill_twin.ros.core.stop_request import StopRequest
-from drill_twin.ros.demo.processes import STARTING_TIME, Child, processes
+from drill_twin.ros.demo.processes import Child, processes, twin_commands
 
 if TYPE_CHECKING:
     from drill_twin.ros.demo.demo_observer import DemoObserver
@@ -63,25 +63,16 @@ def run_load(options: LoadOptions) -> tuple[list[NodeLoad], Mapping[str, str]]:
     """
     from drill_twin.ros.deployment import own_domain
 
+    overrides = f"numerics.elements={options.elements}; numerics.frame_rate={options.rate:g} Hz"
+    scene = {"scene": options.scene, "overrides": overrides}
     with (
         tempfile.TemporaryDirectory(prefix="drill_twin_load_") as folder,
         own_domain(Path(folder)),
-        processes(_commands(options, Path(folder)), dict(os.environ), Path(folder)) as children,
+        processes(twin_commands({}, scene, Path(folder, "bag_0")), dict(os.environ), Path(folder)) as children,
     ):
         _observe_until(lambda observer: observer.time > _WARM_UP, children)
         shares = _measure(children, options.seconds)
         return shares, _observe_until(lambda observer: bool(observer.simulator), children)
-
-
-def _commands(options: LoadOptions, folder: Path) -> dict[str, Mapping[str, object]]:
-    overrides = f"numerics.elements={options.elements}; numerics.frame_rate={options.rate:g} Hz"
-    scene = {"scene": options.scene, "overrides": overrides}
-    return {
-        "simulator": scene,
-        "rig_driver": {**scene, "wait_for": "simulator analyzer recorder", "wait_timeout": STARTING_TIME},
-        "analyzer": {},
-        "recorder": {"bag": str(folder / "bag_0")},
-    }
 
 
 def _observe_until(reached: Callable[[DemoObserver], bool], children: Mapping[str, Child]) -> Mapping[str, str]:

@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING
 from drill_twin.core.errors import BagError, RunError
 from drill_twin.core.files.output import RESULTS, make_folder, new_folder
 from drill_twin.ros.core.stop_request import StopRequest
-from drill_twin.ros.demo.processes import STARTING_TIME, Child, processes
+from drill_twin.ros.demo.processes import Child, processes, twin_commands
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -62,7 +62,9 @@ def run_demo(options: DemoOptions, stop: StopRequest) -> None:
             f"[bold]ROS_DOMAIN_ID={domain} ros2 topic list[/]"
         )
         environment = dict(os.environ, PYTHONUNBUFFERED="1")
-        with processes(_commands(options, duration), environment, options.out / "log") as children:
+        run = {"pace": options.pace, "duration": float(duration)}
+        commands = twin_commands(run, {"scene": options.scene}, options.out / "bag_0")
+        with processes(commands, environment, options.out / "log") as children:
             _observe(children, duration, console, stop)
     if stop:
         raise RunError(
@@ -73,20 +75,6 @@ def run_demo(options: DemoOptions, stop: StopRequest) -> None:
 
 
 # --- the processes ----------------------------------------------------------------------------------------------------
-
-
-def _commands(options: DemoOptions, duration: float) -> dict[str, Mapping[str, object]]:
-    """Nodes and their parameters, in the order in which they are ended: subscribers after publishers."""
-    return {
-        "simulator": {"scene": options.scene, "pace": options.pace, "duration": float(duration)},
-        "rig_driver": {
-            "scene": options.scene,
-            "wait_for": "simulator analyzer recorder",
-            "wait_timeout": STARTING_TIME,
-        },
-        "analyzer": {},
-        "recorder": {"bag": str((options.out / "bag_0").absolute())},
-    }
 
 
 def _observe(children: Mapping[str, Child], duration: float, console: Console, stop: StopRequest) -> None:

@@ -93,6 +93,18 @@ def _yaml(value: object) -> str:
     return str(value)
 
 
+def twin_commands(
+    simulator: Mapping[str, object], scene: Mapping[str, object], bag: Path
+) -> dict[str, Mapping[str, object]]:
+    """Nodes of a twin that is recorded, and their parameters, in the order in which they are ended: readers last."""
+    return {
+        "simulator": {**scene, **simulator},
+        "rig_driver": {**scene, "wait_for": "simulator analyzer recorder", "wait_timeout": STARTING_TIME},
+        "analyzer": {},
+        "recorder": {"bag": str(bag.absolute())},
+    }
+
+
 @contextmanager
 def processes(
     commands: Mapping[str, Mapping[str, object]], environment: Mapping[str, str], logs: Path

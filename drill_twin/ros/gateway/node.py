@@ -108,8 +108,7 @@ class Gateway(TwinNode):
         self._control = Control(self._signals.command, self.settings.heartbeat_timeout, self._on_targets)
         self._desk = ControlDesk(self, self._output, self._control)
         self._unread = ""
-        keys = _read_keys(self.settings.keys)
-        self._server = _make_server(self.settings, self._signals, self._control, keys)
+        self._server, keys = _make_server(self.settings, self._signals, self._control)
         if self.settings.rig_url:
             self._rig = self._desk.rig = RigLink(self, self._output, self._signals, keys)
         topics = {QUANTITIES[signal.quantity].topic for signal in self._signals.show}
@@ -244,28 +243,17 @@ class Gateway(TwinNode):
         return Level.OK, "showing the twin" if present else "waiting for the twin"
 
 
-def _read_keys(folder: str) -> Keys | None:
-    """Keys of a folder; None for an empty name.
+def _make_server(settings: Any, signals: Signals, control: Control) -> tuple[OpcUaServer, Keys | None]:
+    """Start the server, with the keys of its folder if one is named.
 
     Raises:
         DrillTwinError: asyncua is not installed, or the keys cannot be used.
-    """
-    try:
-        from drill_twin.gateway.opc_ua.keys import read_keys
-    except ModuleNotFoundError as error:
-        raise missing(error, "opcua") from error
-    return read_keys(Path(folder)) if folder else None
-
-
-def _make_server(settings: Any, signals: Signals, control: Control, keys: Keys | None) -> OpcUaServer:
-    """Start the server.
-
-    Raises:
-        DrillTwinError: asyncua is not installed.
         RunError: The port is taken.
     """
     try:
+        from drill_twin.gateway.opc_ua.keys import read_keys
         from drill_twin.gateway.opc_ua.server import OpcUaServer
     except ModuleNotFoundError as error:
         raise missing(error, "opcua") from error
-    return OpcUaServer((settings.host, settings.port), signals.show, signals.command, control, keys)
+    keys = read_keys(Path(settings.keys)) if settings.keys else None
+    return OpcUaServer((settings.host, settings.port), signals.show, signals.command, control, keys), keys

@@ -17,7 +17,7 @@ from drill_twin.core.errors import TableError
 from drill_twin.core.rig_channels import RECORDED, RIG_CHANNELS
 from drill_twin.core.units import Dimension, UnitError
 from drill_twin.core.units.dimension import TIME
-from drill_twin.core.units.spelling import name_and_unit, record_factor
+from drill_twin.core.units.parse import name_and_unit, record_factor
 
 
 class Channel(NamedTuple):

@@ -166,18 +166,18 @@ def _saved(before: tuple[Trial, ...], after: tuple[Trial, ...], name: str) -> fl
 
 def _not_needed(effects: tuple[str, ...], changes: list[Change]) -> tuple[str, ...]:
     """Effects that the scene does not need and that no needed effect requires."""
-    wanted = {change.left_out[0] for change in changes if change.needed or change.unknown}
-    wanted |= {key for key in TOGETHER if set(TOGETHER) & wanted and key in effects}
-    while more := {need for key in wanted for need in EFFECTS[key].requires} - wanted:
-        wanted |= more
-    return tuple(key for key in effects if key not in wanted)
+    return _without(effects, {change.left_out[0] for change in changes if change.needed or change.unknown})
 
 
 def _restore_one(left_out: tuple[str, ...], changes: list[Change]) -> tuple[str, ...]:
     """Restore the effect with the largest change: effects may matter together that alone do not."""
     candidates = [change for change in changes if change.left_out[0] in left_out]
-    back = max(candidates, key=lambda change: change.size).left_out[0]
-    wanted = {back, *(TOGETHER if back in TOGETHER else ())}
+    return _without(left_out, {max(candidates, key=lambda change: change.size).left_out[0]})
+
+
+def _without(effects: tuple[str, ...], wanted: set[str]) -> tuple[str, ...]:
+    """Effects less those that are wanted and all that these require."""
+    wanted |= set(TOGETHER) if wanted & set(TOGETHER) else set()
     while more := {need for key in wanted for need in EFFECTS[key].requires} - wanted:
         wanted |= more
-    return tuple(key for key in left_out if key not in wanted)
+    return tuple(key for key in effects if key not in wanted)

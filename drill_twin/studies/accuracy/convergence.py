@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
@@ -199,13 +200,14 @@ def measure(
             measured.append(_measured(resolution, motion, reference))
     if not measured:
         raise SceneError(f"none of the resolutions of {described.name} could be run; the first: {failures[0]}")
+    front = pareto_front(measured, lambda run: run.errors.controlled)
     return Curve(
         scene=described.name,
         version=__version__,
         reference=exact,
         noise=spread(others, reference),
         onset_s=None if reference.onset != reference.onset else reference.onset,
-        runs=tuple(_with_front(measured)),
+        runs=tuple(replace(run, on_front=run in front) for run in sorted(measured, key=lambda run: run.cost)),
         failures=tuple(failures),
     )
 
@@ -222,10 +224,10 @@ def _measured(resolution: Resolution, motion: Motion, reference: Motion) -> Meas
     )
 
 
-def _with_front(measured: list[MeasuredRun]) -> list[MeasuredRun]:
-    best, result = float("inf"), []
-    for one in sorted(measured, key=lambda run: (run.cost, run.errors.controlled)):
-        on_front = one.resolution.tolerance is None and one.errors.controlled < best
-        best = one.errors.controlled if on_front else best
-        result.append(replace(one, on_front=on_front))
-    return result
+def pareto_front(runs: Sequence[MeasuredRun], error: Callable[[MeasuredRun], float]) -> list[MeasuredRun]:
+    """Runs with the tolerance of the scene, and no other that is both cheaper and more accurate, cheapest first."""
+    front: list[MeasuredRun] = []
+    for run in sorted(runs, key=lambda one: (one.cost, error(one))):
+        if run.resolution.tolerance is None and error(run) < (error(front[-1]) if front else math.inf):
+            front.append(run)
+    return front

@@ -142,11 +142,6 @@ class ErrorModel:
         write_whole(path, json.dumps(asdict(self), indent=1) + "\n", PRIVATE)
 
     @staticmethod
-    def load(path: Path) -> ErrorModel:
-        """Read a model that was saved."""
-        return ErrorModel.parse(path.read_bytes())
-
-    @staticmethod
     def parse(content: bytes) -> ErrorModel:
         """Model of a file's content.
 
@@ -221,7 +216,7 @@ def load_model(scene: Scene) -> tuple[ErrorModel, str] | None:
             _LOG.warning("%s: damaged, measured again", here)
     for path in sorted((config_dir() / FOLDER).glob("*.json")):
         try:
-            shipped = ErrorModel.load(path)
+            shipped = ErrorModel.parse(path.read_bytes())
         except (OSError, ValueError):
             _LOG.warning("%s: no accuracy of a scene, left out", path)
             continue

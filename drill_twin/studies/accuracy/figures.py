@@ -13,7 +13,7 @@ from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 from drill_twin.core.arrays import Array
 from drill_twin.report.figures.style import BLUE, GREY, INK, VERMILION, laid_out, styled
 from drill_twin.studies.accuracy.ablation import Ablation, Change
-from drill_twin.studies.accuracy.convergence import Curve, MeasuredRun
+from drill_twin.studies.accuracy.convergence import Curve, MeasuredRun, pareto_front
 from drill_twin.studies.accuracy.trial import NAMES
 
 NEEDED, NOT_NEEDED = VERMILION, GREY
@@ -105,7 +105,7 @@ def _panel(axis: Axes, curve: Curve, quantity: str, title: str) -> None:
                 [1e3 * run.cost for run in of], [_error(run, quantity) for run in of],
                 "o", color=colour, markersize=4, alpha=0.6, label=FORMULATION_NAMES[form],
             )  # fmt: skip
-    front = _front(runs, quantity)
+    front = pareto_front(runs, lambda run: _error(run, quantity))
     axis.loglog(
         [1e3 * run.cost for run in front], [_error(run, quantity) for run in front],
         "-", color=INK, linewidth=1.0, label="cheapest for its error",
@@ -142,16 +142,6 @@ def _inverse(cost: Array) -> Array:
     """Milliseconds per second as times faster than real time, and back."""
     found: Array = 1e3 / np.maximum(cost, FLOOR)
     return found
-
-
-def _front(runs: list[MeasuredRun], quantity: str) -> list[MeasuredRun]:
-    """Pareto front: runs with no other that is both cheaper and more accurate in this quantity, cheapest first."""
-    best, front = np.inf, []
-    for run in sorted(runs, key=lambda one: one.cost):
-        if _error(run, quantity) < best:
-            best = _error(run, quantity)
-            front.append(run)
-    return front
 
 
 def _error(run: MeasuredRun, quantity: str) -> float:

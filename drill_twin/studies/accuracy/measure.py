@@ -162,7 +162,8 @@ class Measurement:
         """Set the budget by the cheapest run that is accurate enough, else by the finest; returns whether one is."""
         model = from_motions(self._scene, reference, motions)
         point = model.cheapest(self._accuracy)
-        cost = next((one.cost for one in motions if point and _is(one, point.elements, point.step)), motions[-1].cost)
+        chosen = point and (point.elements, point.step)
+        cost = next((one.cost for one in motions if (one.elements, one.step) == chosen), motions[-1].cost)
         self._budget = max(BUDGET, RUNS * cost * self._duration)
         return point is not None
 
@@ -196,10 +197,6 @@ class Measurement:
         if after_onset < math.inf:
             self._end = simulated
         return motion
-
-
-def _is(motion: Motion, elements: int, step: float) -> bool:
-    return motion.elements == elements and motion.step == step
 
 
 def at(scene: Scene, elements: int, step: float, tolerance: float) -> Scene:

@@ -28,11 +28,6 @@ class Growth(NamedTuple):
     torsional: Array | None
     """Of a motion about or along the axis [1/s]: onset of stick-slip; None in the lateral form."""
 
-    @property
-    def largest(self) -> Array:
-        """The larger of the two [1/s]."""
-        return self.lateral if self.torsional is None else np.maximum(self.lateral, self.torsional)
-
 
 def growth_of(scene: Scene, plane: Plane) -> Growth | None:
     """Largest growth rates over the plane; None where the string has no such map."""

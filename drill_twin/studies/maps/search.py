@@ -7,7 +7,7 @@ off takes the runs of its journal and ends with the same map.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Generator, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import closing
 from pathlib import Path
 from typing import Any
@@ -50,17 +50,10 @@ class Journal:
     def _read(self, run: tuple[Key, RunRecord]) -> None:
         self.records.update([run])
 
-    def kept(self, runs: Generator[tuple[Key, RunRecord]]) -> Generator[tuple[Key, RunRecord]]:
-        """The same runs, each appended as it ends.
-
-        Raises:
-            BagError: The file cannot be written.
-        """
-        with closing(runs):
-            for key, record in runs:
-                self._lines.add([key, record.to_dict()])
-                self.records[key] = record
-                yield key, record
+    def add(self, key: Key, record: RunRecord) -> None:
+        """Append a run as it ends; raises BagError where the file cannot be written."""
+        self._lines.add([key, record.to_dict()])
+        self.records[key] = record
 
 
 ONSET_CELLS, COARSE = 8, 16
@@ -243,9 +236,10 @@ class BoundarySearch:
         missing = [key for key in new if key not in known]
         made = dict[Key, RunRecord]()
         before, expected = len(self.records) + len(new) - len(missing), len(self.records) + len(new)
-        runs = self._runner.run(missing)
-        with closing(runs if self._journal is None else self._journal.kept(runs)) as ended:
+        with closing(self._runner.run(missing)) as ended:
             for key, record in ended:
+                if self._journal is not None:
+                    self._journal.add(key, record)
                 made[key] = record
                 self._progress(phase, before + len(made), expected)
         self.records |= {key: made[key] if key in made else known[key] for key in new}

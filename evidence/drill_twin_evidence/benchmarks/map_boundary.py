@@ -98,8 +98,8 @@ def patch(
     journal = Journal(folder / "runs.jsonl", setup)
     runner = Runner(scene, plane, found.duration, found.asked, (), Threads(workers))
     nodes = [Key(i, j) for i in range(plane.steps + 1) for j in range(plane.steps + 1)]
-    for _ in journal.kept(runner.run([key for key in nodes if key not in journal.records])):
-        pass
+    for key, record in runner.run([key for key in nodes if key not in journal.records]):
+        journal.add(key, record)
     return replace(found, plane=plane, records=dict(journal.records), growth=())
 
 

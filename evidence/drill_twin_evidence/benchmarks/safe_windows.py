@@ -119,8 +119,8 @@ def long_runs(
     setup = {"scene": scene.to_yaml(), "asked": found.asked, "ranges": [list(plane.weight), list(plane.speed)]}
     journal = Journal(folder / "runs.jsonl", setup)
     runner = Runner(scene, plane, found.duration, found.asked, (), Threads(workers))
-    for _ in journal.kept(runner.run([key for key in dict.fromkeys(keys) if key not in journal.records])):
-        pass
+    for key, record in runner.run([key for key in dict.fromkeys(keys) if key not in journal.records]):
+        journal.add(key, record)
     return dict(journal.records)
 
 

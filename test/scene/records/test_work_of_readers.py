@@ -10,9 +10,9 @@ import pytest
 from drill_twin.core.errors import DrillTwinError
 from drill_twin.core.units import factor_of, parse
 from drill_twin.core.units.dimension import LENGTH
-from drill_twin.core.units.spelling import name_and_unit
+from drill_twin.core.units.parse import name_and_unit
 from drill_twin.scene.records import read_columns
-from drill_twin.scene.well_plan.survey_file import read_survey
+from drill_twin.scene.well_plan.plan import read_survey
 
 CLASSES = (
     " ",

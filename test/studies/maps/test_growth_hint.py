@@ -48,6 +48,6 @@ def test_without_two_labels_the_rate_is_zero():
 def test_growth_rates_are_those_of_a_vertical_string_only():
     scene = dt.load_scene("pa6_bench", {"numerics.elements": 8, "numerics.step": "10 ms"})
     plane = Plane(Span(1.0, 40.0), Span(6.0, 40.0), 8)
-    assert growth_of(scene, plane).largest.shape == (GROWTH_POINTS, GROWTH_POINTS)
+    assert growth_of(scene, plane).lateral.shape == (GROWTH_POINTS, GROWTH_POINTS)
     inclined = dt.load_scene("pa6_bench", {"numerics.elements": 8, "numerics.step": "10 ms", "hole.inclination": 0.5})
     assert growth_of(inclined, plane) is None
