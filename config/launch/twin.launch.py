@@ -49,7 +49,7 @@ ARGUMENTS = (
     DeclareLaunchArgument(
         "wob", default_value="", description='Weight on bit with its unit, as "40 N"; scene\'s if empty.'
     ),
-    DeclareLaunchArgument("rps", default_value="", description='Speed with its unit, as "2 rev/s"; scene\'s if empty.'),
+    DeclareLaunchArgument("rpm", default_value="", description='Speed with its unit, as "120 rpm"; scene\'s if empty.'),
     DeclareLaunchArgument(
         "accuracy", default_value="", description='Largest error before the onset, as "1 %"; chooses elements and step.'
     ),
@@ -119,7 +119,7 @@ def generate_launch_description() -> LaunchDescription:
         "scene": scene,
         "overrides": overrides,
         "weight_on_bit": _text("wob"),
-        "rotation": _text("rps"),
+        "rotation": _text("rpm"),
         "table": _text("table"),
         "wait_for": ParameterValue(waited, value_type=str),
     }

@@ -13,11 +13,11 @@ from typing import Any
 
 import numpy as np
 
-from drill_twin.api.parameter_fit import range_of
-from drill_twin.api.scenes import Overrides, as_scene
+from drill_twin.api.scenes import Overrides, as_scene, range_of
 from drill_twin.core.arrays import Array
 from drill_twin.core.errors import ArgumentError, SceneError
 from drill_twin.core.rig_channels import INSTANT
+from drill_twin.core.units.ranges import parse_range
 from drill_twin.scene import Scene
 from drill_twin.scene.problems import nearest
 from drill_twin.studies.estimation import CHANNELS, LOAD, SET_POINTS, EnsembleFilter, Estimate, EstimatorOptions, Intake
@@ -207,9 +207,9 @@ def _instant(channels: Sequence[str]) -> frozenset[str]:
 def _ends(given: str | tuple[float, float]) -> tuple[float, float]:
     """Ends of the range of a factor."""
     try:
-        low, high = (float(end) for end in (given.split("..") if isinstance(given, str) else given))
+        low, high, *rest = parse_range(LOAD, given) if isinstance(given, str) else given
     except (TypeError, ValueError):
-        low, high = 1.0, 1.0
-    if not 0.0 < low < high < float("inf"):
+        low, high, rest = 1.0, 1.0, []
+    if not 0.0 < low < high < float("inf") or any(rest):
         raise ArgumentError(f'{LOAD}: expected a range of a factor as "0.8..1.2", found {given!r}')
     return low, high

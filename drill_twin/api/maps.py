@@ -7,17 +7,17 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 
 from drill_twin.api.ensemble import executor_of
-from drill_twin.api.scenes import Overrides, Quantity, as_scene, in_si
+from drill_twin.api.scenes import Overrides, Quantity, as_scene, in_si, range_of
 from drill_twin.core.errors import ArgumentError
-from drill_twin.core.units import UnitError, parse
-from drill_twin.core.units.dimension import ANGULAR_SPEED, FORCE, TIME, Dimension
+from drill_twin.core.units.dimension import TIME
 from drill_twin.runs import compile_kernel
 from drill_twin.scene import Scene
+from drill_twin.scene.overrides import full_key
 from drill_twin.studies.maps import MapPlan, OperatingMap, Plane, Span, build_map
+from drill_twin.studies.maps.build import check_set_points
 
 STEPS = 128
 """Steps of the lattice along each range: a boundary is located within 1 / 128 of it."""
-TURNS = "rev/s"
 ASKED = 10.0
 """Time for which a set-point of a safe window must stay calm, over that of a run."""
 
@@ -27,7 +27,7 @@ def operating_map(
     overrides: Overrides | None = None,
     *,
     wob: str,
-    rps: str,
+    rpm: str,
     seeds: int = 1,
     vary: Mapping[str, str] | None = None,
     duration: Quantity | None = None,
@@ -43,14 +43,14 @@ def operating_map(
 ) -> OperatingMap:
     """Regimes of motion over weight on bit and speed, from runs that crowd where the regime changes.
 
-    >>> found = operating_map("pa6_bench", wob="1..300 N", rps="1..6.5")
+    >>> found = operating_map("pa6_bench", wob="1..300 N", rpm="60..390")
     >>> found.regime(40.0, 12.6), found.margin(40.0, 12.6), found.windows, found.basis
 
     Args:
         scene: The scene, or its name or file; each run begins as it does.
         overrides: Values that replace those of the scene.
         wob: Range of the weight on bit, `"1..300 N"`.
-        rps: Range of the speed, `"1..6.5"` in rev/s or with a unit.
+        rpm: Range of the rotation, `"60..390"` [rev/min] or with a unit.
         seeds: Draws along the onset of whirl, the first of them the scene as it is.
         vary: Ranges of uncertain numbers by key, `{"wall_friction.coefficient": "0.1..0.3"}`.
         duration: Simulated time of a run from rest [s]; left out: that of the scene.
@@ -81,50 +81,15 @@ def operating_map(
             f"{own.name}: expected a load as set-point, found a block moved by its speed, under which there is none to "
             "vary; use `rig.weight_on_bit.at: bit`, or an auto-driller"
         )
-    plane = Plane(range_in_si("wob", wob, FORCE), range_in_si("rps", rps, ANGULAR_SPEED, TURNS), steps).checked()
+    check_set_points(own)
+    plane = Plane(Span(*range_of(own, "wob", wob)), Span(*range_of(own, "rpm", rpm)), steps).checked()
     if plane.speed.low < 0.0:
-        raise ArgumentError(f'rps: expected speeds from 0 upwards, found "{str(rps)[:60]}"; a map is of one sense')
+        raise ArgumentError(f'rpm: expected speeds from 0 upwards, found "{str(rpm)[:60]}"; a map is of one sense')
     length = own.rig.duration if duration is None else in_si("duration", duration, TIME)
     asked = ASKED * length if calm_for is None else in_si("calm_for", calm_for, TIME)
-    ranges = {key: split_range(f"vary {key}", text) for key, text in (vary or {}).items()}
+    ranges = {full_key(key, own): range_of(own, key, given) for key, given in (vary or {}).items()}
     place = None if folder is None else Path(folder)
     with executor_of(workers, dask) as executor:
         plan = MapPlan(plane, length, asked, seeds, ranges, runs, hysteresis, growth, executor)
         compile_kernel(own, own.numerics.frame_period, analysis=True)
         return build_map(own, plan, place, *([progress] if progress is not None else []))
-
-
-def split_range(name: str, text: str) -> tuple[float, float, str]:
-    """Least and largest number of `LOW..HIGH UNIT`, and the unit.
-
-    Raises:
-        ArgumentError: It is no range of numbers.
-    """
-    low, dots, rest = str(text).partition("..")
-    number, _, unit = rest.strip().partition(" ")
-    try:
-        if dots:
-            return float(low), float(number), unit.strip()
-    except ValueError:
-        pass
-    raise ArgumentError(f'{name}: expected a range such as "1..300 N", found "{str(text)[:60]}"')
-
-
-def in_rpm(text: str) -> str:
-    """Range of speeds in revolutions per minute, where the text names no unit."""
-    return text if split_range("rpm", text)[2] else f"{text} rpm"
-
-
-def range_in_si(name: str, text: str, dimension: Dimension, unit: str = "") -> Span:
-    """Range of a quantity in SI.
-
-    Raises:
-        ArgumentError: It is no range of that quantity.
-    """
-    low, high, given = split_range(name, text)
-    try:
-        return Span(*(parse(f"{value!r} {given or unit}".strip(), dimension) for value in (low, high)))
-    except UnitError as error:
-        raise ArgumentError(
-            f'{name}: expected LOW..HIGH with a unit, each end {dimension.expected}, found "{text[:60]}"'
-        ) from error

@@ -3,15 +3,13 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
 from drill_twin.api.ensemble import Ensemble
-from drill_twin.api.scenes import Overrides, Quantity, as_scene, in_si, override
+from drill_twin.api.scenes import Overrides, Quantity, as_scene, in_si, range_of
 from drill_twin.core.arrays import Array
 from drill_twin.core.errors import ArgumentError, RunError
 from drill_twin.core.rig_channels import INSTANT
@@ -27,7 +25,6 @@ from drill_twin.studies.fitting import (
     read_record,
     sample,
 )
-from drill_twin.studies.fitting.posterior import full_key
 from drill_twin.studies.fitting.sampling import in_ranges
 
 
@@ -39,7 +36,7 @@ def fit(
     channels: Sequence[str] = (),
     overrides: Overrides | None = None,
     likelihood: str = "series",
-    start: Quantity = 0.0,
+    begin: Quantity = 0.0,
     end: Quantity | None = None,
     rate: Quantity = 20.0,
     window: Quantity = 5.0,
@@ -64,7 +61,7 @@ def fit(
             of a bag. Samples are means since the last one; those of "torque@instant" are values at their times.
         overrides: Values that replace those of the scene.
         likelihood: "series", or "features" of windows, where the phase of the motion is not determined.
-        start: Time from which record and runs are compared [s].
+        begin: Time from which record and runs are compared [s].
         end: Time to which they are, and length of the runs [s]; left out: the end of the scene.
         rate: Samples that are compared per second [Hz].
         window: Length of a window of "features" [s].
@@ -96,7 +93,7 @@ def fit(
             "runs take the set-points of a record by rig.table of the scene"
         )
     length = base.rig.duration if end is None else in_si("end", end, TIME)
-    frequency, first = in_si("rate", rate, FREQUENCY), in_si("start", start, TIME)
+    frequency, first = in_si("rate", rate, FREQUENCY), in_si("begin", begin, TIME)
     batches: list[dict[str, Array]] = []
     time: Array = np.zeros(0)
     measured: dict[str, Array] = {}
@@ -128,26 +125,3 @@ def fit(
     )
     merged = {channel: np.concatenate([batch[channel] for batch in batches]) for channel in measured}
     return Posterior(base, ranges, in_ranges(sampling.cube, ranges), sampling, found, time, measured, merged, failed)
-
-
-def range_of(scene: Scene, key: str, given: str | tuple[float, float]) -> tuple[float, float]:
-    """Ends of a range [SI], read as the scene reads them."""
-    ends = given.split("..") if isinstance(given, str) else given
-    if len(ends) != 2:
-        raise ArgumentError(f'{key}: expected a range as "0.05..0.5", found {given!r}')
-    place = full_key(key, scene)
-    values = []
-    for end in ends:
-        value: Any = override(scene, {place: end.strip() if isinstance(end, str) else end})
-        try:
-            for part in place.split("."):
-                value = value[int(part)] if part.isdigit() else getattr(value, part)
-        except AttributeError:
-            raise ArgumentError(
-                f"{key}: expected the key of a number, found no {part}; name an item of a list by its number, from 0"
-            ) from None
-        values.append(value)
-    low, high = values
-    if not all(isinstance(value, int | float) and math.isfinite(value) for value in values) or not low < high:
-        raise ArgumentError(f"{key}: expected a lower and a higher number, found {given!r}")
-    return float(low), float(high)

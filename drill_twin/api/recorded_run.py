@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 _OF_THE_BAG = (
-    *("wob", "rps", "duration", "rig.weight_on_bit", "rig.rotation", "rig.table", "rig.duration"),
+    *("wob", "rpm", "duration", "rig.weight_on_bit", "rig.rotation", "rig.table", "rig.duration"),
     *(f"rig.block.{name}" for name in SetPoint.model_fields),
 )
 _FRAMES = (RIG_STATE, MARKS_STATE, STRING_POSES)
@@ -154,7 +154,7 @@ def _of_record(recorded: Result, changes: dict[str, Any]) -> tuple[Scene, Record
     """The scene under the set-points of a record where no others are given, and the set-points of each frame."""
     rig, path, told = recorded.recording.rig, recorded.recording.path, list[str]()
     for name, keys, values in (
-        ("weight_on_bit", ("wob",), rig.bit_force), ("rotation", ("rps", "rpm"), rig.top_drive_speed),
+        ("weight_on_bit", ("wob",), rig.bit_force), ("rotation", ("rpm",), rig.top_drive_speed),
     ):  # fmt: skip
         given = any(key in keys or key.startswith(f"rig.{name}") for key in changes)
         if np.isfinite(values).any() and not given:

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from drill_twin.api.scenes import Overrides, as_scene
+from drill_twin.api.scenes import Overrides, as_scene, range_of
 from drill_twin.core.arrays import Array
 from drill_twin.core.errors import ArgumentError, RunError, SceneError
 from drill_twin.dynamics.discretisation.kernel_arguments import SPATIAL, form_of
@@ -32,6 +32,7 @@ from drill_twin.dynamics.rotordynamics.steady.whirl_state import WhirlState
 from drill_twin.dynamics.torque_drag.operations import Operation
 from drill_twin.dynamics.torque_drag.sliding_balance import SlidingBalance
 from drill_twin.scene import Scene
+from drill_twin.scene.overrides import full_key
 from drill_twin.scene.schema import number_at
 from drill_twin.scene.set_points import Command
 
@@ -117,7 +118,7 @@ def modes(
     long string (1,000 m and more, its weight at the bit) are those of its assembly on the low side
     (`drill_twin.dynamics.rotordynamics.assembly`).
 
-    >>> table = modes("pa6_bench", {"wob": 5, "rps": 2})
+    >>> table = modes("pa6_bench", {"wob": 5, "rpm": 120})
     >>> [(mode.kind, mode.frequency, mode.growth) for mode in table.modes]
 
     Args:
@@ -200,7 +201,7 @@ def whirl_states(
 
     They are sought on the mesh of the scene and then computed on finer ones, which gives `growth_change` and `verdict`.
 
-    >>> for state in whirl_states("pa6_calibrated", {"wob": 40, "rps": 6.5}):
+    >>> for state in whirl_states("pa6_calibrated", {"wob": 40, "rpm": 390}):
     ...     print(state.kind, state.frequency, state.growth, state.growth_change, state.verdict)
 
     Args:
@@ -239,8 +240,7 @@ def branches(
     overrides: Overrides | None = None,
     *,
     over: str,
-    low: float,
-    high: float,
+    span: str | tuple[float, float],
     without: Sequence[str] = (),
     random_starts: int = _whirl_states.RANDOM_STARTS,
 ) -> tuple[Branch, ...]:
@@ -249,24 +249,26 @@ def branches(
     Args:
         scene: The scene, or its name or file.
         overrides: Values that replace those of the scene.
-        over: `load` [N], `speed` [rad/s], or a key of the scene in SI, such as `effects.wall_friction.coefficient`.
-        low: Least value.
-        high: Largest value.
+        over: `wob`, `rpm`, or the key of a number of the scene, such as `wall_friction.coefficient`.
+        span: Range, such as "5..80 N" or "60..480" [rev/min], or both ends in SI.
         without: Effects to leave out.
         random_starts: As in `whirl_states`.
 
     Raises:
+        ArgumentError: It is no range, or the key is not that of a number.
         SceneError: The scene cannot be loaded, no steady whirl can exist in it, or its value is outside the range.
     """
     own = steady_scene(scene, overrides, without)
     equations, command = EquationsOfMotion(own), final_command(own)
     turning = TurningEquations(equations)
-    makers = {"load": _branches.load_of, "speed": _branches.speed_of}
+    low, high = range_of(own, over, span)
+    makers = {"wob": (_branches.load_of, command.weight_on_bit), "rpm": (_branches.speed_of, command.rotation)}
     if over in makers:
-        parameter = makers[over](turning, command, low, high)
-        value = {"load": command.weight_on_bit, "speed": command.rotation}[over]
+        maker, value = makers[over]
+        parameter = maker(turning, command, low, high)
     else:
-        parameter, value = _branches.key_of(turning, command, over, low, high), _number(own, over)
+        key = full_key(over, own)
+        parameter, value = _branches.key_of(turning, command, key, low, high), number_at(own, key) or 0.0
     if not low < value < high:
         raise SceneError(
             f"{own.name}: expected a range of {over} around its value {value:g}, found {low:g} to {high:g}"
@@ -276,11 +278,3 @@ def branches(
         if not any(_branches.passes(one, state, value) for one in found):
             found.append(_branches.branch(parameter, state.whirl, value))
     return tuple(found)
-
-
-def _number(scene: Scene, key: str) -> float:
-    """Value of a number of a scene."""
-    found = number_at(scene, key)
-    if found is None:
-        raise SceneError(f"{scene.name}: expected load, speed or the key of a number of the scene, found {key}")
-    return found

@@ -11,13 +11,18 @@ from typing import Any
 from drill_twin.core.errors import ArgumentError, DrillTwinError, SceneError
 from drill_twin.core.files.output import write_whole
 from drill_twin.core.units import Dimension, UnitError, parse
+from drill_twin.core.units.dimension import TIME
+from drill_twin.core.units.parse import split
+from drill_twin.core.units.ranges import parse_range
 from drill_twin.scene import Scene, load, presets
+from drill_twin.scene.overrides import SHORTHANDS, full_key
+from drill_twin.scene.schema import number_at
 
 Block = Mapping[str, Any]
 """Block of a scene: keys as in a scene file; values are text with a unit (`"40 N"`) or numbers in SI."""
 Overrides = Mapping[str, float | str]
 """Keys with dots, such as `rig.rotation.value`, and values: text with a unit, or numbers in SI. `wob` [N],
-`rps` [rev/s], `duration` [s] and `accuracy` are short for the keys most often set; `{"effects.bow": "off"}` takes an
+`rpm` [rev/min], `duration` [s] and `accuracy` are short for the keys most often set; `{"effects.bow": "off"}` takes an
 effect out."""
 
 
@@ -133,7 +138,7 @@ def as_scene(scene: Scene | str | Path, overrides: Overrides | None = None) -> S
 
 
 Quantity = float | str
-"""Number in the documented unit, or text with its unit, such as `"40 N"`."""
+"""Number in the documented unit, or text with its unit, such as `"40 N"`; a time without one is in s."""
 
 
 def in_si(name: str, value: Quantity, dimension: Dimension, unit: float = 1.0) -> float:
@@ -150,7 +155,8 @@ def in_si(name: str, value: Quantity, dimension: Dimension, unit: float = 1.0) -
     """
     if isinstance(value, str):
         try:
-            return parse(value, dimension)
+            bare = dimension == TIME and not split(value, dimension)[1]
+            return parse(f"{value} s" if bare else value, dimension)
         except UnitError as error:
             raise ArgumentError(f"{name}: {error}") from None
     try:
@@ -160,3 +166,36 @@ def in_si(name: str, value: Quantity, dimension: Dimension, unit: float = 1.0) -
     if not math.isfinite(number):
         raise ArgumentError(f"{name}: expected {dimension.expected} or a finite number, found {value!r}")
     return number
+
+
+def range_of(scene: Scene, key: str, given: str | tuple[float, float]) -> tuple[float, float]:
+    """Ends of a range of a number of a scene, in SI, read as the scene reads the number.
+
+    Args:
+        scene: The scene.
+        key: Key of the number, or a short name, such as `wob` [N] or `rpm` [rev/min].
+        given: Text such as "0.05..0.5" or "1..300 N", or both ends in SI.
+
+    Raises:
+        ArgumentError: It is no range, or the key is not that of a number.
+        SceneError: An end does not fit the scene.
+    """
+    place = full_key(key, scene)
+    text = isinstance(given, str)
+    ends = parse_range(key, given).ends if isinstance(given, str) else given
+    low, high = (number_at(override(scene, {key if text and key in SHORTHANDS else place: end}), place) for end in ends)
+    if low is None or high is None:
+        raise ArgumentError(f"{key}: expected the key of a number of {scene.name}, found {place}")
+    if not low <= high:
+        raise ArgumentError(f"{key}: expected a lower and a higher number, found {given!r}")
+    return low, high
+
+
+def points_of(scene: Scene, key: str, text: str) -> list[float]:
+    """Equally spaced values of a number of a scene in SI, from text such as "10..110:6 N"; five if it has no count.
+
+    Raises:
+        ArgumentError, SceneError: As `range_of`.
+    """
+    low, high = range_of(scene, key, text)
+    return parse_range(key, text)._replace(low=low, high=high).points(5)

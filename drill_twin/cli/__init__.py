@@ -8,8 +8,10 @@ of input or use (one line on stderr), 130 stopped with Ctrl-C, 143 ended by SIGT
 from __future__ import annotations
 
 import os
+import re
 import sys
 from collections.abc import Sequence
+from itertools import pairwise
 
 from drill_twin.cli import interrupt
 from drill_twin.core.errors import printable, words_cut
@@ -74,9 +76,36 @@ def _run_command(arguments: Sequence[str]) -> int:
             raise
         context = getattr(error, "ctx", None)
         command = context.command_path if context else "drill-twin"
-        text = error.format_message().rstrip(".").replace("Value error, ", "").replace("not one of '', ", "not one of ")
-        return _fail(f"{text}; see `{command} --help`")
+        return _fail(f"{_shaped(error.format_message(), arguments)}; see `{command} --help`")
     return int(code or 0)
+
+
+_SHAPES = (
+    (r"([^:]*): (?:Value error, )?(?:\1: )?(expected .*)", r"\1: \2"),
+    (r"([^:]*): .* is not one of (?:'', )?(.*)", r"\1: expected one of \2, found {found}"),
+    (r"([^:]*): Input should be a valid ([^,]*).*", r"\1: expected a valid \2, found {found}"),
+    (r"([^:]*): Input should be (.*)", r"\1: expected a number \2, found {found}"),
+    (r"([^:]*): .* is not (a valid|in the range) (.*)", r"\1: expected a number \2 \3, found {found}"),
+    (r"Missing (?:argument|option|parameter) '?([^']+)'?.*", r"expected \1, found nothing"),
+    (r"No such option: (\S+) \(Possible options: (.*)\)", r"expected another option, found \1; did you mean \2?"),
+    (r"No such option: (\S+?)[.;]? Did you mean (.*)\?", r"expected another option, found \1; did you mean \2?"),
+    (r"No such option: (\S+)", r"expected another option, found \1"),
+    (r"Got unexpected extra arguments?(?:\(s\))? \((.*)\)", r"expected no further argument, found \1"),
+    (r"Option '?([^' ]+)'? requires an argument.*", r"\1: expected a value, found nothing"),
+    (r"Option '?([^' ]+)'? does not take a value.*", r"\1: expected no value, found one"),
+)
+"""Messages of typer and of click, in all their versions, and the shape of ours."""
+
+
+def _shaped(message: str, arguments: Sequence[str]) -> str:
+    """Message on a wrong option or argument in the shape of all others."""
+    option, quote, rest = message.rstrip(".").removeprefix("Invalid value for '").partition("': ")
+    text = f"{option}: {rest}" if quote else option
+    for pattern, shape in _SHAPES:
+        if match := re.fullmatch(pattern, text, re.DOTALL):
+            found = next((given for name, given in pairwise(arguments) if name == match[1]), "another value")
+            return match.expand(shape).replace("{found}", found)
+    return text
 
 
 def _fail(message: str, code: int = 2) -> int:

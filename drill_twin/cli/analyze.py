@@ -10,12 +10,13 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from drill_twin.cli.emit import check_new, emit, write_file
+from drill_twin.cli.emit import check_new, emit
 from drill_twin.cli.options import (
     FromOption,
     JsonOption,
     NamespaceOption,
     RecordedArgument,
+    RemapOption,
     ReplaceOption,
     SceneOption,
     ToOption,
@@ -24,11 +25,13 @@ from drill_twin.cli.options import (
 )
 from drill_twin.cli.show import findings_shown, marks_shown, remark, shown_progress
 from drill_twin.core.errors import BagError
+from drill_twin.core.files.output import make_folder
 
 if TYPE_CHECKING:
     from drill_twin.report import Recording, ReportFiles
     from drill_twin.report.selection import Selection
 
+SUMMARY = "summary.json"
 StatesOption = Annotated[
     bool,
     typer.Option("--states", help="Name the steady whirl near each finding, and its growth; up to 30 s of search."),
@@ -38,9 +41,7 @@ StatesOption = Annotated[
 def analyze(
     bag: RecordedArgument,
     scene: SceneOption = "",
-    out: Annotated[
-        Path | None, typer.Option("--out", metavar="FILE", help="Write the findings to this new file too, as JSON.")
-    ] = None,
+    out: Annotated[Path | None, folder_option("Write summary.json to this folder too.")] = None,
     replace: ReplaceOption = False,
     json: JsonOption = False,
     marks: Annotated[
@@ -48,14 +49,7 @@ def analyze(
     ] = [],  # noqa: B006  typer does not change the default
     begin: FromOption = -math.inf,
     end: ToOption = math.inf,
-    topics: Annotated[
-        list[str],
-        typer.Option(
-            "--map",
-            metavar="THEIRS=OURS",
-            help='Read a topic of the bag as one of ours, as "/camera/marks=/marks/state"; repeatable.',
-        ),
-    ] = [],  # noqa: B006
+    topics: RemapOption = [],  # noqa: B006
     clearance: Annotated[
         str,
         typer.Option(
@@ -89,10 +83,11 @@ def analyze(
     The analysis is that of the analyzer node; findings that the node recorded live are compared byte for byte. A bag
     whose recorder was killed is read up to its last complete message.
     """
-    from drill_twin.report.summary import summarise, to_json
+    from drill_twin.report.summary import summarise
 
     if out is not None:
-        check_new(out, replace=replace)
+        make_folder(out)
+        check_new(out / SUMMARY, replace=replace)
     with shown_progress("analysing the bag") as bar:
         selection = _selection(marks, begin, end, topics, clearance, outer_radius, namespace, sub, units)
         recording = _recording(bag, scene, selection)
@@ -106,9 +101,10 @@ def analyze(
 
             cause = cause_of(recording, summary, progress=bar.show)
             summary["cause"] = cause.as_data()
-    if out is not None:
-        write_file(out, to_json(summary))
-    emit(summary, chain(findings_shown(summary), marks_shown(summary), cause.shown() if why else ()), json=json)
+    emit(
+        summary, chain(findings_shown(summary), marks_shown(summary), cause.shown() if why else ()), json=json,
+        folder=out, files={SUMMARY: summary},
+    )  # fmt: skip
 
 
 def report(
@@ -193,7 +189,7 @@ def _selection(
         )
     if sub and marks:
         raise BagError(f"--marks: expected none beside --sub, which is analysed instead of marks, found {marks[0]}")
-    names = parse_remappings(topics, "--map")
+    names = parse_remappings(topics, "--remap")
     lengths = [
         in_si(option, text, LENGTH) if text else None
         for option, text in (("--clearance", clearance), ("--rim", outer_radius))

@@ -32,7 +32,7 @@ app = typer.Typer(
     cls=CommandGroup,
     help="A digital twin of a drillstring: simulate a scene, analyse a bag, draw a report. Only [bold]ros[/], "
     "[bold]replay[/], and [bold]watch[/] without a bag, need ROS 2 (rclpy).",
-    epilog='For example: [bold]drill-twin run pa6_bench --wob "40 N" --rps 2 --duration 30 --out out/first --report[/]',
+    epilog='For example: [bold]drill-twin run pa6_bench --wob "40 N" --rpm 120 --duration 30 --report[/]',
     rich_markup_mode="rich",
     add_completion=False,
     pretty_exceptions_enable=False,

@@ -44,7 +44,7 @@ def cost(
             help="These meshes only, at the scene's step; prints hookload, torque and stick-slip too.",
         ),
     ] = "",
-    workers: WorkersOption = 2,
+    workers: WorkersOption = 0,
     out: Annotated[
         Path | None, folder_option("Folder of the result; an interrupted study continues.", "out/cost_SCENE")
     ] = None,

@@ -45,7 +45,7 @@ def effects(
     ] = 5,
     duration: DurationOption = "",
     change: SetOption = [],  # noqa: B006  typer makes a new list of it
-    workers: WorkersOption = 2,
+    workers: WorkersOption = 0,
     out: Annotated[Path | None, folder_option("New folder of the result.", "out/effects_SCENE")] = None,
     replace: ReplaceOption = False,
     json: JsonOption = False,

@@ -11,8 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from drill_twin.cli.emit import emit
-from drill_twin.cli.fit import range_option
-from drill_twin.cli.options import JsonOption, SetOption, UnitsOption, folder_option, overrides
+from drill_twin.cli.options import JsonOption, SetOption, UnitsOption, folder_option, overrides, ranges_of, time_option
 from drill_twin.cli.show import remark
 from drill_twin.core.errors import ArgumentError, RunError
 from drill_twin.core.table import Table
@@ -51,9 +50,11 @@ def estimate(
     ] = [],  # noqa: B006
     change: SetOption = [],  # noqa: B006  typer makes a new list of it
     members: Annotated[int, typer.Option("--members", min=4, help="Members of the ensemble.")] = 64,
-    window: Annotated[float, typer.Option("--window", min=0.05, help="Seconds from estimate to estimate.")] = 1.0,
+    window: Annotated[float, time_option("--window", "Time from estimate to estimate", 0.05)] = 1.0,
     error: Annotated[float, typer.Option("--error", min=1e-6, help="Error of a sample over the largest value.")] = 0.02,
-    horizon: Annotated[float, typer.Option("--horizon", min=0.0, help="Seconds ahead of the chance of whirl.")] = 4.0,
+    horizon: Annotated[
+        float, time_option("--horizon", "Time ahead for which the chance of whirl is computed", 0.0)
+    ] = 4.0,
     seed: Annotated[int, typer.Option("--seed", min=0, help="Of the draws.")] = 1,
     out: Annotated[Path | None, folder_option("Write estimate.json and estimate.png to this folder.")] = None,
     units: UnitsOption = "",
@@ -67,9 +68,7 @@ def estimate(
     from drill_twin.studies.fitting.record import channel_column
 
     options = dt.EstimatorOptions(members=members, window=window, error=error, horizon=horizon, seed=seed)
-    ranges = dict(range_option(text) for text in free)
-    if len(ranges) < len(free):
-        raise ArgumentError("--free: expected each number once, found one twice; give it one range")
+    ranges = ranges_of("--free", free)
     names = [channel_column(text).channel for text in channel]
     measured = [name for name in names if name not in {"time", *SET_POINTS}]
     if not measured and not sub:

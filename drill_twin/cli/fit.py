@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -10,7 +11,18 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from drill_twin.cli.emit import emit
-from drill_twin.cli.options import JsonOption, SetOption, UnitsOption, folder_option, overrides
+from drill_twin.cli.options import (
+    FromOption,
+    JsonOption,
+    SetOption,
+    ToOption,
+    UnitsOption,
+    WorkersOption,
+    folder_option,
+    overrides,
+    ranges_of,
+    time_option,
+)
 from drill_twin.cli.show import remark
 from drill_twin.core.errors import SceneError
 from drill_twin.core.table import Table
@@ -40,13 +52,14 @@ def fit(
     ],
     change: SetOption = [],  # noqa: B006  typer makes a new list of it
     likelihood: Annotated[str, typer.Option("--likelihood", help="series, or features of windows.")] = "series",
-    start: Annotated[str, typer.Option("--from", metavar="TIME", help="Start of the comparison.")] = "0 s",
-    end: Annotated[str, typer.Option("--to", metavar="TIME", help="Its end, and the end of the runs.")] = "",
+    begin: FromOption = 0.0,
+    end: ToOption = math.inf,
     rate: Annotated[str, typer.Option("--rate", metavar="FREQUENCY", help="Samples compared per second.")] = "20 Hz",
-    window: Annotated[str, typer.Option("--window", metavar="TIME", help="Length of a window of features.")] = "5 s",
+    window: Annotated[float, time_option("--window", "Length of a window of features", 0.0)] = 5.0,
     members: Annotated[int, typer.Option("--members", min=8, help="Runs of a round.")] = 64,
     rounds: Annotated[int, typer.Option("--rounds", min=1, help="Rounds at most.")] = 24,
     seed: Annotated[int, typer.Option("--seed", min=0, help="Of the draws.")] = 1,
+    workers: WorkersOption = 0,
     out: Annotated[Path | None, folder_option("Write fit.json, fitted.yaml and fit.png to this folder.")] = None,
     units: UnitsOption = "",
     json: JsonOption = False,
@@ -55,7 +68,7 @@ def fit(
     import drill_twin as dt
     from drill_twin.studies.fitting.posterior import fit_figure
 
-    ranges = dict(range_option(text) for text in free)
+    ranges = ranges_of("--free", free)
 
     def told(number: int, found: Sampling) -> None:
         power = "" if found.power == 1.0 else f", likelihood to the power {found.power:.2g}"
@@ -64,8 +77,8 @@ def fit(
     try:
         found = dt.fit(
             record, scene, ranges, channels=channel, overrides=overrides(change, units=units), likelihood=likelihood,
-            start=start, end=end or None, rate=rate, window=window, members=members, rounds=rounds, seed=seed,
-            progress=told,
+            begin=begin, end=end if end < math.inf else None, rate=rate, window=window, members=members, rounds=rounds,
+            seed=seed, workers=workers, progress=told,
         )  # fmt: skip
     except ValueError as error:
         raise SceneError(str(error)) from error
@@ -75,18 +88,6 @@ def fit(
         files={"fit.json": found.to_dict, "fitted.yaml": lambda: found.scene_text(base),
                "fit.png": lambda: fit_figure(found)},
     )  # fmt: skip
-
-
-def range_option(text: str) -> tuple[str, str]:
-    """Key and range of `KEY=LO..HI`.
-
-    Raises:
-        SceneError: Another form.
-    """
-    key, equals, ends = text.partition("=")
-    if not equals or ".." not in ends:
-        raise SceneError(f'--free: expected KEY=LO..HI, found "{text}"')
-    return key.strip(), ends
 
 
 def _shown(found: Posterior) -> Iterator[Table | Text | str]:

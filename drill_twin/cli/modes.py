@@ -17,7 +17,6 @@ from drill_twin.cli.options import (
     RpmOption,
     SceneArgument,
     SetOption,
-    TurnOption,
     UnitsOption,
     WeightOption,
     WithoutOption,
@@ -39,7 +38,6 @@ if TYPE_CHECKING:
 def modes(
     scene: SceneArgument,
     wob: WeightOption = "",
-    rps: TurnOption = "",
     rpm: RpmOption = "",
     change: SetOption = [],  # noqa: B006  typer makes a new list of it
     without: WithoutOption = [],  # noqa: B006
@@ -48,7 +46,7 @@ def modes(
         int, typer.Option("--campbell", metavar="N", min=0, max=1000, help="Campbell diagram over N speeds.")
     ] = 0,
     growth: Annotated[
-        int, typer.Option("--map", metavar="N", min=0, max=500, help="Map of growth rates, N loads by N speeds.")
+        int, typer.Option("--growth", metavar="N", min=0, max=500, help="Map of growth rates, N loads by N speeds.")
     ] = 0,
     out: Annotated[Path | None, folder_option("Write modes.json and the figures to this folder.")] = None,
     units: UnitsOption = "",
@@ -75,7 +73,7 @@ def modes(
         shapes_figure,
     )
 
-    changes = overrides(change, wob=wob, rps=rps, rpm=rpm, units=units)
+    changes = overrides(change, wob=wob, rpm=rpm, units=units)
     own = rotordynamics.steady_scene(scene, changes, without)
     if out is not None:  # before the figures are computed
         make_folder(out)

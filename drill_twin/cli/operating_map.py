@@ -16,6 +16,7 @@ import typer
 from drill_twin.cli.emit import emit, folder_name
 from drill_twin.cli.interrupt import Interrupted
 from drill_twin.cli.options import (
+    DurationOption,
     JsonOption,
     ReplaceOption,
     SceneArgument,
@@ -24,9 +25,9 @@ from drill_twin.cli.options import (
     WorkersOption,
     folder_option,
     overrides,
+    ranges_of,
 )
 from drill_twin.cli.show import remark, shown_progress
-from drill_twin.core.errors import SceneError
 from drill_twin.core.files.output import make_folder
 
 if TYPE_CHECKING:
@@ -39,13 +40,11 @@ FEWEST = 8
 
 def operating_map(
     scene: SceneArgument,
-    wob: Annotated[str, typer.Option("--wob", metavar="RANGE", help='Weight on bit, as "1..300 N".')],
-    rps: Annotated[
-        str, typer.Option("--rps", metavar="RANGE", help='Speed in rev/s, as "1..6.5", or with a unit.')
-    ] = "",
+    wob: Annotated[str, typer.Option("--wob", metavar="LO..HI", help='Weight on bit, as "1..300 N".')],
     rpm: Annotated[
-        str, typer.Option("--rpm", metavar="RANGE", help='The same in revolutions per minute, as "60..180".')
-    ] = "",
+        str,
+        typer.Option("--rpm", metavar="LO..HI", help='Speed of the top drive, as "1..3 rev/s"; bare numbers: rev/min.'),
+    ],
     seeds: Annotated[
         int, typer.Option("--seeds", metavar="N", min=1, max=1000, help="Draws along the onset of whirl.")
     ] = 1,
@@ -53,14 +52,12 @@ def operating_map(
         list[str],
         typer.Option(
             "--vary",
-            metavar="KEY=RANGE",
+            metavar="KEY=LO..HI",
             help='Uncertain number of each draw, as "wall_friction.coefficient=0.1..0.3"; repeatable.',
         ),
     ] = [],  # noqa: B006  typer makes a new list of it
     change: SetOption = [],  # noqa: B006
-    duration: Annotated[
-        str, typer.Option("--duration", metavar="TIME", help="Simulated time of a run.", show_default="the scene's")
-    ] = "",
+    duration: DurationOption = "",
     calm_for: Annotated[
         str,
         typer.Option(
@@ -97,21 +94,13 @@ def operating_map(
     draws of seeds and uncertain numbers, and the boundary at which an existing whirl dies; at last runs of the whole
     time asked check the windows. Writes map.json, map.csv, map.html and map.png.
     """
-    from drill_twin.api.maps import in_rpm
     from drill_twin.api.maps import operating_map as make
     from drill_twin.core.units.system import typed_in_pounds
     from drill_twin.scene import load_scene
     from drill_twin.studies.maps.drawing import build_page, map_figure
 
-    if bool(rps) == bool(rpm):
-        raise SceneError("--rps, --rpm: expected one of them with a range such as 60..180, found both or none")
     changes = overrides(change, duration=duration, units=units or ("field" if typed_in_pounds(wob) else ""))
-    ranges = {}
-    for pair in vary:
-        key, equals, text = pair.partition("=")
-        if not (equals and key.strip()):
-            raise SceneError(f'--vary: expected KEY=LOW..HIGH, found "{pair}"')
-        ranges[key.strip()] = text
+    ranges = ranges_of("--vary", vary)
     described = load_scene(scene, overrides=changes)
     folder = out or Path("out") / f"map_{folder_name(described.name)}"
     make_folder(folder)
@@ -120,7 +109,7 @@ def operating_map(
         runs_file.replace(folder / "runs.jsonl.old")
     with _shown_runs(runs, folder) as progress:
         found = make(
-            described, wob=wob, rps=rps or in_rpm(rpm), seeds=seeds, vary=ranges, runs=runs,
+            described, wob=wob, rpm=rpm, seeds=seeds, vary=ranges, runs=runs,
             hysteresis=not no_hysteresis, growth=not no_growth, steps=steps, folder=folder, workers=workers, dask=dask,
             calm_for=calm_for or None, progress=progress,
         )  # fmt: skip

@@ -3,12 +3,38 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
 import typer
 
-from drill_twin.core.errors import SceneError
+from drill_twin.core.errors import ArgumentError
+
+
+def time_option(name: str, text: str, least: float = -math.inf, most: float = math.inf, *, shown: bool = True) -> Any:
+    """Option of a time in s, which takes text with a unit or a bare number.
+
+    Args:
+        name: Its name, such as `--from`.
+        text: Its help, without a period.
+        least: Least time [s].
+        most: Largest time [s].
+        shown: Show the default.
+    """
+
+    def seconds(given: str | float) -> float:
+        from drill_twin.api.scenes import in_si
+        from drill_twin.core.units.dimension import TIME
+
+        value = given if isinstance(given, float) else in_si(name, given, TIME)
+        if not least <= value <= most:
+            raise ArgumentError(f"{name}: expected a time from {least:g} to {most:g} s, found {given}")
+        return value
+
+    text += ', as "5 s"; a bare number is in s.'
+    return typer.Option(name, metavar="TIME", parser=seconds, help=text, show_default=shown)
+
 
 SceneArgument = Annotated[
     str,
@@ -36,11 +62,9 @@ WithoutOption = Annotated[
 WeightOption = Annotated[
     str, typer.Option("--wob", metavar="FORCE", help='Weight on bit, as "40 N"; a bare number is in N.')
 ]
-TurnOption = Annotated[
-    str, typer.Option("--rps", metavar="SPEED", help='Top-drive speed, as "50 rpm"; a bare number is in rev/s.')
-]
 RpmOption = Annotated[
-    str, typer.Option("--rpm", metavar="SPEED", help="The same; a bare number is in revolutions per minute.")
+    str,
+    typer.Option("--rpm", metavar="SPEED", help='Speed of the top drive, as "2 rev/s"; a bare number is in rev/min.'),
 ]
 UnitsOption = Annotated[
     Literal["", "field", "si", "lab"],
@@ -58,11 +82,15 @@ SceneOption = Annotated[str, typer.Option("--scene", metavar="SCENE", help="Scen
 NamespaceOption = Annotated[
     str, typer.Option("--namespace", metavar="NS", help="Namespace of the twin, as /rig2, where a bag holds several.")
 ]
-FromOption = Annotated[
-    float, typer.Option("--from", metavar="SECONDS", help="Leave out earlier samples.", show_default=False)
-]
-ToOption = Annotated[
-    float, typer.Option("--to", metavar="SECONDS", help="Leave out later samples.", show_default=False)
+FromOption = Annotated[float, time_option("--from", "Leave out what is earlier", shown=False)]
+ToOption = Annotated[float, time_option("--to", "Leave out what is later", shown=False)]
+RemapOption = Annotated[
+    list[str],
+    typer.Option(
+        "--remap",
+        metavar="THEIRS=OURS",
+        help='Read a topic as one of ours, as "/camera/marks=/marks/state"; repeatable.',
+    ),
 ]
 JsonOption = Annotated[bool, typer.Option("--json", help="Print JSON, and nothing else, on stdout.")]
 ReplaceOption = Annotated[bool, typer.Option("--replace", help="Replace an existing result of drill-twin.")]
@@ -76,7 +104,7 @@ def _cores_for_zero(count: int) -> int:
 
 WorkersOption = Annotated[
     int,
-    typer.Option("--workers", metavar="N", min=0, help="Processes at a time; 0: one a core.", callback=_cores_for_zero),
+    typer.Option("--workers", metavar="N", min=0, help="Runs at a time; 0: one per core.", callback=_cores_for_zero),
 ]
 
 
@@ -94,24 +122,45 @@ def overrides(pairs: list[str], **shorthands: str) -> dict[str, str]:
     """Overrides of a scene from the options.
 
     Raises:
-        SceneError: A pair is not KEY=VALUE.
+        ArgumentError: A pair is not KEY=VALUE.
     """
-    changes = {key: value for key, value in shorthands.items() if value}
+    given = {key: value for key, value in shorthands.items() if value}
+    return given | pairs_of("--set", pairs, "KEY=VALUE", "hole.radius=80 mm")
+
+
+def ranges_of(option: str, pairs: list[str]) -> dict[str, str]:
+    """Ranges by key of an option such as `--free`.
+
+    Raises:
+        ArgumentError: A pair is not KEY=LO..HI.
+    """
+    return pairs_of(option, pairs, "KEY=LO..HI", "wall_friction.coefficient=0.1..0.3")
+
+
+def pairs_of(option: str, pairs: list[str], form: str, example: str) -> dict[str, str]:
+    """Values by key of the pairs of an option.
+
+    Raises:
+        ArgumentError: A pair has another form, or a key occurs twice.
+    """
+    found: dict[str, str] = {}
     for pair in pairs:
-        key, equals, value = pair.partition("=")
-        if not (equals and key.strip() and value.strip()):
-            raise SceneError(f'--set: expected KEY=VALUE such as "hole.radius=80 mm", found "{pair}"')
-        changes[key.strip()] = value.strip()
-    return changes
+        key, equals, value = (part.strip() for part in pair.partition("="))
+        if not (equals and key and value):
+            raise ArgumentError(f'{option}: expected {form} such as "{example}", found "{pair}"')
+        if key in found:
+            raise ArgumentError(f"{option}: expected each key once, found {key} twice; leave one out")
+        found[key] = value
+    return found
 
 
 def meshes(text: str, example: str) -> list[int]:
     """Numbers of elements of an option such as "8,12,16".
 
     Raises:
-        SceneError: It is none.
+        ArgumentError: It is none.
     """
     words = text.split(",")
     if not all(word.strip().isdigit() and int(word) > 1 for word in words):
-        raise SceneError(f'--elements: expected numbers such as "{example}", found "{text}"')
+        raise ArgumentError(f'--elements: expected numbers such as "{example}", found "{text}"')
     return [int(word) for word in words]

@@ -15,7 +15,6 @@ from drill_twin.cli.options import (
     RpmOption,
     SceneOption,
     SetOption,
-    TurnOption,
     UnitsOption,
     WeightOption,
     folder_option,
@@ -31,7 +30,6 @@ if TYPE_CHECKING:
 def rerun(
     bag: RecordedArgument,
     wob: WeightOption = "",
-    rps: TurnOption = "",
     rpm: RpmOption = "",
     change: SetOption = [],  # noqa: B006  typer makes a new list of it
     out: Annotated[Path | None, folder_option("New folder of the result.", "beside the bag: BAG_rerun")] = None,
@@ -43,14 +41,14 @@ def rerun(
 ) -> None:
     """Run the commands of a bag again, with other numbers, and show both runs: a table, a figure, the new bag.
 
-    The set-points of a rig's record are played on the string of --scene; --wob, --rps or --rpm take the place of one.
+    The set-points of a rig's record are played on the string of --scene; --wob or --rpm takes the place of one.
     Without --set the frames of the bag come again: bit for bit where its commands came in lockstep, else with the
     difference that is printed.
     """
     from drill_twin.api.recorded_run import rerun as run_again
     from drill_twin.cli.analyze import default_folder
 
-    changes = overrides(change, wob=wob, rps=rps, rpm=rpm)
+    changes = overrides(change, wob=wob, rpm=rpm)
     folder = out or default_folder(bag).with_name(f"{default_folder(bag).name.removesuffix('_report')}_rerun")
     new_folder(folder, replace=replace)
     with shown_progress("reading the bag") as bar:

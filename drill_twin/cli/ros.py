@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from drill_twin.cli.emit import emit
-from drill_twin.cli.options import BagArgument, JsonOption, NamespaceOption
+from drill_twin.cli.options import BagArgument, JsonOption, NamespaceOption, RemapOption, time_option
 from drill_twin.cli.show import shown_progress
 from drill_twin.core.table import Column, Table
 
@@ -54,14 +54,7 @@ def replay(
         float,
         typer.Option("--rate", help="Times as fast as recorded; 0: as fast as possible.", min=0.0, max=1000.0),
     ] = 1.0,
-    names: Annotated[
-        list[str],
-        typer.Option(
-            "--map",
-            metavar="THEIRS=OURS",
-            help='Publish a topic of the bag as one of ours, as "/camera/marks=/marks/state"; repeatable.',
-        ),
-    ] = [],  # noqa: B006  typer does not change the default
+    names: RemapOption = [],  # noqa: B006  typer does not change the default
     leave_out: Annotated[
         list[str], typer.Option("--leave-out", metavar="TOPIC", help="Do not publish this topic; repeatable.")
     ] = [],  # noqa: B006
@@ -89,9 +82,7 @@ def load(
     scene: Annotated[str, typer.Argument(help="Preset or scene file.")] = "pa6_bench",
     rate: Annotated[float, typer.Option("--rate", metavar="HZ", help="Frame rate.", min=1.0, max=1000.0)] = 200.0,
     elements: Annotated[int, typer.Option("--elements", help="Elements of the string.", min=2, max=2000)] = 50,
-    seconds: Annotated[
-        float, typer.Option("--seconds", metavar="SECONDS", help="Length of the measurement.", min=1.0, max=3600.0)
-    ] = 20.0,
+    seconds: Annotated[float, time_option("--duration", "Length of the measurement", 1.0, 3600.0)] = 20.0,
     json: JsonOption = False,
 ) -> None:
     """Measure the share of a processor core that each node takes in real time. Needs ROS 2 (rclpy).
@@ -173,10 +164,7 @@ def rig_table() -> Table:
 
 def doctor(
     seconds: Annotated[
-        float,
-        typer.Option(
-            "--seconds", metavar="SECONDS", help="How long to listen to the nodes; 0: not.", min=0.0, max=600.0
-        ),
+        float, time_option("--duration", "How long to listen to the nodes; 0: not at all", 0.0, 600.0)
     ] = 4.0,
     json: JsonOption = False,
 ) -> None:

@@ -19,7 +19,6 @@ from drill_twin.cli.options import (
     RpmOption,
     SceneArgument,
     SetOption,
-    TurnOption,
     UnitsOption,
     WeightOption,
     folder_option,
@@ -39,7 +38,6 @@ if TYPE_CHECKING:
 def run(
     scene: SceneArgument,
     wob: WeightOption = "",
-    rps: TurnOption = "",
     rpm: RpmOption = "",
     duration: DurationOption = "",
     accuracy: Annotated[
@@ -68,7 +66,7 @@ def run(
     from drill_twin.scene.set_points import Schedule
 
     described = load_scene(
-        scene, overrides=overrides(change, wob=wob, rps=rps, rpm=rpm, duration=duration, accuracy=accuracy, units=units)
+        scene, overrides=overrides(change, wob=wob, rpm=rpm, duration=duration, accuracy=accuracy, units=units)
     )
     schedule = Schedule.from_scene(described)
     folder = out or Path("out") / folder_name(described.name)

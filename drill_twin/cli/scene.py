@@ -13,7 +13,16 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 import typer
 
 from drill_twin.cli.emit import check_new, emit, say, write_file
-from drill_twin.cli.options import JsonOption, ReplaceOption, SceneArgument, SetOption, overrides
+from drill_twin.cli.options import (
+    JsonOption,
+    ReplaceOption,
+    RpmOption,
+    SceneArgument,
+    SetOption,
+    WeightOption,
+    folder_option,
+    overrides,
+)
 from drill_twin.cli.show import print_json, remark
 from drill_twin.core.errors import SceneError
 from drill_twin.core.table import Table
@@ -74,7 +83,7 @@ def check(
 
 
 def schema(
-    out: Annotated[Path | None, typer.Option("--out", metavar="FILE", help="Write to this file.")] = None,
+    out: Annotated[Path | None, folder_option("Write scene.schema.json to this folder instead.")] = None,
     replace: ReplaceOption = False,
 ) -> None:
     """Print the JSON Schema of scene files, for completion and checks in an editor."""
@@ -83,8 +92,8 @@ def schema(
     if out is None:
         print(schema_text(), end="")
         return
-    check_new(out, replace=replace)
-    write_file(out, schema_text())
+    check_new(out / "scene.schema.json", replace=replace)
+    write_file(out / "scene.schema.json", schema_text())
 
 
 def _first_sentence(text: str) -> str:
@@ -167,8 +176,8 @@ def new(
     cased_friction: Annotated[
         float | None, typer.Option("--cased-friction", min=0.0, max=5.0, help="The same, in the casing.")
     ] = None,
-    wob: Annotated[str, typer.Option("--wob", metavar="FORCE", help="Weight on bit.")] = "100 kN",
-    rpm: Annotated[str, typer.Option("--rpm", metavar="SPEED", help="Rotation, with its unit.")] = "120 rpm",
+    wob: WeightOption = "100 kN",
+    rpm: RpmOption = "120 rpm",
     units: Annotated[
         Literal["", "si", "field"],
         typer.Option(

@@ -16,7 +16,6 @@ from drill_twin.cli.options import (
     RpmOption,
     SceneArgument,
     SetOption,
-    TurnOption,
     UnitsOption,
     WeightOption,
     WithoutOption,
@@ -41,7 +40,6 @@ SHAPES = ("straight", "snaking", "snaking, helix", "helix")
 def statics(
     scene: SceneArgument,
     wob: WeightOption = "",
-    rps: TurnOption = "",
     rpm: RpmOption = "",
     change: SetOption = [],  # noqa: B006  typer makes a new list of it
     without: WithoutOption = [],  # noqa: B006
@@ -84,12 +82,12 @@ def statics(
     if out is not None:
         make_folder(out)
     if friction:
-        changes = overrides(change, wob=wob, rps=rps, rpm=rpm, units=units)
+        changes = overrides(change, wob=wob, rpm=rpm, units=units)
         _over_depth(scene, changes, without, friction, measured, out, json=json)
         return
     with shown_progress("computing"):
         found = computed(
-            scene, overrides(change, wob=wob, rps=rps, rpm=rpm, units=units), without=without,
+            scene, overrides(change, wob=wob, rpm=rpm, units=units), without=without,
             trip_speed=speeds["--trip-speed"], feed=speeds["--rop"],
         )  # fmt: skip
     shown, data = found.scene.unit_system, statics_data(found)

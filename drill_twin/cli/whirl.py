@@ -16,12 +16,12 @@ from drill_twin.cli.options import (
     RpmOption,
     SceneArgument,
     SetOption,
-    TurnOption,
     UnitsOption,
     WeightOption,
     WithoutOption,
     folder_option,
     overrides,
+    ranges_of,
 )
 from drill_twin.cli.show import shown_progress
 from drill_twin.core.errors import SceneError
@@ -39,7 +39,6 @@ _STABLE = {"stable": "yes", "unstable": "no", "not determined": "?"}
 def whirl(
     scene: SceneArgument,
     wob: WeightOption = "",
-    rps: TurnOption = "",
     rpm: RpmOption = "",
     change: SetOption = [],  # noqa: B006  typer makes a new list of it
     without: WithoutOption = [],  # noqa: B006
@@ -51,8 +50,8 @@ def whirl(
         str,
         typer.Option(
             "--over",
-            metavar="KEY=LOW:HIGH",
-            help='Follow each state over "load=5:80" [N], "speed=1:8" in rev/s, or a key of the scene in SI.',
+            metavar="KEY=LO..HI",
+            help='Follow each state over a range of "wob=5..80 N", "rpm=60..480" or another number of the scene.',
         ),
     ] = "",
     simulate: Annotated[
@@ -72,7 +71,7 @@ def whirl(
     from drill_twin.api import rotordynamics
     from drill_twin.studies.whirl_states import state_data, states_figure
 
-    own = rotordynamics.steady_scene(scene, overrides(change, wob=wob, rps=rps, rpm=rpm, units=units), without)
+    own = rotordynamics.steady_scene(scene, overrides(change, wob=wob, rpm=rpm, units=units), without)
     if over:
         _follow(own, over, starts, simulate, out, json=json)
         return
@@ -141,11 +140,10 @@ def _follow(scene: Scene, over: str, starts: int, simulate: int, out: Path | Non
     from drill_twin.api import rotordynamics
     from drill_twin.studies.whirl_states import branch_data, branches_figure, run_data, shown_parameter
 
-    key, low, high = _range(over)
-    typed = math.tau if key == "speed" else 1.0
+    ((key, span),) = ranges_of("--over", [over]).items()
     with shown_progress("following"):
-        found = rotordynamics.branches(scene, over=key, low=low * typed, high=high * typed, random_starts=starts)
-    runs = _simulated(scene, key, low * typed, high * typed, simulate)
+        found = rotordynamics.branches(scene, over=key, span=span, random_starts=starts)
+    runs = _simulated(scene, key, span, simulate)
     label, unit = shown_parameter(key, scene.unit_system)
     data = {"branches": [branch_data(one) for one in found], "simulated": [run_data(value, run) for value, run in runs]}
     files: dict[str, Any] = {"branches.json": data}
@@ -181,28 +179,18 @@ def _shown_branches(
         yield f"simulated at {value / unit:.4g}: {run.frequency:+.4f} Hz, ratio {run.ratio:+.4f}, {steady}"
 
 
-def _simulated(scene: Scene, key: str, low: float, high: float, count: int) -> list[tuple[float, SimulatedWhirl]]:
+def _simulated(scene: Scene, key: str, span: str, count: int) -> list[tuple[float, SimulatedWhirl]]:
     """Runs in time at values inside the range, ends left out."""
+    from drill_twin.api.scenes import range_of
     from drill_twin.studies.whirl_states import simulated_whirl, with_command
 
-    if count and key not in {"load", "speed"}:
-        raise SceneError(f"--simulate: expected --over load or speed, found {key}")
+    if count and key not in {"wob", "rpm"}:
+        raise SceneError(f"--simulate: expected --over wob or rpm beside it, found {key}")
+    low, high = range_of(scene, key, span)
     load, turn = scene.rig.weight_on_bit.value, scene.rig.rotation.value
     runs = []
     for k in range(count):
         value = low + (high - low) * (k + 0.5) / count
-        own = with_command(scene, value if key == "load" else load, value if key == "speed" else turn)
+        own = with_command(scene, value if key == "wob" else load, value if key == "rpm" else turn)
         runs.append((value, simulated_whirl(own)))
     return runs
-
-
-def _range(over: str) -> tuple[str, float, float]:
-    key, _, span = over.partition("=")
-    low, _, high = span.partition(":")
-    try:
-        first, last = float(low), float(high)
-    except ValueError:
-        first = last = 0.0
-    if not (key and first < last):
-        raise SceneError(f'--over: expected KEY=LOW:HIGH such as "load=5:80", found "{over}"')
-    return key.strip(), first, last

@@ -37,7 +37,7 @@ DEEPEST_BASE = 8
 def load_scene(scene: str | Path, *, overrides: Mapping[str, str] | None = None) -> Scene:
     """Load a scene from a file or by the name of an installed scene, such as `pa6_bench`.
 
-    Overrides are dotted keys and values as in a file: `{"rig.rotation.value": "50 rpm"}`; `wob`, `rps` and `duration`
+    Overrides are dotted keys and values as in a file: `{"rig.rotation.value": "50 rpm"}`; `wob`, `rpm` and `duration`
     are short for the keys most often set, and `{"effects.bow": "off"}` removes an effect.
 
     A file with `base: pa6_bench` (a name, or a path from the file's folder) contains only the differences from that

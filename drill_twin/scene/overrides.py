@@ -1,17 +1,21 @@
 # SPDX-License-Identifier: Apache-2.0
 """Overrides of scene values, such as `rig.rotation.value` by `"50 rpm"`, from the command line and launch files."""
 
+from __future__ import annotations
+
 import re
 from collections.abc import Mapping
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from drill_twin.core.errors import SceneError
 from drill_twin.core.files.yaml_reader import YamlError, plain_yaml
 from drill_twin.scene.lines import Lines, is_effect
 
+if TYPE_CHECKING:
+    from drill_twin.scene import Scene
+
 SHORTHANDS = {
     "wob": ("rig.weight_on_bit.value", "N"),
-    "rps": ("rig.rotation.value", "rev/s"),
     "rpm": ("rig.rotation.value", "rpm"),
     "duration": ("rig.duration", "s"),
     "accuracy": ("numerics.accuracy", ""),
@@ -21,6 +25,12 @@ SHORTHANDS = {
 _BARE = re.compile(r"[+-]?(\d+(\.\d*)?|\.\d+)([eE][+-]?\d+)?")
 _LONGEST_KEY, _LONGEST_INDEX = 300, 9  # characters, digits
 _INDEX = re.compile(r"\[(\w+)\]")
+
+
+def full_key(key: str, scene: Scene) -> str:
+    """Full key of a number of a scene; an effect needs no `effects.` before it, `wob` and `rpm` are short names."""
+    key = SHORTHANDS.get(key, (key, ""))[0]
+    return f"effects.{key}" if key.partition(".")[0] in scene.effect_names else key
 
 
 def apply_overrides(lines: Lines, overrides: Mapping[str, float | str]) -> None:

@@ -16,6 +16,7 @@ from drill_twin.core.errors import ArgumentError, TableError
 from drill_twin.core.table import Table
 from drill_twin.core.units.dimension import FORCE, LENGTH, TORQUE
 from drill_twin.core.units.parse import name_and_unit
+from drill_twin.core.units.ranges import parse_range
 from drill_twin.dynamics.torque_drag.over_depth import OverDepth
 from drill_twin.report.figures.style import BLUE, GREEN, INK, VERMILION, blank, head, styled
 from drill_twin.scene.records import read_columns
@@ -50,20 +51,16 @@ def coefficients(text: str) -> list[float]:
     Raises:
         ArgumentError: It is none of them.
     """
-    span, _, count = text.partition(":")
-    low, dots, high = span.partition("..")
     try:
-        found = (
-            np.linspace(float(low), float(high), int(count or 5)) if dots else np.array([*map(float, text.split(","))])
-        )
-        if not (0 < found.size <= MOST and np.isfinite(found).all() and ((found >= 0.0) & (found <= LARGEST)).all()):
-            raise ValueError(text)
+        found = parse_range("--friction", text).points(5) if ".." in text else [*map(float, text.split(","))]
     except ValueError:
+        found = []
+    if not (0 < len(found) <= MOST and all(0.0 <= value <= LARGEST for value in found)):
         raise ArgumentError(
             f'--friction: expected at most {MOST} coefficients from 0 to {LARGEST:g} such as "0.15..0.35:5" or '
             f'"0.2,0.3", found "{text}"'
-        ) from None
-    return sorted(found.tolist())
+        )
+    return sorted(found)
 
 
 def read_measured(path: Path) -> dict[str, Points]:

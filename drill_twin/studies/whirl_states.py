@@ -79,7 +79,7 @@ def simulated_whirl(scene: Scene) -> SimulatedWhirl:
 
 
 MOST_STATES = 5
-PARAMETERS = {"load": ("weight on bit", "force"), "speed": ("rotation", "rotation")}
+PARAMETERS = {"wob": ("weight on bit", "force"), "rpm": ("rotation", "rotation")}
 """Words and quantity of a parameter."""
 
 

@@ -19,7 +19,7 @@ def by_change(cause):
 
 
 def test_a_run_without_whirl_says_so_and_repeats_nothing(tmp_path):
-    run = dt.Simulation("pa6_bench", {**SOON, "rps": 1}).run(duration=5)
+    run = dt.Simulation("pa6_bench", {**SOON, "rpm": 60}).run(duration=5)
     cause = dt.why(run)
     assert str(cause).startswith("The run does not whirl, at 5 N at 1 rev/s at its end. Small motion about the axis")
     assert "decays" in str(cause)
@@ -39,7 +39,7 @@ def test_the_record_of_a_rig_cannot_be_repeated(tmp_path):
 
 @pytest.mark.long
 def test_internal_damping_above_the_critical_speed():
-    cause = dt.why(dt.Simulation("pa6_bench", {**SOON, "rps": 3}).run(duration=12))
+    cause = dt.why(dt.Simulation("pa6_bench", {**SOON, "rpm": 180}).run(duration=12))
     assert cause.causes == ("without internal damping",)
     trials = by_change(cause)
     assert trials["without internal damping"].growth_per_s < 0.0
@@ -52,7 +52,7 @@ def test_internal_damping_above_the_critical_speed():
 
 @pytest.mark.long
 def test_resonance_of_the_unbalance():
-    near_critical = {**SOON, "rps": 0.87, "effects.eccentricity.offset": "4 mm"}
+    near_critical = {**SOON, "rpm": 52.2, "effects.eccentricity.offset": "4 mm"}
     cause = dt.why(dt.Simulation("pa6_bench", near_critical).run(duration=20))
     assert cause.causes == (UNBALANCE,)
     assert "Cause (forced, at the speed of rotation)" in str(cause)
@@ -69,7 +69,7 @@ def test_rolling_on_wall_friction():
         "bow": {"amplitude": 1e-4},
     }
     scene = quiet_scene(kicked, of=WALLED, radius=0.04, step=2e-3, weight_on_bit=20.0)
-    run = dt.Simulation(scene, {"rps": 3.0, "rig.duration": 8}).run()
+    run = dt.Simulation(scene, {"rpm": 180, "rig.duration": 8}).run()
     assert run.summary["lasting_motion"] == "rolling along the wall"
     cause = dt.why(run)
     assert cause.causes == ("without wall friction",)

@@ -33,8 +33,8 @@ def test_every_mark_has_its_timeline(bench_run):
 @pytest.mark.parametrize(
     ("options", "words"),
     [
-        (("--map", "/marks"), "--map: expected THEIRS=OURS"),
-        (("--map", "/their/marks=/marks/state"), "expected the topic /their/marks"),
+        (("--remap", "/marks"), "--remap: expected THEIRS=OURS"),
+        (("--remap", "/their/marks=/marks/state"), "expected the topic /their/marks"),
         (("--from", "3", "--to", "2"), "expected a start before the end"),
         (("--clearance", "3 N"), "--clearance: expected a length"),
         (("--marks", "mark_9"), "found mark_9"),

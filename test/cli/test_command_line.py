@@ -30,7 +30,7 @@ QUICK = (
 
 
 def test_run_analyze_and_report(process, inside):
-    ran = process("run", "pa6_bench", *QUICK, "--rps", "2", "--duration", "1.5", "--out", "made/first", "--json")
+    ran = process("run", "pa6_bench", *QUICK, "--rpm", "120", "--duration", "1.5", "--out", "made/first", "--json")
     assert ran.code == 0, ran.err
     summary = json.loads(ran.out)
     folder = inside / "made" / "first"
@@ -53,7 +53,7 @@ def test_run_analyze_and_report(process, inside):
 
 
 def test_options_change_the_scene(call, inside):
-    assert call("run", "pa6_bench", *QUICK, "--rps=-1.5", "--duration", "0.05", "--out", "x").code == 0
+    assert call("run", "pa6_bench", *QUICK, "--rpm=-90", "--duration", "0.05", "--out", "x").code == 0
     scene = parse_scene(Bag(inside / "x" / "bag_0").scene())
     assert scene.rig.weight_on_bit.value == 100.0
     assert scene.rig.rotation.value == pytest.approx(-1.5 * 6.283185307179586)
@@ -69,8 +69,8 @@ def test_tables_say_what_was_found(call, bench_run):
 
 
 def test_findings_can_be_written_to_a_file(call, bench_run, inside):
-    said = call("analyze", bench_run.bag, "--json", "--out", "deep/found.json")
-    assert json.loads((inside / "deep" / "found.json").read_text("utf-8")) == json.loads(said.out)
+    said = call("analyze", bench_run.bag, "--json", "--out", "deep")
+    assert json.loads((inside / "deep" / "summary.json").read_text("utf-8")) == json.loads(said.out)
 
 
 def test_truncated_bag_is_analysed_and_said(call, bench_run, inside):
@@ -110,8 +110,8 @@ def test_scenes_are_listed_and_checked(call):
 def test_schema_is_that_of_the_package(call, inside):
     printed = call("scene", "schema").out
     assert json.loads(printed)["$schema"]
-    assert call("scene", "schema", "--out", "scene.json").code == 0
-    assert (inside / "scene.json").read_text("utf-8") == printed
+    assert call("scene", "schema", "--out", ".").code == 0
+    assert (inside / "scene.schema.json").read_text("utf-8") == printed
 
 
 def test_topics_are_those_of_the_contract(call):

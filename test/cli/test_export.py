@@ -15,7 +15,7 @@ from drill_twin.report import read_recording
 
 def test_both_files_hold_the_recorded_channels_in_their_units(bench_run, tmp_path, capsys):
     lasio = pytest.importorskip("lasio")
-    export(bench_run.bag, las=True, csv=True, out=tmp_path / "rig", begin=1.0, end=2.0)
+    export(bench_run.bag, las=True, csv=True, out=tmp_path, begin=1.0, end=2.0)
     printed = capsys.readouterr()
     assert [Path(line).name for line in printed.out.split()] == ["rig.csv", "rig.las"]
     assert "N to kN, N m to kN.m, rad/s to rpm" in printed.err
@@ -40,10 +40,10 @@ def test_both_files_hold_the_recorded_channels_in_their_units(bench_run, tmp_pat
 
 
 def test_what_cannot_be_exported_is_refused(bench_run, tmp_path):
-    with pytest.raises(ArgumentError, match="expected --las, --csv or both"):
+    with pytest.raises(ArgumentError, match="expected --csv, --las, --drillbotics or several"):
         export(bench_run.bag)
     with pytest.raises(BagError, match="expected a start before the end, found 2 s and 1 s"):
-        export(bench_run.bag, csv=True, out=tmp_path / "rig", begin=2.0, end=1.0)
+        export(bench_run.bag, csv=True, out=tmp_path, begin=2.0, end=1.0)
     (tmp_path / "rig.csv").touch()
     with pytest.raises(BagError, match="expected a new file"):
-        export(bench_run.bag, csv=True, out=tmp_path / "rig.csv")
+        export(bench_run.bag, csv=True, out=tmp_path)

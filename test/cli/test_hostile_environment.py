@@ -45,7 +45,7 @@ def test_paths_that_cannot_be(path, tmp_path, monkeypatch):
 
 
 def test_a_command_with_a_path_of_5000_characters(tmp_path):
-    code, said = shell(f"{COMMAND} check {'x' * 5000}", tmp_path)
+    code, said = shell(f"{COMMAND} scene check {'x' * 5000}", tmp_path)
     assert code == 2
     assert "File name too long" in said
     assert len(said) < 1000
@@ -58,28 +58,28 @@ LONG = pytest.mark.long
     "closed", [">&- 2>&-", *(pytest.param(text, marks=LONG) for text in ("<&- >&-", ">&-", "2>&-"))]
 )
 def test_closed_streams(closed, tmp_path):
-    code, said = shell(f"{COMMAND} topics {closed}", tmp_path)
+    code, said = shell(f"{COMMAND} ros topics {closed}", tmp_path)
     assert (code, "error" in said) == (0, False)
 
 
 @LONG
 def test_a_reader_that_closes_its_end(tmp_path):
-    code, _ = shell(f"set -o pipefail; {COMMAND} scenes | head -c 1 > /dev/null", tmp_path)
+    code, _ = shell(f"set -o pipefail; {COMMAND} scene list | head -c 1 > /dev/null", tmp_path)
     assert code in {0, 1}
 
 
 @LONG
 def test_a_full_device(tmp_path):
-    code, said = shell(f"{COMMAND} topics > /dev/full", tmp_path)
+    code, said = shell(f"{COMMAND} ros topics > /dev/full", tmp_path)
     assert code == 1
     assert "No space left on device" in said
 
 
 @LONG
-@pytest.mark.parametrize("command", ["check pa6_bench", "run pa6_bench --duration 0.1", "analyze bag_0"])
+@pytest.mark.parametrize("command", ["scene check pa6_bench", "run pa6_bench --duration 0.1", "analyze bag_0"])
 def test_a_removed_working_folder(command, tmp_path):
     code, said = shell(f'mkdir gone && cd gone && rmdir "$PWD" && {COMMAND} {command}', tmp_path)
-    assert code != 0 or command.startswith("check")
+    assert code != 0 or command.startswith("scene")
     assert said.count("error:") <= 1
 
 

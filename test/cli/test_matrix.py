@@ -29,8 +29,8 @@ OF_SCENE = {
     "equilibrium": ("run", "{scene}", "--set", "rig.start=equilibrium", "--duration", "{time}", "--out", "{out}"),
     "compare": ("compare", "{scene}", "{scene},numerics.seed=7", "--duration", "{time}", "--out", "{out}"),
     "cost": ("cost", "{scene}", "--elements", "20,30", "--duration", "{time}", "--replicas", "0", "--out", "{out}"),
-    "map": ("map", "{scene}", "--wob", "{wob}", "--rps", "1..2", "--runs", "4", "--steps", "2", "--duration", "{time}",
-            "--out", "{out}"),
+    "map": ("map", "{scene}", "--wob", "{wob}", "--rpm", "60..120", "--runs", "4", "--steps", "2", "--duration",
+            "{time}", "--out", "{out}"),
 }  # fmt: skip
 NUMBER = ("--scene", "{scene}", "--free", "load_factor=0.8..1.2", "--channel", "torque")
 OF_BAG = {

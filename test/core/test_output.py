@@ -48,7 +48,7 @@ def test_a_figure_on_a_full_disk_is_refused_in_a_sentence(small_disk):
 
 def test_a_result_on_a_full_disk_is_refused_by_the_command_in_a_sentence(small_disk):
     disk = small_disk(8 * 1024)
-    command = [sys.executable, "-m", "drill_twin.cli", "scene", "schema", "--out", str(disk / "schema.json")]
+    command = [sys.executable, "-m", "drill_twin.cli", "scene", "schema", "--out", str(disk)]
     said = subprocess.run(command, capture_output=True, text=True, check=False)
     assert (said.returncode, said.stdout) == (2, "")
     assert said.stderr.strip() == (

@@ -60,8 +60,8 @@ def test_hookload_torque_and_drag_of_a_run(bench_run):
 
 
 SOFT = {
-    "wob": "20 N", "rps": "2", "rig.weight_on_bit.duration": "1 s", "rig.rotation.duration": "0.5 s", "duration": "5 s",
-    "effects.wall.stiffness": "1e3 N/m^2.5",
+    "wob": "20 N", "rpm": "120", "rig.weight_on_bit.duration": "1 s", "rig.rotation.duration": "0.5 s",
+    "duration": "5 s", "effects.wall.stiffness": "1e3 N/m^2.5",
 }  # fmt: skip
 """A wall as soft as foam: the string sinks in by centimetres."""
 

@@ -108,7 +108,7 @@ def test_without_a_map_it_says_at_once_how_far_it_is(bench):
 def test_a_driver_that_follows_the_advice_leaves_whirl_or_is_told_that_it_cannot(bench, weights, speeds, calm):
     """The advisor makes a map of its own while the string whirls; the driver's plan is set as a person would."""
     states, followed = bench.collect(ADVICE_STATE), []
-    advisor = bench.start("advisor", wob=weights, rps=speeds, workers=2)
+    advisor = bench.start("advisor", wob=weights, rpm=speeds, workers=2)
     analyzer = bench.start("analyzer")
     simulator = bench.start("simulator", overrides=COARSE)
     bench.start("rig_driver", wait_for="simulator analyzer test", overrides=COARSE, change_time=2.5)

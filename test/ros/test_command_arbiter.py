@@ -254,7 +254,7 @@ def test_limits_follow_the_scene():
     assert limits.rotation == (0.0, pytest.approx(20.0 * TURN))
     assert limits.why_refused(Command(-1.0, 0.0))
     left = limits_for(
-        load_scene("pa6_bench", overrides={"rps": "-3"}), max_weight_on_bit=0.0, max_speed=0.0, negative=False
+        load_scene("pa6_bench", overrides={"rpm": "-180"}), max_weight_on_bit=0.0, max_speed=0.0, negative=False
     )
     assert left.why_refused(Command(10.0, -3.0 * TURN)) is None
     record = limits_for(load_scene("ufrj_rig"), max_weight_on_bit=0.0, max_speed=0.0, negative=False)

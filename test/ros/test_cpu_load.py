@@ -34,7 +34,7 @@ def test_ctrl_c_is_one_line_and_leaves_no_node(bench):
 
 @pytest.mark.long
 def test_every_node_is_measured_while_it_works(bench):
-    words = ["ros", "load", "--seconds", "3", "--elements", "16", "--rate", "100", "--json"]
+    words = ["ros", "load", "--duration", "3", "--elements", "16", "--rate", "100", "--json"]
     process = bench.command("load", ["env", "-u", "ROS_DOMAIN_ID", sys.executable, "-m", "drill_twin.cli", *words])
     assert process.wait(120.0) == 0, process.text
     told = json.loads(process.text[process.text.index("{") :])

@@ -29,7 +29,7 @@ def _doctor(bench, *arguments, **environment):
 def test_a_running_twin_is_described_and_faults_are_named(bench):
     simulator = bench.start("simulator", wait_for_command=False)
     bench.until_status("simulator", lambda status: status.values.get("frames", "0") != "0")
-    code, checks = _doctor(bench, "--seconds", "4")
+    code, checks = _doctor(bench, "--duration", "4")
     assert code == 0, checks
     assert checks["nodes", "/simulator"]["found"].startswith("drill_twin 0.")
     assert checks["topics", "/rig/state"]["found"].startswith("/simulator (reliable)")
@@ -43,7 +43,7 @@ def test_a_running_twin_is_described_and_faults_are_named(bench):
         node.create_publisher(Float64, "/rig/state", 10),
         node.create_subscription(JointState, "/marks/state", lambda _: None, latched),
     ]
-    code, checks = _doctor(bench, "--seconds", "4")
+    code, checks = _doctor(bench, "--duration", "4")
     assert code == 1
     assert "asks for reliable, /test offers best effort" in checks["topics", "/rig/command"]["found"]
     assert "std_msgs/msg/Float64 of /test" in checks["topics", "/rig/state"]["found"]

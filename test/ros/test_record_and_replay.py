@@ -109,7 +109,7 @@ def test_a_split_bag_of_another_recorder_gives_the_same_findings_under_our_names
     assert writer.files > 3
     again = tmp_path / "again_0"
     analyzer, recorder = bench.start("analyzer"), bench.start("recorder", bag=str(again))
-    maps = [word for ours, name in theirs.items() for word in ("--map", f"{name}={ours}")]
+    maps = [word for ours, name in theirs.items() for word in ("--remap", f"{name}={ours}")]
     waits = ["--wait-for", "analyzer", "--wait-for", "recorder"]
     command = [sys.executable, "-m", "drill_twin.cli", "replay", str(writer.folder), "--rate", "0", *maps, *waits]
     assert bench.command("replay", command).wait() == 0, bench.logs()

@@ -17,7 +17,7 @@ def test_a_key_with_dots_sets_one_value(changed):
 
 
 def test_short_names_take_bare_numbers_in_the_units_of_the_rig(changed):
-    scene = changed(overrides={"wob": "60", "rps": "-3", "duration": "5"})
+    scene = changed(overrides={"wob": "60", "rpm": "-180", "duration": "5"})
     assert (scene.rig.weight_on_bit.value, scene.rig.duration) == (60.0, 5.0)
     assert scene.rig.rotation.value == pytest.approx(-6.0 * math.pi)
     assert changed(overrides={"wob": "6 kN"}).rig.weight_on_bit.value == 6e3
@@ -52,7 +52,7 @@ def test_effects_are_taken_out_and_put_in(changed):
         ({"wob": "nan"}, 'found "nan"'),
         ({"wob": "-12 klb"}, "wob: expected a weight on bit from 0, found -12 klb; a bit that is pulled"),
         ({"wob": -40.0}, "wob: expected a weight on bit from 0, found -40.0"),
-        ({"rps": "many"}, 'found "many"'),
+        ({"rpm": "many"}, 'found "many"'),
         ({"duration": "-3"}, "above 0 s"),
         ({"": "x"}, 'expected a key such as "rig.duration"'),
         ({"...": "x"}, "expected a key such as"),

@@ -105,7 +105,7 @@ def table_of(scene: Scene, command: Command, fastest: float, resting: Resting, c
     if command.rotation == 0.0:
         raise RunError(
             "expected a rotation for the modes of an assembly that lies on the wall, found 0 rad/s: friction holds a "
-            "string that does not turn; give --rps or --rpm"
+            "string that does not turn; give --rpm or --rpm"
         )
     coarse, assembly, lateral = assembly_modes(scene, command, fastest, resting)
     whole, equations = Pencil(*coarse.linearised(command.rotation).sparse), coarse.equations

@@ -30,19 +30,19 @@ class MapMaker:
 
         Args:
             scene: The scene.
-            settings: Parameters `wob`, `rps`, `runs` and `workers` of the node.
+            settings: Parameters `wob`, `rpm`, `runs` and `workers` of the node.
 
         Raises:
             DrillTwinError: No range is given, and the scene has no set-point to take one from.
         """
         rig = scene.rig
         wob = settings.wob or _range("wob", rig.weight_on_bit.value, "N")
-        rps = settings.rps or _range("rps", rig.rotation.value, "rad/s")
+        rpm = settings.rpm or _range("rpm", rig.rotation.value, "rad/s")
         self._runs = settings.runs
         self._folder = tempfile.TemporaryDirectory(prefix="drill_twin_map_")
         self._out = Path(self._folder.name)
         (self._out / "scene.yaml").write_text(scene.to_yaml(), "utf-8")
-        words = ["map", str(self._out / "scene.yaml"), "--wob", wob, "--rps", rps, "--runs", str(settings.runs)]
+        words = ["map", str(self._out / "scene.yaml"), "--wob", wob, "--rpm", rpm, "--runs", str(settings.runs)]
         words += ["--steps", str(_STEPS), "--workers", str(settings.workers), "--out", str(self._out)]
         with (self._out / "log").open("wb") as log:
             self._process = subprocess.Popen(

@@ -48,7 +48,7 @@ class Advisor(TwinNode):
     PARAMETERS: ClassVar = (
         Parameter("map", "", 'map.json of `drill-twin map`; "": make a coarse one of the scene on /twin/scene'),
         Parameter("wob", "", 'range of a map made here; "": up to 1.1 times the scene\'s', such_as="1..60 N"),
-        Parameter("rps", "", 'range of a map made here; "": up to 1.1 times the scene\'s', such_as="0.5..3 rev/s"),
+        Parameter("rpm", "", 'range of a map made here; "": up to 1.1 times the scene\'s', such_as="30..180 rpm"),
         Parameter("runs", 100, "largest number of runs of a map made here", "", 1, 1_000_000),
         Parameter("workers", 1, "threads of a map made here", "", 1, 4096),
         Parameter("margin", 0.05, "share of the ranges that an advised set-point keeps from a boundary", "", 0.0, 0.5),

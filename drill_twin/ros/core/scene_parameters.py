@@ -27,7 +27,7 @@ def scene_of(settings: SimpleNamespace) -> Scene:
         ParameterError: The overrides are not pairs KEY=VALUE.
     """
     changes = pairs_of("overrides", settings.overrides)
-    for parameter, key in (("weight_on_bit", "wob"), ("rotation", "rps"), ("accuracy", "accuracy")):
+    for parameter, key in (("weight_on_bit", "wob"), ("rotation", "rpm"), ("accuracy", "accuracy")):
         if value := getattr(settings, parameter, ""):
             changes[key] = value
     if table := getattr(settings, "table", ""):

@@ -21,12 +21,13 @@ from drill_twin.runs.ensemble.outputs import Request
 from drill_twin.runs.ensemble.time_outputs import Channels, Instants
 from drill_twin.scene import Scene
 from drill_twin.scene.load import build_scene
+from drill_twin.scene.overrides import full_key
 from drill_twin.scene.set_points import Command
 from drill_twin.studies.estimation.lateral import LateralMotion, asynchronous_radius
 from drill_twin.studies.estimation.prediction import SENSORS, SHARE, Band, Prediction, WindowTiming
 from drill_twin.studies.estimation.square_root_filter import Correction, applied
 from drill_twin.studies.estimation.subs import VALUES, SubReader, listed
-from drill_twin.studies.fitting.posterior import UNDETERMINED, full_key
+from drill_twin.studies.fitting.posterior import UNDETERMINED
 from drill_twin.studies.fitting.sampling import Ranges, in_ranges
 from drill_twin.whirl.criteria import Criteria
 

@@ -13,7 +13,7 @@ import numpy as np
 from drill_twin.core.arrays import Array
 from drill_twin.scene import Scene
 from drill_twin.scene.load import build_scene
-from drill_twin.scene.overrides import SHORTHANDS
+from drill_twin.scene.overrides import full_key
 from drill_twin.studies.fitting.likelihood import noise_in
 from drill_twin.studies.fitting.record import Record
 from drill_twin.studies.fitting.sampling import Sampling
@@ -219,12 +219,6 @@ def predictive_band(runs: Array, weights: Array, error: float, share: float) -> 
     noisy = runs[drawn] + error * generator.standard_normal((drawn.size, 1))
     low, high = np.quantile(noisy, (0.5 - share / 2.0, 0.5 + share / 2.0), axis=0)
     return low, high
-
-
-def full_key(key: str, scene: Scene) -> str:
-    """Full key of a scene; an effect needs no `effects.` before it, and `wob` and `rps` are short names."""
-    key = SHORTHANDS.get(key, (key, ""))[0]
-    return f"effects.{key}" if key.partition(".")[0] in scene.effect_names else key
 
 
 def fit_figure(found: Posterior) -> Figure:

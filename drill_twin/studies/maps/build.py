@@ -27,9 +27,7 @@ MOST_DRAWS = 1000
 """Largest number of draws."""
 
 
-def draws_of(
-    scene: Scene, seeds: int, vary: Mapping[str, tuple[float, float, str]]
-) -> tuple[Mapping[str, float | str], ...]:
+def draws_of(scene: Scene, seeds: int, vary: Mapping[str, tuple[float, float]]) -> tuple[Mapping[str, float], ...]:
     """Values by key of each draw; empty where one draw is asked for and nothing varies.
 
     The points of a scrambled Sobol sequence (Owen 1998) fill the ranges.
@@ -37,10 +35,10 @@ def draws_of(
     Args:
         scene: The base scene; its own numbers are the first draw.
         seeds: Number of draws.
-        vary: Least and largest value by key, and their unit.
+        vary: Least and largest value in SI by full key.
 
     Raises:
-        ArgumentError: Too many draws, an empty range, or a key that has no number.
+        ArgumentError: Too many draws, or ranges for one.
     """
     if not 1 <= seeds <= MOST_DRAWS:
         raise ArgumentError(f"seeds: expected 1 to {MOST_DRAWS}, found {seeds}")
@@ -50,30 +48,15 @@ def draws_of(
         return ()
     from scipy.stats import qmc
 
-    first: dict[str, float | str] = {SEED: scene.numerics.seed}
-    keys = {}
-    for name, (low, high, _) in vary.items():
-        keys[name] = f"effects.{name}" if name.partition(".")[0] in scene.effect_names else name
-        first[keys[name]] = _number(scene, keys[name])
-        if not low < high:
-            raise ArgumentError(f"vary: expected {name}=LOW..HIGH with LOW below HIGH, found {low:g} to {high:g}")
-    draws = [first]
+    draws = [{SEED: scene.numerics.seed} | {key: number_at(scene, key) or 0.0 for key in vary}]
     points = qmc.Sobol(max(1, len(vary)), seed=0).random(1 << (seeds - 1).bit_length())
     for number, point in enumerate(points[: seeds - 1].tolist(), 1):
-        draw: dict[str, float | str] = {SEED: scene.numerics.seed + number}
-        for share, (name, (low, high, unit)) in zip(point, vary.items(), strict=False):
-            value = low + (high - low) * share
-            draw[keys[name]] = f"{value!r} {unit}" if unit else value
-        draws.append(draw)
+        shares = zip(point, vary.items(), strict=False)
+        draws.append(
+            {SEED: scene.numerics.seed + number}
+            | {key: low + (high - low) * share for share, (key, (low, high)) in shares}
+        )
     return tuple(draws)
-
-
-def _number(scene: Scene, key: str) -> float:
-    """Value of a number of a scene in SI."""
-    found = number_at(scene, key)
-    if found is None:
-        raise ArgumentError(f"vary: expected the key of a number of {scene.name}, found {key}")
-    return found
 
 
 MOST_CHECKS, RUNS_FOR_ONE = 59, 20
@@ -115,7 +98,7 @@ class MapPlan:
         duration: Simulated time of a run from rest [s].
         asked: Time for which a calm set-point must stay calm [s].
         seeds: Draws at boundaries, the first of them the scene as it is.
-        vary: Least and largest value of uncertain numbers by key, and their unit: `(0.1, 0.3, "")` in SI.
+        vary: Least and largest value of uncertain numbers by key, in SI: `(0.1, 0.3)`.
         runs: Largest number of runs.
         hysteresis: Search the boundary at which an existing whirl dies.
         growth: Place first runs by the growth rates of the linear string, where they apply.
@@ -126,7 +109,7 @@ class MapPlan:
     duration: float
     asked: float
     seeds: int = 1
-    vary: Mapping[str, tuple[float, float, str]] = field(default_factory=dict)
+    vary: Mapping[str, tuple[float, float]] = field(default_factory=dict)
     runs: int = 1500
     hysteresis: bool = True
     growth: bool = True
@@ -194,6 +177,14 @@ def _check(scene: Scene, plan: MapPlan) -> None:
         raise ArgumentError(
             f"calm for: expected a time from that of a run, {plan.duration:g} s, up to 1e6 s, found {plan.asked:g} s"
         )
+
+
+def check_set_points(scene: Scene) -> None:
+    """Check that the set-points of a scene have final values, which a map can vary.
+
+    Raises:
+        SceneError: One is recorded.
+    """
     for key in ("weight_on_bit", "rotation"):
         if getattr(scene.rig, key).shape == "table":
             raise SceneError(

@@ -91,7 +91,7 @@ def result_of(number: int, lowest: float, out: Path, workers: int) -> dict[str, 
     if simulation.state is None or simulation.state.motion not in _WHIRLS:
         return {"scene": number, "numbers": numbers, "end": NO_WHIRL}
     found = dt.operating_map(
-        scene, wob=f"{lowest * weight!r}..{1.1 * weight!r} N", rps=f"{lowest * speed!r}..{1.1 * speed!r} rad/s",
+        scene, wob=f"{lowest * weight!r}..{1.1 * weight!r} N", rpm=f"{lowest * speed!r}..{1.1 * speed!r} rad/s",
         duration=DURATION, runs=100, steps=8, workers=workers, folder=out / f"map_{number}_from_{lowest:g}",
     )  # fmt: skip
     possible = bool(found.calm.any())

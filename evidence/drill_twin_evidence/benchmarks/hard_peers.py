@@ -30,9 +30,9 @@ NO_RAMP = {"rig.weight_on_bit.duration": "0 s", "rig.weight_on_bit.start": "1 s"
 CASES: dict[str, Mapping[str, str]] = {
     "300 N": {"wob": "300 N"},
     "1,000 N": {"wob": "1000 N"},
-    "6.5 rev/s": {"rps": "6.5 rev/s"},
-    "20 rev/s": {"rps": "20 rev/s"},
-    "300 N in one sample, at 1 rev/s": {**NO_RAMP, "wob": "300 N", "rps": "1 rev/s"},
+    "6.5 rev/s": {"rpm": "6.5 rev/s"},
+    "20 rev/s": {"rpm": "20 rev/s"},
+    "300 N in one sample, at 1 rev/s": {**NO_RAMP, "wob": "300 N", "rpm": "1 rev/s"},
     "300 N taken off in one sample": {**NO_RAMP, "rig.weight_on_bit.initial": "300 N", "wob": "0 N"},
     "speed reversed within 0.1 s": {
         "rig.rotation.initial": "2 rev/s", "rig.rotation.value": "-2 rev/s", "rig.rotation.start": "1.5 s",

@@ -29,7 +29,7 @@ from drill_twin_evidence.benchmarks.growth_prior import Replayed
 from drill_twin_evidence.benchmarks.map_boundary import lattice_points
 
 BUDGETS = (50, 100, 200, 400, 800)
-VARY = {"wall_friction.coefficient": (0.1, 0.3, ""), "bow.amplitude": (0.02, 0.2, "mm")}
+VARY = {"effects.wall_friction.coefficient": (0.1, 0.3), "effects.bow.amplitude": (2e-5, 2e-4)}
 DRAWS = 256
 
 

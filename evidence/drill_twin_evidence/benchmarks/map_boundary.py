@@ -29,7 +29,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("scene", nargs="?", default="pa6_bench")
     parser.add_argument("--wob", default="1..40 N")
-    parser.add_argument("--rps", default="1..6.5")
+    parser.add_argument("--rpm", default="60..390")
     parser.add_argument("--steps", type=int, default=128)
     parser.add_argument("--duration", type=float, default=30.0)
     parser.add_argument("--runs", type=int, default=1500)
@@ -42,14 +42,14 @@ def main() -> None:
     scene = dt.load_scene(given.scene, dict(pair.split("=", 1) for pair in given.set))
     began = time.process_time()
     found = dt.operating_map(
-        scene, wob=given.wob, rps=given.rps, duration=given.duration, runs=given.runs, steps=given.steps,
+        scene, wob=given.wob, rpm=given.rpm, duration=given.duration, runs=given.runs, steps=given.steps,
         hysteresis=False, folder=given.out / "map", workers=given.workers,
     )  # fmt: skip
     spent = time.process_time() - began
     onset = sum("onset" in note for note in found.notes)
     distances = error(scene, found, given.patches, given.cells, given.out, given.workers)
     if not distances.size:
-        sys.exit(f"{scene.name}: expected a boundary in these ranges, found none; choose others with --wob and --rps")
+        sys.exit(f"{scene.name}: expected a boundary in these ranges, found none; choose others with --wob and --rpm")
     median, most, largest = np.quantile(distances, [0.5, 0.95, 1.0])
     said = {
         "scene": scene.name, "runs": len(found.records), "processor_seconds_of_new_runs": round(spent, 1),

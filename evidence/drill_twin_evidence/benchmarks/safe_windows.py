@@ -67,10 +67,10 @@ def main() -> None:
 
 def judge(seed: int, points: int, grid: int, out: Path, workers: int) -> dict[str, Any]:
     """Counts of a scene."""
-    scene, wob, rps = scene_of(seed)
+    scene, wob, rpm = scene_of(seed)
     folder = out / f"scene_{seed}"
     found = dt.operating_map(
-        scene, wob=wob, rps=rps, duration=DURATION, calm_for=ASKED, steps=STEPS, runs=RUNS, hysteresis=False,
+        scene, wob=wob, rpm=rpm, duration=DURATION, calm_for=ASKED, steps=STEPS, runs=RUNS, hysteresis=False,
         folder=folder / "map", workers=workers,
     )  # fmt: skip
     cells = cells_of(found)

@@ -8,21 +8,22 @@ from typing import Annotated
 
 import typer
 
-from drill_twin.cli.options import JsonOption, ReplaceOption, WorkersOption
+from drill_twin.cli.options import JsonOption, ReplaceOption, WorkersOption, folder_option, time_option
 
 
 def analyzer_score(
     quick: Annotated[bool, typer.Option("--quick", help="A tenth of the records, for a quick check.")] = False,
     out: Annotated[
-        Path | None,
-        typer.Option("--out", metavar="DIR", help="Write the tables, the numbers and the confusion matrix here too."),
+        Path | None, folder_option("Write the tables, the numbers and the confusion matrix to this folder too.")
     ] = None,
     downhole: Annotated[
         bool,
         typer.Option("--downhole", help="Score whirl from one sub instead (docs/sensors.md)."),
     ] = False,
-    hours: Annotated[float, typer.Option("--hours", min=0.0, max=1000.0, help="With --downhole: noise [h].")] = 24.0,
-    workers: WorkersOption = 2,
+    noise: Annotated[
+        float, time_option("--duration", "With --downhole: length of the noise without whirl", 0.0, 3.6e6)
+    ] = 24.0 * 3600.0,
+    workers: WorkersOption = 0,
     replace: ReplaceOption = False,
     json: JsonOption = False,
 ) -> None:
@@ -41,7 +42,7 @@ def analyzer_score(
         from drill_twin_evidence.detection.cases import BENCH
 
         sizes = (4, 4, 1) if quick else (len(BENCH), Plan().drawn, 5)
-        found = one_sub.measure_sub(*sizes, hours)
+        found = one_sub.measure_sub(*sizes, noise / 3600.0)
         if json:
             print_json(found)
         else:

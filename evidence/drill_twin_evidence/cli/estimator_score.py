@@ -9,7 +9,8 @@ from typing import Annotated, Any
 
 import typer
 
-from drill_twin.cli.options import JsonOption
+from drill_twin.cli.options import JsonOption, time_option
+from drill_twin_evidence.cli.output import OnlyOption, chosen
 
 _SEEDS = 1_000_000
 """Seeds of truths, of which the first is drawn."""
@@ -17,12 +18,12 @@ _FOREIGN, _OTHER = "expected results of the score, found another file", "expecte
 
 
 def estimator_score(
-    only: Annotated[list[str], typer.Option("--only", metavar="CASE", help="Case; repeatable. All if left out.")] = [],  # noqa: B006
+    only: OnlyOption = "",
     truths: Annotated[int, typer.Option("--truths", min=1, help="Twins with hidden numbers.")] = 10,
     first: Annotated[
         int | None, typer.Option("--first", min=0, help="Number of the first one; drawn anew if left out.")
     ] = None,
-    seconds: Annotated[float, typer.Option("--seconds", min=2.0, help="Time to follow each.")] = 60.0,
+    seconds: Annotated[float, time_option("--duration", "Simulated time for which each is followed", 2.0)] = 60.0,
     members: Annotated[
         list[int], typer.Option("--members", min=4, help="Members; repeatable: error against members and time.")
     ] = [],  # noqa: B006
@@ -37,15 +38,12 @@ def estimator_score(
     Prints the tables of docs/bands.md.
     """
     from drill_twin.cli.show import print_json, remark
-    from drill_twin.core.errors import ArgumentError
     from drill_twin.core.files.json_files import JsonLines
     from drill_twin_evidence.estimation.cases import CASES
     from drill_twin_evidence.estimation.hidden_truth import TruthRow, follow
     from drill_twin_evidence.estimation.score import cost_lines, lines, score
 
-    odd = [name for name in only if name not in CASES]
-    if odd:
-        raise ArgumentError(f"--only: expected one of {', '.join(CASES)}, found {', '.join(odd)}")
+    names = chosen(only, CASES)
     rows: list[TruthRow] = []
     setup = {"seconds": seconds, "imu": imu}
     file = None
@@ -55,7 +53,7 @@ def estimator_score(
     fresh = min((row["truth"] for row in rows), default=secrets.randbelow(_SEEDS))
     start = fresh if first is None else first
     found: dict[str, Any] = {}
-    for name in only or CASES:
+    for name in names:
         by_members = {}
         for count in members or [CASES[name].members]:
             runs = []

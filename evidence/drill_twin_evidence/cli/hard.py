@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from drill_twin.cli.options import JsonOption, WorkersOption
-from drill_twin_evidence.cli.output import ListOption, PageOption, QuickOption, write_page
+from drill_twin_evidence.cli.output import ListOption, OnlyOption, PageOption, QuickOption, write_page
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -23,9 +23,7 @@ NOT_IN_ORDER = 1
 
 
 def hard(
-    only: Annotated[
-        str, typer.Option("--only", metavar="TEXT", help='Cases whose name contains this, as "wall_" or "[lateral]".')
-    ] = "",
+    only: OnlyOption = "",
     quick: QuickOption = False,
     exact: Annotated[
         bool, typer.Option("--exact", help="Run the exact checks of bounce, rolling, growth and stick-slip too.")
@@ -35,9 +33,9 @@ def hard(
     page: PageOption = None,
     region: Annotated[
         Path | None,
-        typer.Option("--map", metavar="FILE", help="Only draw the stability map over stiffness and damping (.png)."),
+        typer.Option("--stability", metavar="FILE", help="Only draw stability over stiffness and damping (.png)."),
     ] = None,
-    workers: WorkersOption = 2,
+    workers: WorkersOption = 0,
     json: JsonOption = False,
 ) -> None:
     """Run the hard scenes: loads far beyond buckling, jumps, hard walls, sticking, tiny and huge strings.

@@ -3,11 +3,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
+from fnmatch import fnmatchcase
 from pathlib import Path
 from typing import Annotated, Any
 
 import typer
+
+from drill_twin.core.errors import ArgumentError
 
 EVIDENCE = Path(__file__).resolve().parents[2]
 """Folder `evidence/` of a clone."""
@@ -16,8 +19,23 @@ EVIDENCE = Path(__file__).resolve().parents[2]
 PageOption = Annotated[
     Path | None, typer.Option("--page", metavar="FILE", help="Write the table as a page (.md), and as JSON beside it.")
 ]
+OnlyOption = Annotated[
+    str, typer.Option("--only", metavar="TEXT", help="Only the cases whose name contains this text; `*` is any text.")
+]
 QuickOption = Annotated[bool, typer.Option("--quick", help="Leave out what takes long.")]
 ListOption = Annotated[bool, typer.Option("--list", help="Print the names of the cases and what they are for.")]
+
+
+def chosen(only: str, names: Iterable[str]) -> list[str]:
+    """Names that contain a text, in which `*` is any text and `?` a letter.
+
+    Raises:
+        ArgumentError: None does.
+    """
+    known = list(names)
+    if found := [name for name in known if fnmatchcase(name, f"*{only.replace('[', '[[]')}*")]:
+        return found
+    raise ArgumentError(f'--only: expected a part of {", ".join(known)}, found "{only}"')
 
 
 def write_page(

@@ -19,9 +19,8 @@ def paper(
     scene: Annotated[str, typer.Option("--scene", metavar="SCENE", help="The bench, by name or file.")] = BENCH,
     out: Annotated[Path, typer.Option("--out", metavar="DIR", help="Folder of the result.")] = Path("out/paper"),
     workers: WorkersOption = 0,
-    only_bench: Annotated[
-        bool,
-        typer.Option("--only-bench", help="Only the matrix of the bench: no variants, no full-size assembly."),
+    quick: Annotated[
+        bool, typer.Option("--quick", help="Only the matrix of the bench: no variants, no full-size assembly.")
     ] = False,
     replace: ReplaceOption = False,
     json: JsonOption = False,
@@ -37,9 +36,7 @@ def paper(
     for name in RESULT:
         check_new(out / name, replace=replace)
     with shown_progress("the paper's runs", unit="runs") as bar:
-        done = reproduce(
-            described, processes=workers, variants=not only_bench, full_size_too=not only_bench, progress=bar.show
-        )
+        done = reproduce(described, processes=workers, variants=not quick, full_size_too=not quick, progress=bar.show)
     figures = draw(done)
     files: dict[str, Any] = {f"{name}.png": figure for name, figure in figures.items()}
     files |= dict(zip(RESULT, (done.to_dict(), page(done, figures)), strict=True))

@@ -8,7 +8,7 @@ from typing import Annotated, Any, Literal
 
 import typer
 
-from drill_twin.cli.options import JsonOption
+from drill_twin.cli.options import JsonOption, WorkersOption, time_option
 
 
 def paper_search(
@@ -24,8 +24,8 @@ def paper_search(
         Literal["falling", "joined"],
         typer.Option("--friction", help="joined: static and dynamic friction joined by STEPs, two numbers more."),
     ] = "falling",
-    threads: Annotated[int, typer.Option("--threads", min=1, max=256, help="Runs at a time.")] = 1,
-    seconds: Annotated[float, typer.Option("--duration", min=2.0, max=120.0, help="Length of a run [s].")] = 30.0,
+    workers: WorkersOption = 0,
+    seconds: Annotated[float, time_option("--duration", "Simulated time of a run", 2.0, 120.0)] = 30.0,
     out: Annotated[
         Path | None, typer.Option("--out", metavar="DIR", help="Folder of the result; left out: that of the record.")
     ] = None,
@@ -54,7 +54,7 @@ def paper_search(
     from drill_twin_evidence.paper.search.figure import draw_exclusion
     from drill_twin_evidence.paper.search.habits import habit_table, habits
 
-    on = Bench(bench(scene), seconds, joined=friction == "joined", workers=threads)
+    on = Bench(bench(scene), seconds, joined=friction == "joined", workers=workers)
     setup = {"seed": seed, "seconds": seconds, "scene": on.scene.to_yaml(), "friction": friction}
     kept = searching.Record(record, setup)
     with shown_progress("sets", sets, unit="sets") as bar:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from drill_twin.cli.options import JsonOption
+from drill_twin_evidence.cli.output import OnlyOption, chosen
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -22,7 +23,7 @@ def validate(
         Path | None,
         typer.Option("--data", metavar="DIR", help="Folder with ufrj_rig/ or well_b/; else that of DRILL_TWIN_DATA."),
     ] = None,
-    only: Annotated[str, typer.Option("--only", metavar="RECORD", help="ufrj_rig or well_b.")] = "",
+    only: OnlyOption = "",
     refit: Annotated[
         bool, typer.Option("--refit", help="Fit the numbers again instead of taking those of the scenes.")
     ] = False,
@@ -43,10 +44,7 @@ def validate(
     from drill_twin.core.errors import ArgumentError
     from drill_twin_evidence.validation import RECORDS, data_folder
 
-    if only not in {"", *RECORDS}:
-        raise ArgumentError(f"--only: expected {' or '.join(RECORDS)}, found {only}")
-    folder = data_folder(data)
-    wanted = [name for name in RECORDS if only in {"", name}]
+    folder, wanted = data_folder(data), chosen(only, RECORDS)
     there = [name for name in wanted if (folder / name).is_dir()]
     if not there:
         raise ArgumentError(f"{folder}: expected a folder {' or '.join(wanted or RECORDS)}, found none; see --only")

@@ -4,12 +4,12 @@
 from __future__ import annotations
 
 from functools import partial
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING
 
 import typer
 
 from drill_twin.cli.options import JsonOption, WorkersOption
-from drill_twin_evidence.cli.output import ListOption, PageOption, QuickOption, write_page
+from drill_twin_evidence.cli.output import ListOption, OnlyOption, PageOption, QuickOption, write_page
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -25,16 +25,11 @@ MISSED = 1
 
 
 def verify(
-    only: Annotated[
-        str,
-        typer.Option(
-            "--only", metavar="PATTERN", help='Cases whose name contains this, or matches it, as "buckling.*lateral]".'
-        ),
-    ] = "",
+    only: OnlyOption = "",
     quick: QuickOption = False,
     names: ListOption = False,
     page: PageOption = None,
-    workers: WorkersOption = 2,
+    workers: WorkersOption = 0,
     json: JsonOption = False,
 ) -> None:
     """Run the exact checks: buckling, frequencies, waves, contact, whirl and the like against closed forms.

@@ -9,25 +9,25 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from drill_twin.cli.options import JsonOption, SceneArgument, SetOption, WorkersOption, overrides
+from drill_twin.cli.options import JsonOption, SceneArgument, SetOption, WorkersOption, overrides, time_option
 
 if TYPE_CHECKING:
     from drill_twin_evidence.whirl_compare.points import Point
 
-GRID = "LOW:HIGH:N"
+GRID = "LO..HI:N"
 
 
 def whirl_compare(
     scene: SceneArgument,
-    loads: Annotated[str, typer.Option("--loads", metavar=GRID, help="Weights on bit [N].")],
-    speeds: Annotated[str, typer.Option("--speeds", metavar=GRID, help="Speeds in rev/s.")],
-    duration: Annotated[float, typer.Option("--duration", min=1.0, help="Simulated time of each run in s.")] = 60.0,
+    wob: Annotated[str, typer.Option("--wob", metavar=GRID, help='Weights on bit, as "10..110:6 N".')],
+    rpm: Annotated[str, typer.Option("--rpm", metavar=GRID, help='Speeds, as "60..390:6"; bare numbers: rev/min.')],
+    duration: Annotated[float, time_option("--duration", "Simulated time of each run", 1.0)] = 60.0,
     change: SetOption = [],  # noqa: B006  typer makes a new list of it
     record: Annotated[
         Path | None,
         typer.Option("--record", metavar="FILE", help="Append each point to this file, and go on from it."),
     ] = None,
-    workers: WorkersOption = 2,
+    workers: WorkersOption = 0,
     json: JsonOption = False,
 ) -> None:
     """Compare the steady whirls found for each load and speed with a run in time that begins on the axis.
@@ -37,15 +37,15 @@ def whirl_compare(
     """
     from dataclasses import asdict
 
-    from drill_twin.api.scenes import as_scene
+    from drill_twin.api.scenes import as_scene, points_of
     from drill_twin.cli.emit import emit
     from drill_twin.cli.show import shown_progress
     from drill_twin.core.table import Table
     from drill_twin_evidence.whirl_compare.comparison import compare
     from drill_twin_evidence.whirl_compare.points import sentences
 
-    weights, turns = _values("--loads", loads), [math.tau * value for value in _values("--speeds", speeds)]
     own = as_scene(scene, overrides(change))
+    weights, turns = (points_of(own, key, text) for key, text in (("wob", wob), ("rpm", rpm)))
     with shown_progress("points", len(weights) * len(turns)) as bar:
         points = compare(
             own, weights, turns, duration=duration, record=record, workers=workers,
@@ -61,19 +61,3 @@ def _cells(point: Point) -> tuple[str, ...]:
     stable = ", ".join(f"{ratio:+.3f}" for ratio in point.stable) or "none"
     command = f"{point.weight_on_bit:.4g}", f"{point.rotation / math.tau:.3g}"
     return (*command, point.motion, f"{point.ratio:+.4f}", second, stable, point.verdict, point.reason)
-
-
-def _values(option: str, text: str) -> list[float]:
-    """Equally spaced values from LOW:HIGH:N."""
-    import numpy as np
-
-    from drill_twin.core.errors import SceneError
-
-    try:
-        low, high, count = text.split(":")
-        values: list[float] = np.linspace(float(low), float(high), int(count)).tolist()
-    except ValueError:
-        values = []
-    if not values or not all(map(math.isfinite, values)) or values[0] > values[-1]:
-        raise SceneError(f'{option}: expected {GRID} such as "10:110:6" with LOW not above HIGH, found "{text}"')
-    return values

@@ -39,9 +39,9 @@ RAMPS = {
 
 BENCH: tuple[dict[str, str], ...] = (
     *({"wob": f"{force} N"} for force in (5, 20, 40, 100)),
-    *({"rps": f"{speed} rev/s"} for speed in (1, 4, 6)),
+    *({"rpm": f"{speed} rev/s"} for speed in (1, 4, 6)),
     *({"effects.wall_friction.coefficient": value} for value in ("0.1", "0.3")),
-    {"effects.wall_friction.coefficient": "0.3", "rps": "4 rev/s"},
+    {"effects.wall_friction.coefficient": "0.3", "rpm": "4 rev/s"},
     {"effects.wall_friction.coefficient": "0.3", "wob": "100 N"},
     {"hole.radius": "45 mm"},
     {"hole.radius": "45 mm", "effects.wall_friction.coefficient": "0.2"},

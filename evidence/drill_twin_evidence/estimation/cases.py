@@ -74,7 +74,7 @@ CASES: Mapping[str, Case] = {
     "friction_jump": replace(_TORSION, jump=_STICKING),
     "stiffness_jump": replace(_TORSION, jump=STIFFNESS),
     "pa6_bench": Case("pa6_bench", _ROD, horizon=4.0, imu=_NEAR_BIT),
-    "pa6_calm": Case("pa6_bench", _ROD, horizon=4.0, overrides={"wob": 10.0, "rps": 0.6}, imu=_NEAR_BIT),
+    "pa6_calm": Case("pa6_bench", _ROD, horizon=4.0, overrides={"wob": 10.0, "rpm": 36}, imu=_NEAR_BIT),
     "stick_slip": Case(
         "two_mass",
         {

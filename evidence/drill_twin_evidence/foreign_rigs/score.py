@@ -48,7 +48,7 @@ def fitted(name: str, seed: int) -> Row:
     of = trial(name, seed)
     ranges = dict(RANGES) | {"wob": (LOADS[0] * INDICATED, LOADS[1] * INDICATED)}
     found = dt.fit(
-        of.record, SCENE, ranges, overrides=_overrides(name), start=1.0, end=SECONDS - 0.2, rate=10.0, members=32,
+        of.record, SCENE, ranges, overrides=_overrides(name), begin=1.0, end=SECONDS - 0.2, rate=10.0, members=32,
         rounds=28, seed=seed,
     )  # fmt: skip
     bands = {key: (found.quantile(key, 0.05), found.quantile(key, 0.95)) for key in ranges}

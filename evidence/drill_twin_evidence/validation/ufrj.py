@@ -49,7 +49,7 @@ def validate(folder: Path, *, refit: bool) -> Validation:
     record = read_record(folder / FILE, COLUMNS)
     scene = load_scene("ufrj_torsion", overrides)
     if refit:
-        found = fit(record, scene, FREE, start=FIRST, end=FITTED, rate=RATE, members=48, rounds=24)
+        found = fit(record, scene, FREE, begin=FIRST, end=FITTED, rate=RATE, members=48, rounds=24)
         scene = found.scene_of(found.best)
     time, top, bit = _run(scene)
     measured = record.at("bit_speed", time)

@@ -21,7 +21,7 @@ VARY = {"wall_friction.coefficient": "0.1..0.3", "bow.amplitude": "0.01..0.2 mm"
 @pytest.fixture(scope="module")
 def found(tmp_path_factory):
     """A map of a coarse bench string."""
-    asked = {"wob": "1..40 N", "rps": "0.5..3", "duration": 3.0, "steps": 8, "seeds": 2, "growth": False, "vary": VARY}
+    asked = {"wob": "1..40 N", "rpm": "30..180", "duration": 3.0, "steps": 8, "seeds": 2, "growth": False, "vary": VARY}
     return dt.operating_map("pa6_bench", COARSE, folder=tmp_path_factory.mktemp("map"), workers=2, **asked)
 
 

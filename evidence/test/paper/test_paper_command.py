@@ -17,7 +17,7 @@ def command(*words):
 
 def test_paper_writes_table_page_and_figures(quick_file, tmp_path):
     out = tmp_path / "paper"
-    done = command("study", "paper", "--scene", quick_file, "--only-bench", "--workers", "1", "--out", out)
+    done = command("study", "paper", "--scene", quick_file, "--quick", "--workers", "1", "--out", out)
     assert done.exit_code == 0, done.output
     for words in (
         "published numbers of the bench within 20 %",
@@ -39,7 +39,7 @@ def test_paper_writes_table_page_and_figures(quick_file, tmp_path):
     for name in ("displacement", "paths", "spectra", "speed", "load", "motion"):
         assert (out / f"paper_{name}.png").stat().st_size > 10_000
         assert f"![paper {name}](paper_{name}.png)" in page
-    again = command("study", "paper", "--scene", quick_file, "--only-bench", "--out", out)
+    again = command("study", "paper", "--scene", quick_file, "--quick", "--out", out)
     assert isinstance(again.exception, BagError)
     assert "--replace" in str(again.exception)
 

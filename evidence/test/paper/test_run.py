@@ -76,7 +76,7 @@ def test_entropy_is_that_of_a_circle_and_of_noise():
 
 def test_neighbouring_runs_close_up_below_the_buckling_load():
     changes = {"effects.stretch": "off", "effects.torsion": "off", "numerics.elements": "8", "wob": "0.5 N",
-               "rps": "0.1", "effects.drag.linear": "1 N s/m^2"}  # fmt: skip
+               "rpm": "6", "effects.drag.linear": "1 N s/m^2"}  # fmt: skip
     scene = load_scene("pa6_bench", overrides=changes)
     # the slowest decay of drag c on mass m is c / 2 m = 2.1 1/s, and slower where drag overdamps a mode
     assert -2.5 < largest_lyapunov(scene, 0.5, 1.5) < 0.0

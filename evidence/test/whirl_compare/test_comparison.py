@@ -125,12 +125,12 @@ def test_a_motion_that_is_no_state_found_is_missed(bench):
 def test_the_comparison_on_the_command_line(tmp_path):
     """Two loads at 1 rev/s: a whirl at 0.79 of the rotation, and a creeping helix."""
     form = ["--set", "effects.stretch=off", "--set", "effects.torsion=off", "--set", "numerics.elements=16"]
-    grid = ["--loads", "10:50:2", "--speeds", "1:1:1", "--record", str(tmp_path / "points.jsonl"), "--workers", "1"]
+    grid = ["--wob", "10..50:2 N", "--rpm", "60..60:1", "--record", str(tmp_path / "points.jsonl"), "--workers", "1"]
     said = CliRunner().invoke(app, ["study", "whirl-compare", "pa6_calibrated", *grid, *form, "--json"])
     assert said.exit_code == 0, said.output
     first, second = json.loads(said.stdout)
     assert first["ratio"] == pytest.approx(0.79, abs=0.01)
     assert second["ratio"] == pytest.approx(0.0098, abs=0.0003)
     assert first["verdict"] == second["verdict"] == "a stable state"
-    wrong = CliRunner().invoke(app, ["study", "whirl-compare", "pa6_calibrated", "--loads", "10", "--speeds", "1:1:1"])
+    wrong = CliRunner().invoke(app, ["study", "whirl-compare", "pa6_calibrated", "--wob", "10", "--rpm", "60..60:1"])
     assert wrong.exit_code != 0

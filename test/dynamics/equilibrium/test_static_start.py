@@ -17,7 +17,7 @@ from drill_twin.studies.accuracy.errors import statistics
 from drill_twin.studies.accuracy.motion_run import run_motion
 
 CONFIG = Path(__file__).resolve().parents[3] / "config"
-STILL = {"rig.start": "equilibrium", "rps": "0"}
+STILL = {"rig.start": "equilibrium", "rpm": "0"}
 
 
 def fastest(twin: Twin, seconds: float) -> float:
@@ -41,7 +41,7 @@ def test_a_buckled_string_on_the_wall_lies_still() -> None:
 
 def test_the_bit_turns_on_as_it_was_wound_up() -> None:
     """Below its buckling load the string of pa6_bench shows no transient: not of the ramp, nor of the bit's torque."""
-    changes = {"rig.start": "equilibrium", "wob": "2 N", "rps": "2", "effects.bow.amplitude": "0 m"}
+    changes = {"rig.start": "equilibrium", "wob": "2 N", "rpm": "120", "effects.bow.amplitude": "0 m"}
     scene = load_scene("pa6_bench", overrides=changes)
     schedule = Schedule.from_scene(scene)
     assert schedule.at(0.0) == schedule.at(20.0) == Command(2.0, scene.rig.rotation.value)
@@ -116,7 +116,7 @@ def test_whirl_is_that_of_a_run_with_ramps() -> None:
 
 def test_the_search_has_the_mesh_of_the_run() -> None:
     """A graded mesh depends on the rotation, which the search is without: its state must fall on the same nodes."""
-    scene = load_scene(CONFIG / "wells" / "vertical_3000.yaml", overrides={**STILL, "rps": "2", "wob": "20 kN"})
+    scene = load_scene(CONFIG / "wells" / "vertical_3000.yaml", overrides={**STILL, "rpm": "120", "wob": "20 kN"})
     assert mesh(static_scene(scene), resolution_of(static_scene(scene))[0]).arc.size != Twin(scene).rod.arc.size
     assert mesh(static_scene(scene), 200).arc.tolist() != mesh(scene, 200).arc.tolist()  # with a given number too
     assert fastest(Twin(scene), 0.1) < 0.1

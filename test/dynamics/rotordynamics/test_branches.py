@@ -58,7 +58,7 @@ def test_any_number_of_the_scene_is_a_parameter(turning, state):
 
 
 def test_a_range_without_the_value_is_refused(bench):
-    with pytest.raises(SceneError, match="expected a range of load around its value 40"):
-        api.branches(bench, over="load", low=50.0, high=60.0)
-    with pytest.raises(SceneError, match="expected load, speed or the key of a number"):
-        api.branches(bench, over="effects.wall", low=50.0, high=60.0)
+    with pytest.raises(SceneError, match="expected a range of wob around its value 40"):
+        api.branches(bench, over="wob", span="50..60 N")
+    with pytest.raises(SceneError, match="expected one of the keys"):
+        api.branches(bench, over="numerics.nothing", span=(50.0, 60.0))

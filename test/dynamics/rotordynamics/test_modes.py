@@ -79,7 +79,7 @@ def test_few_modes_of_a_string_on_the_wall_are_those_of_the_full_matrices():
 def test_an_assembly_that_does_not_turn_is_refused():
     """Friction holds it: all motions creep, and the iteration found none of them in minutes."""
     with pytest.raises(RunError, match="found 0 rad/s: friction holds a string that does not turn"):
-        rotordynamics.modes(CONFIG / "wells" / "s_shaped.yaml", {"rps": "0"})
+        rotordynamics.modes(CONFIG / "wells" / "s_shaped.yaml", {"rpm": "0"})
 
 
 LONG = [pytest.param(well, marks=pytest.mark.long) for well in ("s_shaped", "vertical_3000")]

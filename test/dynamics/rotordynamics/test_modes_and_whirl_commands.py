@@ -19,7 +19,7 @@ def invoke(*arguments):
 
 def test_modes_as_json_with_its_figures(tmp_path):
     said = invoke(
-        "modes", "pa6_bench", "--wob", "5 N", "--campbell", "5", "--map", "3", "--json", "--out", str(tmp_path)
+        "modes", "pa6_bench", "--wob", "5 N", "--campbell", "5", "--growth", "3", "--json", "--out", str(tmp_path)
     )
     assert said.exit_code == 0, said.output
     found = json.loads(said.stdout)

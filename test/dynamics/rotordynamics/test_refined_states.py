@@ -52,7 +52,7 @@ def test_a_state_that_a_finer_mesh_has_not_is_told(coarse, monkeypatch):
 
 def test_a_string_that_stretches_and_twists_is_sought_from_its_lateral_form():
     """As typed, with the options of the shipped scene: stretch and torsion stay on."""
-    scene = meshed(load_scene("pa6_calibrated", {"wob": 40.0, "rps": 6.5}), 12)
+    scene = meshed(load_scene("pa6_calibrated", {"wob": 40.0, "rpm": "6.5 rev/s"}), 12)
     states = whirl_states(scene, random_starts=0)
     (stable,) = (state for state in states if state.verdict == "stable")
     assert stable.ratio == pytest.approx(0.837, abs=0.002)

@@ -21,7 +21,7 @@ def run(*arguments):
 
 def test_a_whirl_is_named_by_the_state_that_it_is_on(tmp_path):
     """At 40 N and 6.5 rev/s the bench settles on its stable forward whirl."""
-    run("run", "pa6_bench", "--rps", "6.5", "--duration", "20", "--out", tmp_path / "run", *FORM)
+    run("run", "pa6_bench", "--rpm", "6.5 rev/s", "--duration", "20", "--out", tmp_path / "run", *FORM)
     summary = json.loads(run("analyze", tmp_path / "run" / "bag_0", "--states", "--json"))
     found = summary["whirl_states"]
     assert found["axis_growth_per_s"] > 0.0

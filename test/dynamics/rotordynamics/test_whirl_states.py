@@ -93,7 +93,7 @@ def test_the_simulation_stays_on_a_stable_state_and_turns_at_its_speed(bench, fa
 @pytest.mark.long
 def test_a_run_that_begins_in_a_whirl_keeps_its_speed_with_bow_and_eccentricity(bench, fast):
     state = max((one for one in fast[1] if one.is_stable), key=lambda one: one.ratio)
-    scene = override(bench, {"rig.start": "whirl-state", "wob": 40.0, "rps": 6.5, "duration": 4.0})
+    scene = override(bench, {"rig.start": "whirl-state", "wob": 40.0, "rpm": "6.5 rev/s", "duration": 4.0})
     twin, schedule, angles = Twin(scene), Schedule.from_scene(scene), []
     assert schedule.at(0.0) == FAST
     for k in range(1, 401):
@@ -105,7 +105,7 @@ def test_a_run_that_begins_in_a_whirl_keeps_its_speed_with_bow_and_eccentricity(
 
 def test_a_start_in_a_whirl_needs_one(bench, monkeypatch):
     monkeypatch.setattr(states_module, "whirl_states", lambda *_: ())
-    scene = override(bench, {"rig.start": "whirl-state", "wob": 0.0, "rps": 1.0})
+    scene = override(bench, {"rig.start": "whirl-state", "wob": 0.0, "rpm": 60})
     with pytest.raises(RunError, match="expected a steady whirl at 0 N and 1 rev/s, found none"):
         Dynamics(scene)
 
@@ -125,7 +125,7 @@ def test_a_run_from_the_axis_ends_on_a_stable_state(weight, turns):
 def test_a_state_on_the_command_line(tmp_path):
     """The states as JSON; their figure."""
     form = ["--set", "effects.stretch=off", "--set", "effects.torsion=off", "--set", "numerics.elements=12"]
-    arguments = ["whirl", "pa6_bench", "--wob", "40 N", "--rps", "6.5", "--starts", "0", "--json"]
+    arguments = ["whirl", "pa6_bench", "--wob", "40 N", "--rpm", "6.5 rev/s", "--starts", "0", "--json"]
     said = CliRunner().invoke(app, [*arguments, "--out", str(tmp_path), *form])
     assert said.exit_code == 0, said.output
     found = json.loads(said.stdout)

@@ -29,7 +29,7 @@ FORMS = {
 }
 PUSHED = {
     "wob": "300 N",
-    "rps": "2",
+    "rpm": "120",
     "rig.weight_on_bit.duration": "1 s",
     "rig.rotation.duration": "0.5 s",
     "duration": "10 s",

@@ -66,7 +66,7 @@ def test_without_workers_or_scheduler_it_says_so(dask, ensemble, monkeypatch):
             ensemble.run(2.0, dask=address)
 
 
-MAP = {"wob": "1..40 N", "rps": "0.5..3", "duration": 3.0, "steps": 8, "growth": False, "runs": 100}
+MAP = {"wob": "1..40 N", "rpm": "30..180", "duration": 3.0, "steps": 8, "growth": False, "runs": 100}
 
 
 def killing(after, *processes):

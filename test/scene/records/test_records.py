@@ -112,7 +112,9 @@ def test_a_record_is_analysed_and_exported_as_a_bag_is(tmp_path, capsys):
     assert "largest radius" not in told.out  # no marks, so no table of them, and none of the string's motion
     assert "motion of the string" not in told.out
     export(path, csv=True, out=tmp_path / "again")
-    assert read_recording(tmp_path / "again.csv").rig.bit_speed == pytest.approx(recording.rig.bit_speed, rel=1e-9)
+    assert read_recording(tmp_path / "again" / "rig.csv").rig.bit_speed == pytest.approx(
+        recording.rig.bit_speed, rel=1e-9
+    )
 
 
 def test_a_table_without_a_speed_or_time_is_no_record_to_analyse(tmp_path):

@@ -33,7 +33,7 @@ SWING = {
     "rig.weight_on_bit.value": "1 N", "duration": "3 s",
 }  # fmt: skip
 """A string that swings free, without an onset."""
-WHIRL = {"wob": "55 N", "rps": "2.5", "duration": "9 s", "rig.weight_on_bit.duration": "4 s"}
+WHIRL = {"wob": "55 N", "rpm": "150", "duration": "9 s", "rig.weight_on_bit.duration": "4 s"}
 """Another load, speed and ramp than those of any curve that is shipped."""
 
 
@@ -79,8 +79,8 @@ def test_the_error_is_below_the_accuracy(changes: dict[str, str]) -> None:
 @pytest.mark.parametrize(
     ("scene", "changes"),
     [
-        ("pa6_bench", {"wob": "25 N", "rps": "1.5", "duration": "15 s"}),
-        ("pa6_bench", {"wob": "150 N", "rps": "4", "duration": "8 s"}),
+        ("pa6_bench", {"wob": "25 N", "rpm": "90", "duration": "15 s"}),
+        ("pa6_bench", {"wob": "150 N", "rpm": "240", "duration": "8 s"}),
         ("pa6_bench", {"hole.radius": "60 mm", "effects.bow.amplitude": "1 mm", "duration": "10 s"}),
         ("pa6_bench", {"string.bit_end": "free", "wob": "20 N", "duration": "12 s"}),
         ("pa6_bench", SWING | {"effects.lateral_kick.velocity": "1 m/s"}),

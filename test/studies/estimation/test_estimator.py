@@ -258,4 +258,4 @@ def test_command_follows_a_record(record, tmp_path):
     assert "expected a measured channel, torque, " in str(alone.exception)
     assert "found rotation alone; set-points are only played" in str(alone.exception)
     twice = CliRunner().invoke(app, ["estimate", str(tmp_path / "rig.csv"), "--scene=two_mass", *options, options[0]])
-    assert "each number once" in str(twice.exception)
+    assert "expected each key once" in str(twice.exception)

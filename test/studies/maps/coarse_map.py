@@ -10,6 +10,6 @@ COARSE = {
 }
 """Kernel and resolution of the tests of ensembles."""
 ASKED = {
-    "wob": "1..40 N", "rps": "0.5..3", "duration": 3.0, "steps": 8, "seeds": 2, "growth": False,
+    "wob": "1..40 N", "rpm": "30..180", "duration": 3.0, "steps": 8, "seeds": 2, "growth": False,
     "vary": {"wall_friction.coefficient": "0.1..0.3", "bow.amplitude": "0.01..0.2 mm"},
 }  # fmt: skip

@@ -66,7 +66,7 @@ def check_whirls(equations: EquationsOfMotion, command: Command) -> None:
             f"found {equations.unknowns}; take fewer elements (--set numerics.elements=100)"
         )
     if command.rotation == 0.0:
-        raise SceneError(f"{name}: expected a rotation other than 0, found none; give one, such as --rps 2")
+        raise SceneError(f"{name}: expected a rotation other than 0, found none; give one, such as --rpm 120")
 
 
 class StateSearch(NamedTuple):

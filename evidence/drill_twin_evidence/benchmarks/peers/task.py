@@ -16,7 +16,7 @@ Array = NDArray[np.float64]
 SCENES = Path(__file__).resolve().parent.parent / "scenes"
 
 SMOOTH = {
-    "wob": "0 N", "rps": "0 rev/s", "duration": "1 s",
+    "wob": "0 N", "rpm": "0 rev/s", "duration": "1 s",
     "effects.gravity": "off", "effects.drag": "off", "effects.wall": "off", "effects.wall_friction": "off",
     "effects.lateral_kick.velocity": "0.3 m/s",
 }  # fmt: skip
@@ -24,7 +24,7 @@ SMOOTH = {
 ABOVE = SMOOTH | {"wob": "40 N", "duration": "0.8 s"}
 """The same, pushed to three times its buckling load within 0.2 s; mid-span swings out by metres. Soon after, the rod
 folds back on itself, where drill_twin's unknowns are singular: it stops there, the peers do not."""
-HARD = {"wob": "300 N", "rps": "6.5 rev/s", "duration": "30 s"}
+HARD = {"wob": "300 N", "rpm": "6.5 rev/s", "duration": "30 s"}
 """Fifteen times the buckling load, and 390 rpm."""
 
 
