@@ -33,7 +33,7 @@ setup(
     # Tested at both ends by `make bounds`: the lowest versions named here, and the newest that pip finds.
     install_requires=[
         "lz4>=4.0.2",
-        "matplotlib>=3.6.3",
+        "matplotlib>=3.6.3",  # what Ubuntu 24.04 has
         "mcap>=1.6,<1.7",  # io/bag/mcap_writer.py uses private names of its Writer
         "numba>=0.63.1,<0.69",  # core/compile uses private names of it: evidence/docs/private_compiler.md
         "numpy>=1.26.4,<2.6",  # 1.26: what Ubuntu 24.04 gives ROS Jazzy; 2.6: what numba does not take yet
@@ -41,7 +41,7 @@ setup(
         "plotly>=5.20",
         "pydantic>=2.12",  # 2.7 to 2.11 take a scene without a name
         "pyyaml>=6.0.1",
-        "rich>=13.7",
+        "rich>=14.3",  # older ones end progress that is not shown with an empty line
         "rosbags>=0.11.6",  # 0.11.0 to 0.11.5 refuse messages that Fast DDS pads at the end
         "scipy>=1.11.4",  # what Ubuntu 24.04 has
         "typer>=0.19",
