@@ -65,6 +65,7 @@ def estimate(
     from drill_twin.studies.estimation import CHANNELS, SET_POINTS
     from drill_twin.studies.estimation.figure import estimate_figure
     from drill_twin.studies.estimation.prediction import HELD
+    from drill_twin.studies.fitting.posterior import of_law
     from drill_twin.studies.fitting.record import channel_column
 
     options = dt.EstimatorOptions(members=members, window=window, error=error, horizon=horizon, seed=seed)
@@ -92,7 +93,8 @@ def estimate(
     found = over_time[-1]
     troubles = dict(estimator.intake.troubles)
     emit(
-        _plain(found) | {"troubles": troubles, "bands": HELD}, _shown(found, estimator.scene, troubles),
+        _plain(found) | {"troubles": troubles, "bands": HELD, "of_law": of_law(found.numbers, estimator.scene)},
+        _shown(found, estimator.scene, troubles),
         json=json, folder=out,
         files={
             FILES[0]: lambda: {"estimates": [_plain(one) for one in over_time], "troubles": troubles},
@@ -103,6 +105,7 @@ def estimate(
 
 def _shown(found: Estimate, scene: Scene, troubles: dict[str, int]) -> Iterator[Table | str]:
     from drill_twin.studies.estimation.prediction import HELD, shown_unit
+    from drill_twin.studies.fitting.posterior import of_law
     from drill_twin.studies.goodness import table as goodness_table
 
     if found.alarm:
@@ -116,6 +119,7 @@ def _shown(found: Estimate, scene: Scene, troubles: dict[str, int]) -> Iterator[
     yield Table(("", "mean", "deviation", "low", "high"), rows, title=title, right=(1, 2, 3, 4))
     for key, share in found.untold.items():
         yield f"{key}: the record does not tell it, its band covers {share:.0%} of its range"
+    yield from of_law(found.numbers, scene)
     yield goodness_table(found.goodness)
     yield HELD
     yield _line(found)

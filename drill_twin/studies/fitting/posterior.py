@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
@@ -112,11 +112,7 @@ class Posterior:
     @property
     def of_law(self) -> list[str]:
         """Sentences on the numbers that hold for the scene's law of friction only."""
-        return [
-            f"{key}: holds for this law of friction only; a record does not tell how friction falls near rest"
-            for key in self.keys
-            if full_key(key, self.scene) in AT_REST
-        ]
+        return of_law(self.keys, self.scene)
 
     @property
     def _at_ends(self) -> tuple[Array, Array]:
@@ -219,6 +215,15 @@ def predictive_band(runs: Array, weights: Array, error: float, share: float) -> 
     noisy = runs[drawn] + error * generator.standard_normal((drawn.size, 1))
     low, high = np.quantile(noisy, (0.5 - share / 2.0, 0.5 + share / 2.0), axis=0)
     return low, high
+
+
+def of_law(keys: Iterable[str], scene: Scene) -> list[str]:
+    """Sentences on the free numbers that hold for the scene's law of friction only."""
+    return [
+        f"{key}: holds for this law of friction only; a record does not tell how friction falls near rest"
+        for key in keys
+        if full_key(key, scene) in AT_REST
+    ]
 
 
 def fit_figure(found: Posterior) -> Figure:

@@ -19,6 +19,7 @@ import drill_twin as dt
 from drill_twin.core.files.json_files import JsonLines
 from drill_twin.core.rig_channels import INSTANT
 from drill_twin.core.table import Table
+from drill_twin.studies.fitting.posterior import of_law
 from drill_twin.studies.maps.window import proportion_text
 from drill_twin_evidence.foreign_rigs.own_law import own_widths
 from drill_twin_evidence.foreign_rigs.rigs import INDICATED, LOAD, LOADS, OVERRIDES, RANGES, RIGS, SCENE, SECONDS, trial
@@ -87,7 +88,9 @@ def followed(name: str, seed: int) -> Row:
     held = {key: bands[key][0] <= value <= bands[key][1] for key, value in of.truth.items()}
     held[BIT] = bool(np.mean((low - margin <= true) & (true <= high + margin)) >= 0.8)
     wide = {key: (bands[key][1] - bands[key][0]) / (ranges[key][1] - ranges[key][0]) for key in of.truth}
-    return Row(rig=name, seed=seed, way="estimate", held=held, wide=wide, told=found[-1].alarm, of_number={})
+    of_number = {key: said for key in ranges for said in of_law(ranges, estimator.scene) if key in said}
+    of_number |= {key: f"its band covers {share:.0%} of its range" for key, share in found[-1].untold.items()}
+    return Row(rig=name, seed=seed, way="estimate", held=held, wide=wide, told=found[-1].alarm, of_number=of_number)
 
 
 def _overrides(name: str) -> Mapping[str, float | str]:
