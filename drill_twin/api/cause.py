@@ -3,69 +3,21 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import asdict, dataclass
-from typing import Any, NamedTuple
+from typing import Any
 
-from drill_twin.api.growth_limits import buckling, limits, modes_under, rate
-from drill_twin.api.recorded_run import planned
+from drill_twin.api.growth_limits import buckling, limits, rate
+from drill_twin.api.repeats import SWINGS, Repeats, Trial
 from drill_twin.api.result import Result
-from drill_twin.api.scenes import override
-from drill_twin.api.simulation import Simulation
-from drill_twin.core.errors import BagError, RunError, SceneError
+from drill_twin.core.errors import BagError, RunError
 from drill_twin.core.table import Table
 from drill_twin.dynamics.rotordynamics.modes import LATERAL, Mode, ModeTable
 from drill_twin.io.bag.virtual_bags import RecordBag
-from drill_twin.io.messages.stamps import NANOSECONDS
-from drill_twin.report.load_text import Summary, units_of
+from drill_twin.report.load_text import Summary
 from drill_twin.report.recording import Recording
-from drill_twin.runs.recorded_commands import recorded_commands
-from drill_twin.scene import Scene
-from drill_twin.scene.schema import number_at
-from drill_twin.scene.set_points import Command
+from drill_twin.report.text import lasting
 from drill_twin.whirl import MotionState
-
-AFTER_ONSET = 30.0
-"""Simulated time after the onset at which repeats end, where the run is longer [s]."""
-LESS = 0.7
-"""Share of weight or speed in the repeats with less of it."""
-SMALL = 0.1
-"""Share of bow and eccentricity that is left. Not zero: a perfect string never leaves the axis of a vertical hole."""
-
-BACKWARD = (MotionState.BACKWARD_WHIRL.value, MotionState.ROLLING.value)
-FORWARD = (MotionState.FORWARD_WHIRL.value, MotionState.SYNCHRONOUS_WHIRL.value)
-
-_EFFECTS = {
-    "without internal damping": {"internal_damping.bending_time": 0.0},
-    "without wall friction": {"wall_friction.coefficient": 0.0, "wall_friction.sliding": 0.0},
-    "without friction at the bit": {"bit_friction.coefficient": 0.0},
-    "without the random force": {"random_force.rms": 0.0},
-    "without shaking of the top": {"top_shake.amplitude": 0.0},
-    f"with {SMALL:g} of bow and eccentricity": {
-        "bow.amplitude": SMALL, "eccentricity.offset": SMALL, "eccentricity.rms": SMALL,
-    },
-}  # fmt: skip
-"""Repeats: keys of effects, and the share of their value that is left."""
-
-
-class Trial(NamedTuple):
-    """A repeat of the run with one change."""
-
-    change: str
-    """In words, such as `without internal damping`."""
-    of_effects: bool
-    """An effect was taken back, not a set-point."""
-    ends_whirl: bool
-    """It does not whirl, or not backward where the run does, and would not later: no mode grows."""
-    outcome: str
-    """Result in words."""
-    motion: str
-    """Motion that lasts; empty where the repeat could not be followed to its end."""
-    frequency_hz: float | None
-    """Frequency of its whirl."""
-    growth_per_s: float | None
-    """Growth of the lateral mode that grows fastest, with this change; None: not known."""
 
 
 @dataclass(frozen=True)
@@ -98,8 +50,9 @@ def why(result: Result, *, progress: Callable[[str], None] | None = None) -> Cau
 
     The lateral modes under the set-points at the end of the run say whether the string leaves its balance by itself.
     Then the run is repeated under its recorded set-points, to 30 s after the onset at most, each time with one change:
-    an effect that can feed whirl left out, a tenth of bow and eccentricity, 0.7 of the weight, 0.7 of the speed. An
-    effect is named as a cause only where the repeat without it does not whirl, and no mode grows in it.
+    an effect that can feed whirl left out, a tenth of bow and eccentricity, less of the weight, the speed, the wall
+    friction. An effect is named as a cause only where the repeat without it does not whirl, no mode grows in it, and
+    its lateral motion is less than half; and so at 0.98 and 1.02 of the speed, where the run itself whirls there.
 
     >>> print(why(Simulation("pa6_bench", {"wob": 5}).run()))
 
@@ -122,21 +75,8 @@ def cause_of(recording: Recording, summary: Summary, *, progress: Callable[[str]
     return _Search(recording, summary, progress or (lambda _: None)).cause()
 
 
-class _Search:
-    """Repeats and modes of one run."""
-
-    def __init__(self, recording: Recording, summary: Summary, progress: Callable[[str], None]) -> None:
-        self.progress, self.summary, self.units = progress, summary, units_of(summary)
-        scene = recording.scene
-        recorded = recorded_commands(recording.bag, planned(scene), block=scene.rig.moves_block)
-        self.scene = override(scene, {"numerics.frame_rate": NANOSECONDS / recorded.period})
-        self.command, self.period = recorded.commands[-1], recorded.period / NANOSECONDS
-        self.onset: float | None = self.summary["onset_s"]
-        frames = len(recorded.commands)
-        if self.onset is not None:
-            frames = min(frames, math.ceil((self.onset + AFTER_ONSET) / self.period))
-        self.commands = recorded.commands[:frames]
-        self.unknown_modes = ""
+class _Search(Repeats):
+    """Repeats of a run, and what they say of its cause."""
 
     def cause(self) -> Cause:
         """Sentences, from the modes and all repeats."""
@@ -155,77 +95,9 @@ class _Search:
                 sentences.append(f"The weight and speed at which the growth ends are not known ({error}).")
         trials = tuple(self.trials())
         sentences.insert(2, self.named(trials))
-        stops = [f"{trial.change}: {trial.outcome}" for trial in trials if not trial.of_effects]
-        sentences.append(f"{_upper('; '.join(stops))}.")
+        sentences.append(_stops([trial for trial in trials if not trial.of_effects]))
         causes = tuple(trial.change for trial in trials if trial.of_effects and trial.ends_whirl)
         return Cause(tuple(sentences), causes, trials)
-
-    @property
-    def point(self) -> str:
-        """Weight and speed at the end."""
-        return self.units.set_point(self.command.weight_on_bit, self.command.rotation)
-
-    def modes(self, scene: Scene, command: Command) -> ModeTable | None:
-        """Modes under a command; None where they cannot be computed, and `unknown_modes` says why."""
-        try:
-            return modes_under(scene, command)
-        except (SceneError, RunError) as error:
-            self.unknown_modes = str(error)
-            return None
-
-    def trials(self) -> Iterator[Trial]:
-        """Repeats: each effect of the scene, then the set-points."""
-        for change, shares in _EFFECTS.items():
-            blocks = self.scene.effects.blocks
-            values = {
-                f"effects.{key}": share * old
-                for key, share in shares.items()
-                if key.split(".")[0] in blocks and (old := number_at(self.scene, f"effects.{key}"))
-            }
-            if values:
-                yield self.trial(change, override(self.scene, values), 1.0, 1.0, of_effects=True)
-        for name, weight, speed in (("weight", LESS, 1.0), ("speed", 1.0, LESS)):
-            if not (self.command.weight_on_bit if name == "weight" else self.command.rotation):
-                continue
-            less = Command(weight * self.command.weight_on_bit, speed * self.command.rotation)
-            told = self.units.set_point(less.weight_on_bit, less.rotation)
-            yield self.trial(f"at {LESS:g} of the {name} ({told})", self.scene, weight, speed, of_effects=False)
-
-    def trial(self, change: str, scene: Scene, weight: float, speed: float, *, of_effects: bool) -> Trial:
-        """A repeat with shares of weight and speed."""
-        self.progress(f"repeat {change}")
-
-        def less(of: Command) -> Command:
-            return Command(weight * of.weight_on_bit, speed * of.rotation, of.block)
-
-        table = self.modes(scene, less(self.command))
-        fastest = table.fastest(LATERAL) if table else None
-        growth = None if fastest is None else fastest.growth
-        simulation = Simulation(scene)
-        try:
-            simulation.play([less(command) for command in self.commands])
-        except RunError as error:
-            return Trial(change, of_effects, False, f"could not be followed: {error}", "", None, growth)
-        found = simulation.result().summary
-        ends, outcome = self.outcome(found, growth)
-        return Trial(change, of_effects, ends, outcome, found["lasting_motion"], found["whirl_frequency_hz"], growth)
-
-    def outcome(self, found: Summary, growth: float | None) -> tuple[bool, str]:
-        """True where the change ends the whirl of the run, and the result in words."""
-        end, motion, frequency = found["whirl_end_s"], found["lasting_motion"], found["whirl_frequency_hz"]
-        if found["onset_s"] is None:
-            if growth is None:
-                return True, "no whirl"
-            if growth > 0.0:
-                length = len(self.commands) * self.period
-                return False, f"no whirl within {length:.3g} s, but a mode {rate(growth)}, so it comes later"
-            return True, f"no whirl; the slowest mode {rate(growth)}"
-        if end is not None and self.summary["whirl_end_s"] is None:
-            return True, f"the whirl ends at {end:.2f} s"
-        told = motion if frequency is None else f"{motion} at {frequency:.2f} Hz"
-        if self.summary["lasting_motion"] in BACKWARD and motion in FORWARD:
-            return True, f"no backward whirl, but {told}"
-        return False, f"still whirls: {told}"
 
     def what(self) -> str:
         """Whirl of the run."""
@@ -233,7 +105,10 @@ class _Search:
         pace = "" if frequency is None else f" at {frequency:.2f} Hz, {ratio:.2f} of the rotation"
         end = self.summary["whirl_end_s"]
         until = "" if end is None else f", which ends at {end:.2f} s"
-        return f"Whirl from {self.onset:.2f} s: {self.summary['lasting_motion']}{pace}{until}, at {self.point}."
+        motion = lasting(self.summary)
+        index, where = self.summary["stick_slip_index"], self.summary["onset_mark"]
+        bit = f", with a stick-slip index of {index:.2f}" if index is not None and index >= SWINGS else ""
+        return f"Whirl from {self.onset:.2f} s at {where}: {motion}{pace}{until}, at {self.point}{bit}."
 
     def mode_text(self, table: ModeTable | None, fastest: Mode | None) -> str:
         """The mode that grows fastest and the one nearest to the whirl."""
@@ -272,5 +147,9 @@ class _Search:
         return f"The cause is not known; repeats of the run that were checked: {'; '.join(told) or 'none'}."
 
 
-def _upper(text: str) -> str:
-    return text[:1].upper() + text[1:]
+def _stops(trials: Sequence[Trial]) -> str:
+    """What of less weight, speed or wall friction ends the whirl."""
+    ends = [f"{trial.change}: {trial.outcome}" for trial in trials if trial.ends_whirl]
+    if ends:
+        return f"It ends {'; '.join(ends)}."
+    return f"None of these ends it: {', '.join(trial.change for trial in trials)}." if trials else ""

@@ -84,7 +84,7 @@ def findings(summary: Summary) -> Iterator[Row]:
         yield from fatigue_rows(summary)
         yield from bit_rows(summary)
         return
-    yield "motion that lasts", _lasting(summary)
+    yield "motion that lasts", lasting(summary)
     yield "onset of whirl", _onset(summary)
     yield "whirl frequency", _frequency(summary)
     if summary["spectrum_lines"]:
@@ -181,8 +181,8 @@ def irregular(summary: Summary) -> bool:
     return summary["onset_s"] is not None and summary["lasting_motion"] == MotionState.IRREGULAR.value
 
 
-def _lasting(summary: Summary) -> str:
-    """State that lasts, with that of the marks where the string has a state of its own."""
+def lasting(summary: Summary) -> str:
+    """Motion that lasts in words, with its name in the field, and that of the marks where the string has its own."""
     state = _text(summary["lasting_motion"])
     if state in FIELD_NAMES:
         return f"{state} ({FIELD_NAMES[state]})"

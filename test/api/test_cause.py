@@ -43,7 +43,7 @@ def test_internal_damping_above_the_critical_speed():
     assert cause.causes == ("without internal damping",)
     trials = by_change(cause)
     assert trials["without internal damping"].growth_per_s < 0.0
-    assert trials["without wall friction"].growth_per_s > 0.0
+    assert trials["without wall friction"].outcome.startswith("still whirls")
     # Less unbalance only delays a growth: it is no cause.
     assert not trials[UNBALANCE].ends_whirl
     assert "it comes later" in trials[UNBALANCE].outcome
