@@ -16,7 +16,7 @@ from matplotlib.figure import Figure
 import drill_twin as dt
 from drill_twin.core.arrays import Array
 from drill_twin.report.figures.style import BLUE, GREEN, INK, LIGHT, ORANGE, VERMILION
-from drill_twin_evidence.pictures.moving_string import centre_line
+from drill_twin.report.string_curve import smooth
 
 LATER = 5.0
 """Time that a run goes on behind what is drawn [s]: a state is found from what follows, too."""
@@ -87,7 +87,8 @@ def _draw_panel(panel: Panel, axes: Axes) -> None:
         LineCollection(list(parts), colors=BLUE, alpha=np.linspace(0.08, 1.0, len(parts)), linewidths=1.8)
     )
     if panel.shape:
-        _draw_shape(axes, centre_line(result, now) / clearance)
+        nodes = result.string
+        _draw_shape(axes, smooth(nodes.position[now : now + 1], nodes.tangent[now : now + 1])[0] / clearance)
     axes.plot(*orbit[-1], "o", color=VERMILION, markersize=6)
     axes.set_title(panel.title, fontsize=10, fontweight="bold")
     axes.set_xlabel(panel.note, fontsize=8.5)

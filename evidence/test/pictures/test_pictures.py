@@ -5,21 +5,11 @@ import re
 from pathlib import Path
 
 import pytest
-from PIL import Image
 
-from drill_twin_evidence.pictures import moving_string, sketches
+from drill_twin_evidence.pictures import sketches
 from drill_twin_evidence.pictures.__main__ import PICTURES
 
 FIGURES = Path(__file__).parents[3] / "docs" / "figures"
-
-
-def test_the_moving_picture_has_a_frame_for_each_instant(tmp_path, monkeypatch):
-    monkeypatch.setattr(moving_string, "BEGIN", 7.7)
-    monkeypatch.setattr(moving_string, "END", 8.0)
-    moving_string.draw(tmp_path / "whirl.gif")
-    with Image.open(tmp_path / "whirl.gif") as picture:
-        assert picture.n_frames == 4
-        assert picture.size == (720, 380)
 
 
 @pytest.mark.parametrize(("draw", "said"), [(sketches.draw_frames, "clearance"), (sketches.draw_nodes, "/rig/command")])
