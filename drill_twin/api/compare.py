@@ -15,7 +15,9 @@ from typing import NamedTuple
 
 import numpy as np
 
+from drill_twin.api.growth_limits import modes_under
 from drill_twin.api.result import Result, read_bag
+from drill_twin.api.rotordynamics import final_command
 from drill_twin.api.scenes import load_scene
 from drill_twin.api.simulation import Simulation
 from drill_twin.api.torque_drag import statics
@@ -23,6 +25,7 @@ from drill_twin.core.arrays import Array, number_or_nan
 from drill_twin.core.errors import ArgumentError, RunError, SceneError
 from drill_twin.core.table import Column, Table
 from drill_twin.core.units.system import UnitSystem
+from drill_twin.dynamics.rotordynamics.modes import LATERAL
 from drill_twin.dynamics.torque_drag.analysis import OperationLoads
 from drill_twin.report.string_forces import bending_stress_at
 from drill_twin.scene import Scene
@@ -38,6 +41,8 @@ class Case:
     result: Result
     loads: OperationLoads | None
     """Of the last operation of its rig, drilling or what there is of it; None if there is no balance."""
+    critical: float = math.nan
+    """Distance of the final rotation from the nearest critical speed, as a share of it; NaN where it is not known."""
 
 
 def prepare(text: str, common: Mapping[str, str]) -> Scene | Result:
@@ -78,7 +83,19 @@ def finish(text: str, what: Scene | Result, progress: Callable[[float], None] | 
         loads = statics(result.scene).operations[-1]
     except (RunError, SceneError):  # no balance, or nothing to balance: the run is compared alone
         loads = None
-    return Case(text, result, loads)
+    return Case(text, result, loads, _critical(result.scene))
+
+
+def _critical(scene: Scene) -> float:
+    """Distance of the final rotation from the nearest critical speed about a balance that is stable, over it."""
+    try:
+        table = modes_under(scene, final_command(scene))
+    except (RunError, SceneError):  # no balance, or no modes: the rest is compared
+        return math.nan
+    rotation = abs(table.balance.command.rotation)
+    return (
+        abs(table.nearest_critical() - rotation) / rotation if rotation and not table.growing.get(LATERAL) else math.nan
+    )
 
 
 NOTHING = 1e-9
@@ -148,6 +165,7 @@ def _of(case: Case) -> Iterator[tuple[tuple[str, str], float | str]]:
         yield (what + "make-up margin", "-"), loads.make_up_margin
         for contact in loads.contacts:
             yield (f"{what}side force, {contact.name}", "N"), contact.force
+    yield ("margin to the nearest critical speed", "-"), case.critical
     yield from _run(case)
 
 

@@ -159,8 +159,8 @@ def _assembly(table: ModeTable, part: Assembly, units: UnitSystem) -> Iterator[s
     named = ", ".join(units.number(speed, "rotation") for speed in speeds)
     line = f"critical speeds of the lowest {units.text(part.extent.assembly, 'length')}, up to twice the rotation: "
     if speeds and rotation > 0.0:
-        nearest = min(speeds, key=lambda speed: abs(speed - rotation))
-        named += f" {units.rotation}; the nearest is {nearest / rotation - 1.0:+.0%} from the rotation"
+        away = table.nearest_critical() / rotation - 1.0
+        named += f" {units.rotation}; the nearest is {away:+.0%} from the rotation"
     yield line + (named or "none")
     moved = max((abs(mode.cut_change) / abs(mode.eigenvalue) for mode in lateral), default=0.0)
     yield (

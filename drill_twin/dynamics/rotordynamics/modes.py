@@ -128,6 +128,16 @@ class ModeTable(NamedTuple):
         """Mode of one kind that grows fastest, or decays slowest."""
         return max(self.of(kind), key=lambda mode: mode.growth, default=None)
 
+    def nearest_critical(self) -> float:
+        """Critical speed nearest to the rotation [rad/s], of either sense; NaN without one or without rotation."""
+        rotation = self.balance.command.rotation
+        speeds = (
+            abs(mode.eigenvalue.imag)
+            for mode in self.of(LATERAL)
+            if not self.on_axis or mode.frequency * rotation > 0.0  # on the axis forward modes alone are excited
+        )
+        return min(speeds, key=lambda speed: abs(speed - abs(rotation)), default=math.nan) if rotation else math.nan
+
 
 def is_vertical(equations: EquationsOfMotion) -> bool:
     """True in a straight vertical hole, where the axis is a balance."""
