@@ -148,7 +148,7 @@ class _Search(Repeats):
 
 
 def _stops(trials: Sequence[Trial]) -> str:
-    """What of less weight, speed or wall friction ends the whirl."""
+    """Sentence on which of less weight, speed or wall friction ends the whirl."""
     ends = [f"{trial.change}: {trial.outcome}" for trial in trials if trial.ends_whirl]
     if ends:
         return f"It ends {'; '.join(ends)}."
