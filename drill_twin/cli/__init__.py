@@ -46,7 +46,7 @@ def run_command(arguments: Sequence[str]) -> int:
     try:
         return _run_command(arguments)
     except interrupt.Interrupted as stopped:
-        print("drill-twin: stopped", file=sys.stderr)
+        print(f"drill-twin: stopped{stopped.kept and f'; {stopped.kept}'}", file=sys.stderr)
         return stopped.exit_code
 
 

@@ -34,18 +34,18 @@ if TYPE_CHECKING:
 SUMMARY = "summary.json"
 StatesOption = Annotated[
     bool,
-    typer.Option("--states", help="Name the steady whirl near each finding, and its growth; up to 30 s of search."),
+    typer.Option("--states", help="Search the steady whirl near each finding, and its growth; takes up to 30 s."),
 ]
 
 
 def analyze(
     bag: RecordedArgument,
     scene: SceneOption = "",
-    out: Annotated[Path | None, folder_option("Write summary.json to this folder too.")] = None,
+    out: Annotated[Path | None, folder_option("Write the result to this folder too, as summary.json.")] = None,
     replace: ReplaceOption = False,
     json: JsonOption = False,
     marks: Annotated[
-        list[str], typer.Option("--marks", metavar="NAME", help="Analyse only this mark; repeatable, or NAME,NAME.")
+        list[str], typer.Option("--marks", metavar="NAME", help="Analyse this mark only; repeatable, or NAME,NAME.")
     ] = [],  # noqa: B006  typer does not change the default
     begin: FromOption = -math.inf,
     end: ToOption = math.inf,
@@ -53,32 +53,34 @@ def analyze(
     clearance: Annotated[
         str,
         typer.Option(
-            "--clearance", metavar="LENGTH", help='Clearance of the marks, for a bag without a scene: "36 mm".'
+            "--clearance", metavar="LENGTH", help='Clearance of the marks, as "36 mm", for a bag without a scene.'
         ),
     ] = "",
     outer_radius: Annotated[
         str,
         typer.Option(
-            "--rim", metavar="LENGTH", help="Outer radius of the string at these marks, if they are on its surface."
+            "--rim",
+            metavar="LENGTH",
+            help="Outer radius of the string at the marks, for marks on its surface in a bag without a scene.",
         ),
     ] = "",
     namespace: NamespaceOption = "",
     states: StatesOption = False,
     why: Annotated[
         bool,
-        typer.Option("--why", help="Say why it whirled, from modes and up to eight repeats of the run; minutes."),
+        typer.Option("--why", help="Say why it whirled, from modes and up to eight repeats of the run; takes minutes."),
     ] = False,
     sub: Annotated[
         str | None,
         typer.Option(
             "--sub",
             metavar="NAME",
-            help="Analyse the readings of this downhole sub instead of the marks; measured/NAME for that of a rig.",
+            help="Analyse the readings of this downhole sub instead of the marks; of a rig's sub measured/NAME.",
         ),
     ] = None,
     units: UnitsOption = "",
 ) -> None:
-    """Find onset, frequencies and motion states of whirl in a bag, and stick-slip of the bit.
+    """Find whirl in a bag, its onset, frequencies and motion states, and stick-slip of the bit.
 
     The analysis is that of the analyzer node; findings that the node recorded live are compared byte for byte. A bag
     whose recorder was killed is read up to its last complete message.

@@ -33,13 +33,15 @@ def compare(
     duration: DurationOption = "",
     seeds: Annotated[
         int,
-        typer.Option("--seeds", metavar="N", min=1, max=100, help="Runs of a scene: a push, 1 % of the speed apart."),
+        typer.Option(
+            "--seeds", metavar="N", min=1, max=100, help="Number of runs of a scene, a push and 1 % of its speed apart."
+        ),
     ] = 3,
     change: SetOption = [],  # noqa: B006  typer makes a new list of it
     tolerance: Annotated[
-        float, typer.Option("--tolerance", min=0.0, max=1.0, help="Share from which numbers differ.")
+        float, typer.Option("--tolerance", min=0.0, max=1.0, help="Share by which numbers must differ to be shown.")
     ] = 0.05,
-    everything: Annotated[bool, typer.Option("--all", help="Show what does not differ too.")] = False,
+    everything: Annotated[bool, typer.Option("--all", help="Show the numbers that do not differ, too.")] = False,
     out: Annotated[Path, typer.Option("--out", metavar="DIR", help="New folder of the result.")] = Path("out/compare"),
     replace: ReplaceOption = False,
     units: UnitsOption = "",
@@ -65,11 +67,12 @@ def compare(
     prepared = [prepare(text, common) for text in cases]
     new_folder(out, replace=replace)
     found = []
-    with shown_progress("computing") as bar:
+    with shown_progress("computing", len(cases) * seeds, unit="runs") as bar:
         for text, what in zip(cases, prepared, strict=True):
             found.append(finish(text, what, lambda time, text=text: bar.show(f"{text}: {time:.1f} s")))  # type: ignore[misc]
+            bar.step(text)
         repeated = [
-            again(found, prepared, seed, lambda text, seed=seed: bar.show(f"{text}, seed {seed}"))  # type: ignore[misc]
+            again(found, prepared, seed, lambda text, seed=seed: bar.step(f"{text}, seed {seed}"))  # type: ignore[misc]
             for seed in range(1, seeds)
         ]
     ranked = costs([found, *repeated], tolerance)

@@ -33,15 +33,15 @@ def cost(
     duration: DurationOption = "",
     change: SetOption = [],  # noqa: B006  typer makes a new list of it
     replicas: Annotated[
-        int, typer.Option("--replicas", min=0, max=50, help="Replicas of the converged run, for its spread.")
+        int, typer.Option("--replicas", min=0, max=50, help="Number of repeats of the converged run, for its spread.")
     ] = 3,
-    coarse: Annotated[bool, typer.Option("--coarse", help="A third of the resolutions.")] = False,
+    coarse: Annotated[bool, typer.Option("--coarse", help="Run a third of the resolutions only.")] = False,
     elements: Annotated[
         str,
         typer.Option(
             "--elements",
             metavar="N,N,...",
-            help="These meshes only, at the scene's step; prints hookload, torque and stick-slip too.",
+            help="Run these meshes only, at the scene's step; adds hookload, torque and stick-slip.",
         ),
     ] = "",
     workers: WorkersOption = 0,
@@ -53,10 +53,10 @@ def cost(
     ] = False,
     json: JsonOption = False,
 ) -> None:
-    """Run a scene over formulations, elements, steps and tolerances: error against a converged run, and time.
+    """Measure error and processor time of a scene over formulations, elements, steps and tolerances.
 
-    An interrupted study continues. Writes cost.json, cost.csv and cost.png. `drill-twin run --accuracy` chooses a
-    resolution by a smaller study of its own.
+    The error is that against a converged run. An interrupted study continues. Writes cost.json, cost.csv and cost.png.
+    `drill-twin run --accuracy` chooses a resolution by a smaller study of its own.
     """
     from drill_twin.scene import load_scene
     from drill_twin.studies.accuracy.convergence import (
@@ -80,7 +80,9 @@ def cost(
         else:
             shares = (ELEMENTS[1::2], STEPS[1::2]) if coarse else (ELEMENTS, STEPS)
             resolutions = choose_resolutions(described, *shares)
-    with shown_progress("running", len(resolutions) + 1 + replicas) as bar:
+    with shown_progress(
+        "running", len(resolutions) + 1 + replicas, kept=f"the same command goes on from {folder / 'runs'}"
+    ) as bar:
         curve = measure(
             scene, changes, resolutions, folder / "runs", replicas=replicas, workers=workers, progress=bar.step
         )

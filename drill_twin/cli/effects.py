@@ -41,7 +41,9 @@ def effects(
     ] = 0.05,
     replicas: Annotated[
         int,
-        typer.Option("--replicas", min=2, max=100, help="Runs per set of effects, with small random differences."),
+        typer.Option(
+            "--replicas", min=2, max=100, help="Number of runs for each set of effects, with small random differences."
+        ),
     ] = 5,
     duration: DurationOption = "",
     change: SetOption = [],  # noqa: B006  typer makes a new list of it
@@ -50,7 +52,7 @@ def effects(
     replace: ReplaceOption = False,
     json: JsonOption = False,
 ) -> None:
-    """Leave out each effect of a scene in turn: cost and change of each, and the effects that the scene needs.
+    """Leave out each effect of a scene in turn: its cost, what it changes, and the effects that the scene needs.
 
     Each set of effects is compiled once and then cached. Writes effects.json and effects.png.
     """

@@ -12,7 +12,7 @@ import typer
 
 from drill_twin.cli.emit import emit
 from drill_twin.cli.options import JsonOption, SetOption, UnitsOption, folder_option, overrides, ranges_of, time_option
-from drill_twin.cli.show import remark
+from drill_twin.cli.show import remark, shown_progress
 from drill_twin.core.errors import ArgumentError, RunError
 from drill_twin.core.table import Table
 
@@ -22,7 +22,6 @@ if TYPE_CHECKING:
 
 FILES = ("estimate.json", "estimate.png")
 """Files of `--out`."""
-_TOLD = 10.0  # s from line to line
 
 
 def estimate(
@@ -30,7 +29,11 @@ def estimate(
     scene: Annotated[str, typer.Option("--scene", metavar="SCENE", help="Installed scene or scene file.")],
     free: Annotated[
         list[str],
-        typer.Option("--free", metavar="KEY=LO..HI", help='Range of a number; "load_factor=0.8..1.2" is of the load.'),
+        typer.Option(
+            "--free",
+            metavar="KEY=LO..HI",
+            help='Number to estimate and its range; "load_factor=0.8..1.2" is that of the load; repeatable.',
+        ),
     ],
     channel: Annotated[
         list[str],
@@ -45,22 +48,25 @@ def estimate(
         typer.Option(
             "--sub",
             metavar="NAME",
-            help="Downhole sub of a bag and of the scene that corrects; of a rig measured/NAME.",
+            help="Correct with this downhole sub of the bag and the scene, or measured/NAME of a rig; repeatable.",
         ),
     ] = [],  # noqa: B006
     change: SetOption = [],  # noqa: B006  typer makes a new list of it
-    members: Annotated[int, typer.Option("--members", min=4, help="Members of the ensemble.")] = 64,
+    members: Annotated[int, typer.Option("--members", min=4, help="Number of members of the ensemble.")] = 64,
     window: Annotated[float, time_option("--window", "Time from estimate to estimate", 0.05)] = 1.0,
-    error: Annotated[float, typer.Option("--error", min=1e-6, help="Error of a sample over the largest value.")] = 0.02,
+    error: Annotated[
+        float,
+        typer.Option("--error", min=1e-6, help="Error of a sample, as a share of the largest value of its channel."),
+    ] = 0.02,
     horizon: Annotated[
         float, time_option("--horizon", "Time ahead for which the chance of whirl is computed", 0.0)
     ] = 4.0,
-    seed: Annotated[int, typer.Option("--seed", min=0, help="Of the draws.")] = 1,
+    seed: Annotated[int, typer.Option("--seed", min=0, help="Seed of the draws.")] = 1,
     out: Annotated[Path | None, folder_option("Write estimate.json and estimate.png to this folder.")] = None,
     units: UnitsOption = "",
     json: JsonOption = False,
 ) -> None:
-    """Follow a record as the node `estimator` follows a rig: numbers, virtual sensors, chance of whirl, alarms."""
+    """Estimate numbers, loads and the chance of whirl along a record, as the node `estimator` does along a rig."""
     import drill_twin as dt
     from drill_twin.studies.estimation import CHANNELS, SET_POINTS
     from drill_twin.studies.estimation.figure import estimate_figure
@@ -81,13 +87,16 @@ def estimate(
         scene, ranges, channels=measured, subs=sub, overrides=overrides(change, units=units), options=options
     )
     over_time: list[Estimate] = []
-    alarm, due = "", 0.0
+    alarm = ""
     measurements = dt.read_record(record, channel, subs=sub)
-    for found in estimator.follow(measurements):
-        over_time.append(found)
-        if found.time >= due or found.alarm != alarm:
-            alarm, due = found.alarm, found.time + _TOLD
-            remark(_line(found))
+    end = max(float(stamps[-1]) for stamps, _ in measurements.series.values())
+    with shown_progress("following the record", end, unit="s") as bar:
+        for found in estimator.follow(measurements):
+            over_time.append(found)
+            bar.show(_line(found), found.time)
+            if found.alarm != alarm:
+                alarm = found.alarm
+                remark(_line(found))
     if not over_time:
         raise RunError(f"{record}: expected more than {window:g} s of record, found less")
     found = over_time[-1]

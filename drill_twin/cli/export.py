@@ -38,21 +38,26 @@ def export(
         bool,
         typer.Option(
             "--drillbotics",
-            help="Write drilling_timeseries.csv (D-WIS names) and WELL_logs.las of the competition, and check both "
-            "against its rules; exit code 1 where one is broken. Needs the extra `las`.",
+            help="Write drilling_timeseries.csv and WELL_logs.las for the Drillbotics competition, and check both by "
+            "its rules; exit code 1 if one is broken. Needs the extra `las`.",
         ),
     ] = False,
     well: Annotated[
         str,
-        typer.Option("--well", metavar="NAME", help="Name of the well in these two files.", show_default="the scene's"),
+        typer.Option(
+            "--well", metavar="NAME", help="With --drillbotics: name of the well.", show_default="the scene's"
+        ),
     ] = "",
     rate: Annotated[
-        str, typer.Option("--rate", metavar="FREQUENCY", help="Their rows per second, 1 Hz or more.")
+        str, typer.Option("--rate", metavar="FREQUENCY", help="With --drillbotics: rows per second, 1 Hz or more.")
     ] = "10 Hz",
     start: Annotated[
         str,
         typer.Option(
-            "--start", metavar="DATE", help="Their time zero in UTC, ISO 8601.", show_default="of the recording"
+            "--start",
+            metavar="DATE",
+            help="With --drillbotics: date and time of time 0 in UTC, ISO 8601.",
+            show_default="of the recording",
         ),
     ] = "",
     out: Annotated[Path | None, folder_option("Folder of the files.", "beside the report")] = None,

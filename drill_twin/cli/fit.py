@@ -23,8 +23,7 @@ from drill_twin.cli.options import (
     ranges_of,
     time_option,
 )
-from drill_twin.cli.show import remark
-from drill_twin.core.errors import SceneError
+from drill_twin.cli.show import shown_progress
 from drill_twin.core.table import Table
 
 if TYPE_CHECKING:
@@ -41,47 +40,54 @@ def fit(
     free: Annotated[
         list[str],
         typer.Option(
-            "--free", metavar="KEY=LO..HI", help='Range of a number, as "wall_friction.coefficient=0.05..0.5".'
+            "--free",
+            metavar="KEY=LO..HI",
+            help='Number to find and its range, as "wall_friction.coefficient=0.05..0.5"; repeatable.',
         ),
     ],
     channel: Annotated[
         list[str],
         typer.Option(
-            "--channel", metavar="NAME=COLUMN:UNIT", help='Column, as "bit_speed=Bit_Speed:rpm"; of a bag NAME.'
+            "--channel",
+            metavar="NAME=COLUMN:UNIT",
+            help='Channel to compare and its column, as "bit_speed=Bit_Speed:rpm"; of a bag NAME; repeatable.',
         ),
     ],
     change: SetOption = [],  # noqa: B006  typer makes a new list of it
-    likelihood: Annotated[str, typer.Option("--likelihood", help="series, or features of windows.")] = "series",
+    likelihood: Annotated[
+        str, typer.Option("--likelihood", help="What is compared: the series, or features of windows (features).")
+    ] = "series",
     begin: FromOption = 0.0,
     end: ToOption = math.inf,
-    rate: Annotated[str, typer.Option("--rate", metavar="FREQUENCY", help="Samples compared per second.")] = "20 Hz",
-    window: Annotated[float, time_option("--window", "Length of a window of features", 0.0)] = 5.0,
-    members: Annotated[int, typer.Option("--members", min=8, help="Runs of a round.")] = 64,
-    rounds: Annotated[int, typer.Option("--rounds", min=1, help="Rounds at most.")] = 24,
-    seed: Annotated[int, typer.Option("--seed", min=0, help="Of the draws.")] = 1,
+    rate: Annotated[
+        str, typer.Option("--rate", metavar="FREQUENCY", help="Number of samples per second that are compared.")
+    ] = "20 Hz",
+    window: Annotated[float, time_option("--window", "With --likelihood features: length of a window", 0.0)] = 5.0,
+    members: Annotated[int, typer.Option("--members", min=8, help="Number of runs in a round.")] = 64,
+    rounds: Annotated[int, typer.Option("--rounds", min=1, help="Most rounds.")] = 24,
+    seed: Annotated[int, typer.Option("--seed", min=0, help="Seed of the draws.")] = 1,
     workers: WorkersOption = 0,
     out: Annotated[Path | None, folder_option("Write fit.json, fitted.yaml and fit.png to this folder.")] = None,
     units: UnitsOption = "",
     json: JsonOption = False,
 ) -> None:
-    """Numbers of a scene from a record, with intervals, correlations, and what the record does not determine."""
+    """Find numbers of a scene from a record, with intervals, correlations, and what the record does not determine."""
     import drill_twin as dt
     from drill_twin.studies.fitting.posterior import fit_figure
 
     ranges = ranges_of("--free", free)
 
-    def told(number: int, found: Sampling) -> None:
-        power = "" if found.power == 1.0 else f", likelihood to the power {found.power:.2g}"
-        remark(f"round {number}: {found.effective:.0f} effective draws of {len(found.weights)}{power}")
+    with shown_progress("running the first round", rounds, unit="rounds") as bar:
 
-    try:
+        def told(number: int, found: Sampling) -> None:
+            power = "" if found.power == 1.0 else f", likelihood to the power {found.power:.2g}"
+            bar.show(f"{found.effective:.0f} effective draws of {len(found.weights)}{power}", number)
+
         found = dt.fit(
             record, scene, ranges, channels=channel, overrides=overrides(change, units=units), likelihood=likelihood,
             begin=begin, end=end if end < math.inf else None, rate=rate, window=window, members=members, rounds=rounds,
             seed=seed, workers=workers, progress=told,
         )  # fmt: skip
-    except ValueError as error:
-        raise SceneError(str(error)) from error
     base = str(Path(scene).resolve()) if Path(scene).is_file() else scene
     emit(
         found.to_dict(), _shown(found), json=json, folder=out,

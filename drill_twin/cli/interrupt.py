@@ -26,6 +26,8 @@ class Interrupted(BaseException):
         super().__init__(number)
         self.exit_code = 128 + number
         """Exit code of the command: 128 and the number of the signal."""
+        self.kept = ""
+        """Sentence on what is kept and how to go on."""
 
 
 def install() -> None:

@@ -41,22 +41,23 @@ def modes(
     rpm: RpmOption = "",
     change: SetOption = [],  # noqa: B006  typer makes a new list of it
     without: WithoutOption = [],  # noqa: B006
-    count: Annotated[int, typer.Option("--count", min=1, max=100, help="Modes of each kind.")] = 6,
+    count: Annotated[int, typer.Option("--count", min=1, max=100, help="Number of modes of each kind.")] = 6,
     campbell: Annotated[
-        int, typer.Option("--campbell", metavar="N", min=0, max=1000, help="Campbell diagram over N speeds.")
+        int, typer.Option("--campbell", metavar="N", min=0, max=1000, help="Draw the Campbell diagram over N speeds.")
     ] = 0,
     growth: Annotated[
-        int, typer.Option("--growth", metavar="N", min=0, max=500, help="Map of growth rates, N loads by N speeds.")
+        int, typer.Option("--growth", metavar="N", min=0, max=500, help="Draw growth rates over N loads and N speeds.")
     ] = 0,
     out: Annotated[Path | None, folder_option("Write modes.json and the figures to this folder.")] = None,
     units: UnitsOption = "",
     json: JsonOption = False,
 ) -> None:
-    """Damped modes of the turning string under its final set-points: frequency, growth, shape; critical speeds.
+    """Compute the damped modes of the turning string: frequency, growth, shape, and its critical speeds.
 
-    Of a long string the lateral modes are those of the assembly on the low side of its hole. With --out or --json also
-    the response to unbalance and bend over the rotation. Campbell diagram and map go up to twice the speed and the load
-    of the scene. Bow and eccentricity are left out of the modes: they excite, and change none.
+    They are those under the final set-points of the scene; of a long string the lateral modes are those of the assembly
+    on the low side of its hole. --out and --json add the response to unbalance and bend over the rotation. Campbell
+    diagram and map go up to twice the speed and the load of the scene. Bow and eccentricity excite the modes and change
+    none, so they are left out.
     """
     import numpy as np
 

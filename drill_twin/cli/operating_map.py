@@ -3,10 +3,8 @@
 
 from __future__ import annotations
 
-import time
 from collections import Counter
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Iterator
 from pathlib import Path
 from shlex import quote
 from typing import TYPE_CHECKING, Annotated
@@ -14,7 +12,6 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from drill_twin.cli.emit import emit, folder_name
-from drill_twin.cli.interrupt import Interrupted
 from drill_twin.cli.options import (
     DurationOption,
     JsonOption,
@@ -27,33 +24,30 @@ from drill_twin.cli.options import (
     overrides,
     ranges_of,
 )
-from drill_twin.cli.show import remark, shown_progress
+from drill_twin.cli.show import shown_progress
 from drill_twin.core.files.output import make_folder
 
 if TYPE_CHECKING:
     from drill_twin.scene import Scene
     from drill_twin.studies.maps import OperatingMap
 
-FEWEST = 8
-"""Runs after which the time left is told."""
-
 
 def operating_map(
     scene: SceneArgument,
-    wob: Annotated[str, typer.Option("--wob", metavar="LO..HI", help='Weight on bit, as "1..300 N".')],
+    wob: Annotated[str, typer.Option("--wob", metavar="LO..HI", help='Range of the weight on bit, as "1..300 N".')],
     rpm: Annotated[
         str,
-        typer.Option("--rpm", metavar="LO..HI", help='Speed of the top drive, as "1..3 rev/s"; bare numbers: rev/min.'),
+        typer.Option("--rpm", metavar="LO..HI", help='Range of the speed, as "1..3 rev/s"; bare: rev/min.'),
     ],
     seeds: Annotated[
-        int, typer.Option("--seeds", metavar="N", min=1, max=1000, help="Draws along the onset of whirl.")
+        int, typer.Option("--seeds", metavar="N", min=1, max=1000, help="Number of draws of uncertain numbers.")
     ] = 1,
     vary: Annotated[
         list[str],
         typer.Option(
             "--vary",
             metavar="KEY=LO..HI",
-            help='Uncertain number of each draw, as "wall_friction.coefficient=0.1..0.3"; repeatable.',
+            help='Draw this number from a range, as "wall_friction.coefficient=0.1..0.3"; repeatable.',
         ),
     ] = [],  # noqa: B006  typer makes a new list of it
     change: SetOption = [],  # noqa: B006
@@ -66,7 +60,7 @@ def operating_map(
         ),
     ] = "",
     runs: Annotated[
-        int, typer.Option("--runs", metavar="N", min=1, max=1_000_000, help="Largest number of runs of the search.")
+        int, typer.Option("--runs", metavar="N", min=1, max=1_000_000, help="Most runs of the search.")
     ] = 1500,
     steps: Annotated[
         int, typer.Option("--steps", metavar="N", help="A boundary is located within 1/N of each range; a power of 2.")
@@ -79,7 +73,7 @@ def operating_map(
     ] = False,
     workers: WorkersOption = 0,
     dask: Annotated[
-        str, typer.Option("--dask", metavar="ADDRESS", help="Dask scheduler whose workers make the runs.")
+        str, typer.Option("--dask", metavar="ADDRESS", help="Address of a Dask scheduler whose workers make the runs.")
     ] = "",
     out: Annotated[
         Path | None, folder_option("Folder of the result; a map that was broken off goes on.", "out/map_SCENE")
@@ -88,7 +82,7 @@ def operating_map(
     units: UnitsOption = "",
     json: JsonOption = False,
 ) -> None:  # fmt: skip
-    """Regimes of motion over weight on bit and speed, and windows in which the string stays calm.
+    """Map the regimes of motion over weight on bit and speed, and find windows in which the string stays calm.
 
     Runs crowd where the regime changes: the end of smooth motion first, then the onset of whirl, the other regimes,
     draws of seeds and uncertain numbers, and the boundary at which an existing whirl dies; at last runs of the whole
@@ -107,11 +101,13 @@ def operating_map(
     runs_file = folder / "runs.jsonl"
     if replace and runs_file.exists():
         runs_file.replace(folder / "runs.jsonl.old")
-    with _shown_runs(runs, folder) as progress:
+    going_on = f"the same command goes on from {runs_file}"
+    with shown_progress("calm", runs, unit="runs", kept=going_on) as bar:
         found = make(
             described, wob=wob, rpm=rpm, seeds=seeds, vary=ranges, runs=runs,
             hysteresis=not no_hysteresis, growth=not no_growth, steps=steps, folder=folder, workers=workers, dask=dask,
-            calm_for=calm_for or None, progress=progress,
+            calm_for=calm_for or None,
+            progress=lambda phase, done, expected: bar.show(phase, done, max(runs, expected)),
         )  # fmt: skip
     data = found.to_dict()
     options = [f"--set {quote(f'{key}={value}')}" for key, value in changes.items() if key not in {"duration", "units"}]
@@ -122,38 +118,6 @@ def operating_map(
             "map.png": lambda: map_figure(found),
         },
     )  # fmt: skip
-
-
-@contextmanager
-def _shown_runs(runs: int, folder: Path) -> Iterator[Callable[[str, int, int], None]]:
-    """Progress with the time that all runs allowed would take, and what to do after Ctrl-C."""
-    began, first = time.monotonic(), -1
-
-    def left(done: int) -> str:
-        """Time that the runs allowed take at the pace so far; a map often ends before them."""
-        nonlocal began, first
-        if first < 0:
-            first, began = done, time.monotonic()
-        made = done - first
-        if done >= runs or made < FEWEST:
-            return ""
-        seconds = (time.monotonic() - began) / made * (runs - done)
-        return f", at most {said_time(seconds)} left for {runs} runs"
-
-    try:
-        with shown_progress("calm", unit="runs", left=False) as bar:
-            yield lambda phase, done, expected: bar.show(f"{phase}{left(done)}", done, expected)
-    except Interrupted:
-        remark(f"stopped; the same command goes on from {folder / 'runs.jsonl'}")
-        raise
-
-
-def said_time(seconds: float) -> str:
-    """Time in the unit in which it is told."""
-    for size, unit in ((3600.0, "h"), (60.0, "min")):
-        if seconds >= size:
-            return f"{seconds / size:.1f} {unit}" if seconds < 10.0 * size else f"{seconds / size:.0f} {unit}"
-    return f"{seconds:.0f} s"
 
 
 def _shown(found: OperatingMap, scene: Scene) -> Iterator[str]:

@@ -38,7 +38,7 @@ def time_option(name: str, text: str, least: float = -math.inf, most: float = ma
 
 SceneArgument = Annotated[
     str,
-    typer.Argument(metavar="SCENE", help="Installed scene (see `drill-twin scene list`), or a scene file."),
+    typer.Argument(metavar="SCENE", help="Name of an installed scene (`drill-twin scene list`), or a scene file."),
 ]
 BagArgument = Annotated[
     Path,
@@ -48,7 +48,7 @@ BagArgument = Annotated[
 ]
 RecordedArgument = Annotated[
     Path,
-    typer.Argument(metavar="BAG", help="A bag, or the folder of a run; or a record of a rig (CSV, MAT, LAS, WITSML)."),
+    typer.Argument(metavar="BAG", help="Bag, folder of a run, or record of a rig (CSV, MAT, LAS, WITSML)."),
 ]
 SetOption = Annotated[
     list[str],
@@ -57,7 +57,7 @@ SetOption = Annotated[
     ),
 ]
 WithoutOption = Annotated[
-    list[str], typer.Option("--without", metavar="EFFECT", help="Leave an effect of the scene out; repeatable.")
+    list[str], typer.Option("--without", metavar="EFFECT", help="Leave this effect of the scene out; repeatable.")
 ]
 WeightOption = Annotated[
     str, typer.Option("--wob", metavar="FORCE", help='Weight on bit, as "40 N"; a bare number is in N.')
@@ -78,12 +78,14 @@ UnitsOption = Annotated[
 DurationOption = Annotated[
     str, typer.Option("--duration", metavar="TIME", help='Simulated time, as "30 s"; a bare number is in s.')
 ]
-SceneOption = Annotated[str, typer.Option("--scene", metavar="SCENE", help="Scene of a bag that contains none.")]
+SceneOption = Annotated[
+    str, typer.Option("--scene", metavar="SCENE", help="Scene of the record, or of a bag that contains none.")
+]
 NamespaceOption = Annotated[
     str, typer.Option("--namespace", metavar="NS", help="Namespace of the twin, as /rig2, where a bag holds several.")
 ]
-FromOption = Annotated[float, time_option("--from", "Leave out what is earlier", shown=False)]
-ToOption = Annotated[float, time_option("--to", "Leave out what is later", shown=False)]
+FromOption = Annotated[float, time_option("--from", "Leave out all samples before this time", shown=False)]
+ToOption = Annotated[float, time_option("--to", "Leave out all samples after this time", shown=False)]
 RemapOption = Annotated[
     list[str],
     typer.Option(
@@ -92,8 +94,10 @@ RemapOption = Annotated[
         help='Read a topic as one of ours, as "/camera/marks=/marks/state"; repeatable.',
     ),
 ]
-JsonOption = Annotated[bool, typer.Option("--json", help="Print JSON, and nothing else, on stdout.")]
-ReplaceOption = Annotated[bool, typer.Option("--replace", help="Replace an existing result of drill-twin.")]
+JsonOption = Annotated[bool, typer.Option("--json", help="Print the result as JSON, and nothing else, on stdout.")]
+ReplaceOption = Annotated[
+    bool, typer.Option("--replace", help="Replace an older result, which is moved to DIR.old if it is a folder.")
+]
 
 
 def _cores_for_zero(count: int) -> int:

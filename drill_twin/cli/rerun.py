@@ -21,6 +21,7 @@ from drill_twin.cli.options import (
     overrides,
 )
 from drill_twin.cli.show import shown_progress
+from drill_twin.core.files.output import check_folder
 from drill_twin.core.table import Table
 
 if TYPE_CHECKING:
@@ -39,27 +40,28 @@ def rerun(
     units: UnitsOption = "",
     json: JsonOption = False,
 ) -> None:
-    """Run the commands of a bag again, with other numbers, and show both runs: a table, a figure, the new bag.
+    """Run the commands of a bag again, with other numbers if you like, and compare both runs.
 
-    The set-points of a rig's record are played on the string of --scene; --wob or --rpm takes the place of one.
-    Without --set the frames of the bag come again: bit for bit where its commands came in lockstep, else with the
-    difference that is printed.
+    Of a rig's record the set-points are played on the string of --scene; --wob or --rpm takes the place of one.
+    Without --set the frames of the bag are computed again: bit for bit if its commands came in lockstep, else with a
+    difference, which is printed. Writes the new bag, comparison.png and rerun.json.
     """
     from drill_twin.api.recorded_run import rerun as run_again
     from drill_twin.cli.analyze import default_folder
 
     changes = overrides(change, wob=wob, rpm=rpm)
     folder = out or default_folder(bag).with_name(f"{default_folder(bag).name.removesuffix('_report')}_rerun")
-    new_folder(folder, replace=replace)
-    with shown_progress("reading the bag") as bar:
+    check_folder(folder, replace=replace)
+    with shown_progress("reading the bag", unit="s") as bar:
         both = run_again(
             bag,
             changes | overrides([], units=units),
             scene=scene or None,
             namespace=namespace or None,
-            progress=lambda now, end: bar.show(f"computing: {now:.1f} of {end:g} s"),
+            progress=lambda now, end: bar.show("computing", now, end),
         )
         bar.show("drawing")
+        new_folder(folder, replace=replace)
         both.computed.to_bag(folder / "bag_0")
         figure = both.plot()
     found = content(both, changes)

@@ -42,7 +42,7 @@ def node(
 
 
 def demo(context: typer.Context) -> None:
-    """Run the paper's bench as ROS 2 nodes; see `drill-twin ros demo --help`. Needs ROS 2 (rclpy)."""
+    """Run a scene as ROS 2 nodes, record it and draw the report; --help shows the options. Needs ROS 2 (rclpy)."""
     from drill_twin.ros.entry_points import start
 
     raise typer.Exit(start("demo", context.args))
@@ -52,7 +52,12 @@ def replay(
     bag: BagArgument,
     rate: Annotated[
         float,
-        typer.Option("--rate", help="Times as fast as recorded; 0: as fast as possible.", min=0.0, max=1000.0),
+        typer.Option(
+            "--rate",
+            help="Speed of the replay, as a multiple of that recorded; 0: as fast as possible.",
+            min=0.0,
+            max=1000.0,
+        ),
     ] = 1.0,
     names: RemapOption = [],  # noqa: B006  typer does not change the default
     leave_out: Annotated[
@@ -79,9 +84,13 @@ def replay(
 
 
 def load(
-    scene: Annotated[str, typer.Argument(help="Preset or scene file.")] = "pa6_bench",
-    rate: Annotated[float, typer.Option("--rate", metavar="HZ", help="Frame rate.", min=1.0, max=1000.0)] = 200.0,
-    elements: Annotated[int, typer.Option("--elements", help="Elements of the string.", min=2, max=2000)] = 50,
+    scene: Annotated[str, typer.Argument(help="Name of an installed scene, or a scene file.")] = "pa6_bench",
+    rate: Annotated[
+        float, typer.Option("--rate", metavar="HZ", help="Frames per second.", min=1.0, max=1000.0)
+    ] = 200.0,
+    elements: Annotated[
+        int, typer.Option("--elements", help="Number of elements of the string.", min=2, max=2000)
+    ] = 50,
     seconds: Annotated[float, time_option("--duration", "Length of the measurement", 1.0, 3600.0)] = 20.0,
     json: JsonOption = False,
 ) -> None:
@@ -164,14 +173,14 @@ def rig_table() -> Table:
 
 def doctor(
     seconds: Annotated[
-        float, time_option("--duration", "How long to listen to the nodes; 0: not at all", 0.0, 600.0)
+        float, time_option("--duration", "Time for which it listens to the nodes (0 s: not at all)", 0.0, 600.0)
     ] = 4.0,
     json: JsonOption = False,
 ) -> None:
-    """Check the installation and the running nodes: versions, topics, quality of service, clocks; says what to do.
+    """Check the installation and the running nodes, and say what to do: versions, topics, quality of service, clocks.
 
-    Works without ROS too, and says so; the nodes of ROS_DOMAIN_ID are checked where rclpy is there. Exit code 1 when
-    something is wrong.
+    It works without ROS too. With rclpy it listens to the nodes in ROS_DOMAIN_ID. Exit code 1 when something is
+    wrong.
     """
     from drill_twin.ros.doctor.installation import Verdict
     from drill_twin.ros.doctor.run import examine
@@ -201,8 +210,8 @@ def _shown(checks: list[Check], problems: int) -> Iterator[Table | Text | str]:
 
 
 def keys(
-    folder: Annotated[Path, typer.Argument(help="Folder of the keys; made where it is missing.")],
-    user: Annotated[str, typer.Option(help="User to add, or who gets another password.")],
+    folder: Annotated[Path, typer.Argument(help="Folder of the keys; it is made if there is none.")],
+    user: Annotated[str, typer.Option(help="Name of a user to add, or who gets another password.")],
     password: Annotated[
         str,
         typer.Option(
@@ -211,7 +220,9 @@ def keys(
             help="Password, 8 characters or more; asked for if left out (others see the options of a command).",
         ),
     ],
-    host: Annotated[str, typer.Option(help="Name of the machine in the certificate; without it this one's.")] = "",
+    host: Annotated[
+        str, typer.Option(help="Name of the machine in the certificate; that of this machine if left out.")
+    ] = "",
 ) -> None:
     """Make the keys of the gateway: a self-signed certificate, and users that may command. Needs the extra opcua.
 

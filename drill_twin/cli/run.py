@@ -45,20 +45,22 @@ def run(
         typer.Option(
             "--accuracy",
             metavar="SHARE",
-            help='Largest error before the onset, as "1 %"; it chooses elements and step (docs/accuracy.md).',
+            help='Largest error until whirl begins, as "1 %": elements and time step are chosen for it.',
         ),
     ] = "",
     rerun: Annotated[
-        bool, typer.Option("--check/--no-check", help="After a run with an accuracy, measure its error.")
+        bool, typer.Option("--check/--no-check", help="With --accuracy: measure the error after the run.")
     ] = True,
     change: SetOption = [],  # noqa: B006  typer makes a new list of it
     out: Annotated[Path | None, folder_option("New folder of the result.", "out/SCENE")] = None,
     replace: ReplaceOption = False,
-    with_report: Annotated[bool, typer.Option("--report", help="Draw the report too.")] = False,
+    with_report: Annotated[
+        bool, typer.Option("--report", help="Draw the report of the run too, as report.html and figures.")
+    ] = False,
     units: UnitsOption = "",
     json: JsonOption = False,
 ) -> None:
-    """Simulate a scene and analyse it: bag and summary.json in a new folder.
+    """Simulate a scene and analyse it; write a bag and summary.json to a new folder.
 
     Physics, analysis and bag are those of the ROS nodes. Ctrl-C ends the run early and keeps the bag.
     """
@@ -86,7 +88,7 @@ def run(
             f"(drill-twin analyze {outcome.bag})"
         )
         raise typer.Exit(128 + stopped_by)
-    with shown_progress("analysing the bag"):
+    with shown_progress("analysing the bag", kept=f"the bag is whole: {outcome.bag}"):
         from drill_twin.report.recording import read_recording
         from drill_twin.report.summary import summarise, to_json
 

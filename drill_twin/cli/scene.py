@@ -24,7 +24,7 @@ from drill_twin.cli.options import (
     overrides,
 )
 from drill_twin.cli.show import print_json, remark
-from drill_twin.core.errors import SceneError
+from drill_twin.core.errors import ArgumentError, SceneError
 from drill_twin.core.table import Table
 
 if TYPE_CHECKING:
@@ -54,10 +54,12 @@ def scenes(json: JsonOption = False) -> None:
 def check(
     scene: SceneArgument,
     change: SetOption = [],  # noqa: B006  typer makes a new list of it
-    yaml: Annotated[bool, typer.Option("--yaml", help="Print the whole scene, with units and defaults.")] = False,
+    yaml: Annotated[
+        bool, typer.Option("--yaml", help="Print the whole scene with units and defaults, as YAML.")
+    ] = False,
     json: JsonOption = False,
 ) -> None:
-    """Check a scene file: prints every problem, one a line, with its place, what was expected and what was found."""
+    """Check a scene file, and print each problem in a line: its place, what was expected, what was found."""
     from drill_twin.dynamics.discretisation.warnings import notes_on
     from drill_twin.scene import load_scene, scene_path
     from drill_twin.scene.set_points import Schedule
@@ -147,8 +149,8 @@ def _facts(scene: Scene) -> dict[str, Any]:
 
 
 ASKED = {
-    "--survey": "Survey, a CSV file with measured depth, inclination, azimuth",
-    "--tally": "Pipe tally, a CSV file from the bit up with kind, length, od, id, weight, grade, gauge",
+    "--survey": "CSV file of the survey with measured depth, inclination, azimuth",
+    "--tally": "CSV file of the pipe tally from the bit up, with kind, length, od, id, weight, grade, gauge",
     "--hole": 'Diameter of the open hole, as "8 1/2 in"',
 }
 
@@ -166,15 +168,25 @@ def new(
             help='Casing by its inner diameter, as "12.415 in to 1500 m"; repeatable, top down.',
         ),
     ] = [],  # noqa: B006  typer makes a new list of it
-    bit: Annotated[str, typer.Option("--bit", metavar="DIAMETER", help="Bit, if smaller than the hole.")] = "",
-    depth: Annotated[
-        str, typer.Option("--depth", metavar="LENGTH", help="Measured depth of the bit, if above the last station.")
+    bit: Annotated[
+        str, typer.Option("--bit", metavar="DIAMETER", help="Diameter of the bit, if smaller than that of the hole.")
     ] = "",
-    mud: Annotated[str, typer.Option("--mud", metavar="DENSITY", help='Mud, as "1.2 sg" or "10 ppg".')] = "1.2 sg",
-    viscosity: Annotated[str, typer.Option("--viscosity", metavar="VISCOSITY", help="Of the mud.")] = "20 cP",
-    friction: Annotated[float, typer.Option("--friction", min=0.0, max=5.0, help="Of the string on the wall.")] = 0.25,
+    depth: Annotated[
+        str,
+        typer.Option(
+            "--depth", metavar="LENGTH", help="Measured depth of the bit, if above the last station of the survey."
+        ),
+    ] = "",
+    mud: Annotated[
+        str, typer.Option("--mud", metavar="DENSITY", help='Density of the mud, as "1.2 sg" or "10 ppg".')
+    ] = "1.2 sg",
+    viscosity: Annotated[str, typer.Option("--viscosity", metavar="VISCOSITY", help="Viscosity of the mud.")] = "20 cP",
+    friction: Annotated[
+        float, typer.Option("--friction", min=0.0, max=5.0, help="Friction coefficient of the string on the wall.")
+    ] = 0.25,
     cased_friction: Annotated[
-        float | None, typer.Option("--cased-friction", min=0.0, max=5.0, help="The same, in the casing.")
+        float | None,
+        typer.Option("--cased-friction", min=0.0, max=5.0, help="Friction coefficient in the casing, if another."),
     ] = None,
     wob: WeightOption = "100 kN",
     rpm: RpmOption = "120 rpm",
@@ -189,7 +201,7 @@ def new(
     ] = "",
     replace: ReplaceOption = False,
 ) -> None:
-    """Make a scene from a well plan; in a terminal, what is not given is asked for."""
+    """Make a scene from a well plan. In a terminal it asks for survey, tally and hole if they are not given."""
     from drill_twin.scene.lines import yaml_text
     from drill_twin.scene.well_plan.plan import WellPlan
 
@@ -214,6 +226,6 @@ def new(
 
 def _ask(option: str) -> str:
     if not sys.stdin.isatty():
-        raise SceneError(f"{option}: expected it, found nothing. {ASKED[option]}")
+        raise ArgumentError(f"expected {option}, found nothing: {ASKED[option]}")
     answer: str = typer.prompt(ASKED[option], err=True)
     return answer

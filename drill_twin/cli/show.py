@@ -14,6 +14,7 @@ from rich.progress import BarColumn, Progress, ProgressColumn, SpinnerColumn, Ta
 from rich.segment import Segment
 from rich.text import Text
 
+from drill_twin.cli.interrupt import Interrupted
 from drill_twin.core.errors import printable
 from drill_twin.core.table import Table
 from drill_twin.studies.json_io import json_text
@@ -118,6 +119,14 @@ def _amount(task: Task) -> str:
     return " ".join([done, *([f"of {task.total:g}"] if task.total else []), *([unit] if unit else [])])
 
 
+def said_time(seconds: float) -> str:
+    """Time that is left, in the unit in which it is told."""
+    for size, unit in ((3600.0, "h"), (60.0, "min")):
+        if seconds >= size:
+            return f"{seconds / size:.{int(seconds < 10.0 * size)}f} {unit} left"
+    return f"{seconds:.0f} s left"
+
+
 class _AmountColumn(ProgressColumn):
     def render(self, task: Task) -> Text:
         return Text(_amount(task))
@@ -135,7 +144,9 @@ class Bar:
         self._progress.update(self._task.id, description=text, completed=done, total=total)
         if self._progress.disable and time.monotonic() - self._printed >= _LINE_PERIOD:
             self._printed = time.monotonic()
-            remark(f"{text}, {_amount(self._task)}" if self._task.total else text)
+            left = self._task.time_remaining
+            told = [text, *([_amount(self._task)] if self._task.total else []), *([said_time(left)] if left else [])]
+            remark(", ".join(told))
 
     def step(self, text: str) -> None:
         """Show what was done, and that it is one more."""
@@ -143,22 +154,28 @@ class Bar:
 
 
 @contextmanager
-def shown_progress(text: str, total: float | None = None, *, unit: str = "", left: bool = True) -> Iterator[Bar]:
+def shown_progress(
+    text: str, total: float | None = None, *, unit: str = "", kept: str = "nothing was kept"
+) -> Iterator[Bar]:
     """Show progress while a block runs: a bar with the time left, or a spinner; without a terminal a line every 10 s.
 
-    Lines that are printed on stderr meanwhile stay above the bar.
+    Lines that are printed on stderr meanwhile stay above the bar. Ctrl-C ends the block.
 
     Args:
         text: What is in progress.
         total: Amount at the end, of seconds, runs or the like; None: not known, or not known yet.
         unit: Unit of the amounts; with one there is a bar even if the total is not known yet.
-        left: Show the time left, where there is a bar.
+        kept: Sentence on what is kept after Ctrl-C, and how to go on.
     """
     words = TextColumn("{task.description}", markup=False)
     columns: tuple[ProgressColumn, ...] = (SpinnerColumn(), words)
     if unit or total is not None:
-        columns = (words, BarColumn(), _AmountColumn(), *([TimeRemainingColumn()] if left else []))
+        columns = (words, BarColumn(), _AmountColumn(), TimeRemainingColumn())
     console = err()
     with Progress(*columns, console=console, transient=True, disable=not console.is_terminal) as progress:
         progress.add_task(text, total=total, unit=unit)
-        yield Bar(progress)
+        try:
+            yield Bar(progress)
+        except Interrupted as stopped:
+            stopped.kept = stopped.kept or kept
+            raise

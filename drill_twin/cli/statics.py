@@ -44,7 +44,7 @@ def statics(
     change: SetOption = [],  # noqa: B006  typer makes a new list of it
     without: WithoutOption = [],  # noqa: B006
     trip_speed: Annotated[
-        str, typer.Option("--trip-speed", metavar="SPEED", help='When tripping, as "0.3 m/s".')
+        str, typer.Option("--trip-speed", metavar="SPEED", help='Speed of tripping, as "0.3 m/s".')
     ] = "0.3 m/s",
     feed: Annotated[
         str, typer.Option("--rop", metavar="SPEED", help='Rate of penetration when sliding and drilling, as "18 m/h".')
@@ -52,7 +52,9 @@ def statics(
     friction: Annotated[
         str,
         typer.Option(
-            "--friction", metavar="RANGE", help='Over the depth of the bit instead, as "0.15..0.35:5" or "0.2,0.3".'
+            "--friction",
+            metavar="LO..HI:N",
+            help='Loads over the depth of the bit for these coefficients, as "0.15..0.35:5".',
         ),
     ] = "",
     measured: Annotated[
@@ -60,18 +62,20 @@ def statics(
         typer.Option(
             "--measured",
             metavar="FILE",
-            help="With --friction: record with columns of depth and of trip out, trip in, off bottom or torque.",
+            help="With --friction: record with columns of the depth and of trip out, trip in, off bottom or torque.",
         ),
     ] = None,
     units: UnitsOption = "",
-    out: Annotated[Path | None, folder_option("Write statics.json, statics.csv and statics.png there.")] = None,
+    out: Annotated[
+        Path | None, folder_option("Write statics.json, statics.csv and statics.png to this folder.")
+    ] = None,
     json: JsonOption = False,
 ) -> None:
-    """Torque, drag and buckling without a run: tripping, rotating off bottom, sliding, drilling.
+    """Compute torque, drag and buckling without a run: tripping, rotating off bottom, sliding, drilling.
 
-    The string of the scene in balance in its hole, with friction in the direction of the operation; beside it the
-    soft string. JSON and CSV are in SI. With --friction, hookload and torque of the soft string while its bit goes down
-    the hole, with measured points (the broomstick plot); writes over_depth.json and over_depth.png.
+    The string lies in balance in its hole, with friction against the motion of each operation; the soft string stands
+    beside it. With --friction the command computes hookload and torque of the soft string over the depth of its bit
+    instead, with measured points (the broomstick plot), and writes over_depth.json and over_depth.png.
     """
     from drill_twin.api.torque_drag import statics as computed
     from drill_twin.studies.statics import depth_table, statics_data, tracks

@@ -21,16 +21,16 @@ def watch(
         Path | None,
         typer.Argument(metavar="[BAG]", help="Bag to play; without one, the running twin (needs ROS 2: rclpy)."),
     ] = None,
-    port: Annotated[int, typer.Option(min=0, max=65535, help="Port of the page; 0: a free one.")] = 8000,
+    port: Annotated[int, typer.Option(min=0, max=65535, help="Port of the page; 0: any free one.")] = 8000,
     host: Annotated[
         str,
-        typer.Option(
-            help="Address to listen on. Commands need the token of the printed address, wherever they come from."
-        ),
+        typer.Option(help="Address on which the page is served. Commands need the token in the printed address."),
     ] = ("127.0.0.1"),
     allow_host: Annotated[
         list[str],
-        typer.Option("--allow-host", metavar="NAME", help="A name by which browsers know this server; repeatable."),
+        typer.Option(
+            "--allow-host", metavar="NAME", help="Further name by which browsers reach this server; repeatable."
+        ),
     ] = [],  # noqa: B006  typer does not change the default
     limit: Annotated[
         list[str],
@@ -41,7 +41,7 @@ def watch(
             "hookload or rop; repeatable. It can be changed on the page.",
         ),
     ] = [],  # noqa: B006
-    browser: Annotated[bool, typer.Option(help="Open the browser.")] = True,
+    browser: Annotated[bool, typer.Option("--browser/--no-browser", help="Open the page in the browser.")] = True,
     namespace: NamespaceOption = "",
     units: UnitsOption = "",
     foxglove: Annotated[

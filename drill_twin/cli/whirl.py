@@ -44,7 +44,13 @@ def whirl(
     without: WithoutOption = [],  # noqa: B006
     starts: Annotated[
         int,
-        typer.Option("--starts", metavar="N", min=0, max=100, help="Random first shapes, besides four modes."),
+        typer.Option(
+            "--starts",
+            metavar="N",
+            min=0,
+            max=100,
+            help="Number of random shapes, besides four modes, from which the search begins.",
+        ),
     ] = 2,
     over: Annotated[
         str,
@@ -55,13 +61,13 @@ def whirl(
         ),
     ] = "",
     simulate: Annotated[
-        int, typer.Option("--simulate", metavar="N", min=0, help="With --over: N runs in time beside the branches.")
+        int, typer.Option("--simulate", metavar="N", min=0, help="With --over: simulate at N values of the range too.")
     ] = 0,
     out: Annotated[Path | None, folder_option("Write the results and their figures to this folder.")] = None,
     units: UnitsOption = "",
     json: JsonOption = False,
 ) -> None:
-    """Steady whirls that can exist at the final set-points: frequency, ratio to the rotation, stability.
+    """Find the steady whirls that can exist at the final set-points: frequency, ratio to the rotation, stability.
 
     In the frame that turns with it a steady whirl is an equilibrium, found by Newton's method from several shapes and
     whirl speeds: first without `stretch` and `torsion`, then with them where the scene has them. Each state is computed

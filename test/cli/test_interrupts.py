@@ -77,7 +77,7 @@ def sweep(seed, count, longest, folder, choices=COMMANDS):
         assert "Traceback" not in said, case
         assert "gnored" not in said, case
         if code and "the bag is whole" not in said:
-            assert lines[-1:] == ["drill-twin: stopped"], case
+            assert lines[-1].startswith("drill-twin: stopped"), case
 
 
 def test_a_signal_at_any_time_of_the_start_gives_one_line(tmp_path):

@@ -52,7 +52,7 @@ def test_a_result_on_a_full_disk_is_refused_by_the_command_in_a_sentence(small_d
     said = subprocess.run(command, capture_output=True, text=True, check=False)
     assert (said.returncode, said.stdout) == (2, "")
     assert said.stderr.strip() == (
-        f"drill-twin: error: {disk}/schema.json: cannot be written: No space left on device; choose another place"
+        f"drill-twin: error: {disk}/scene.schema.json: cannot be written: No space left on device; choose another place"
     )
     assert not list(disk.iterdir())
 

@@ -72,17 +72,27 @@ def new_folder(folder: Path, *, replace: bool, results: Collection[str] = RESULT
     """
     moved = None
     try:
-        if folder.exists() and (not folder.is_dir() or any(folder.iterdir())):
-            if not replace:
-                raise BagError(
-                    f"{folder}: expected a new or empty folder, found one with {_inside(folder)} in it; choose another "
-                    "with --out, or --replace to move that aside"
-                )
+        if check_folder(folder, replace=replace):
             moved = _move_aside(folder, results)
     except OSError as error:
         raise _not_writable(folder, error) from error
     make_folder(folder)
     return moved
+
+
+def check_folder(folder: Path, *, replace: bool) -> bool:
+    """True for a folder that is not empty, which `new_folder` would move aside.
+
+    Raises:
+        BagError: It would not, as it is not to replace.
+    """
+    taken = folder.exists() and (not folder.is_dir() or any(folder.iterdir()))
+    if taken and not replace:
+        raise BagError(
+            f"{folder}: expected a new or empty folder, found one with {_inside(folder)} in it; choose another "
+            "with --out, or --replace to move that aside"
+        )
+    return taken
 
 
 def make_folder(folder: Path) -> None:

@@ -156,15 +156,18 @@ def draw_report(out: Path, console: Console) -> None:
 
 def options_from(arguments: Sequence[str]) -> DemoOptions:
     """The options of the command line."""
+    from drill_twin.api.scenes import in_si
+    from drill_twin.core.units.dimension import TIME
+
     defaults = DemoOptions()
     parser = argparse.ArgumentParser(prog="demo", description=__doc__.partition("\n")[0])
     parser.add_argument("--out", type=Path, default=defaults.out, help="folder of the result (%(default)s)")
     parser.add_argument("--scene", default=defaults.scene, help="preset or scene file (%(default)s)")
-    parser.add_argument("--duration", type=float, default=0.0, help="simulated time in seconds; 0: the scene's")
+    parser.add_argument("--duration", default="0", help='simulated time, as "30 s" or in s; 0: the scene\'s')
     parser.add_argument("--pace", default=defaults.pace, choices=("realtime", "fast", "lockstep"))
     parser.add_argument("--replace", action="store_true", help="move an older result to OUT.old")
     given = parser.parse_args(arguments)
-    return DemoOptions(given.out, given.scene, given.duration, given.pace, given.replace)
+    return DemoOptions(given.out, given.scene, in_si("--duration", given.duration, TIME), given.pace, given.replace)
 
 
 def run(arguments: Sequence[str], stop: StopRequest) -> None:

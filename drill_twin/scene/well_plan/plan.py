@@ -12,7 +12,7 @@ import numpy as np
 from drill_twin.core.errors import SceneError
 from drill_twin.core.units import parse
 from drill_twin.core.units.dimension import ANGULAR_SPEED, DENSITY, FORCE, LENGTH, Dimension
-from drill_twin.core.units.parse import short
+from drill_twin.core.units.parse import short, split
 from drill_twin.core.units.system import typed_in_pounds, unit_system
 from drill_twin.physics.model.survey import dogleg
 from drill_twin.scene import Scene
@@ -26,6 +26,8 @@ NAMES: dict[str, tuple[str, ...]] = {
     "inclination": ("inclination", "inc", "incl", "inclination angle"),
     "azimuth": ("azimuth", "azi", "az", "azim"),
 }
+WIDEST = 2.0
+"""Widest hole of a well plan [m]."""
 JUMP = math.radians(20.0) / 30.0
 """Dog-leg severity from which a change of direction is taken for an error of the table [rad/m]: 20 deg/30 m."""
 
@@ -161,13 +163,15 @@ class WellPlan(NamedTuple):
         pieces = read_tally(self.tally, self.units, bottom)
         length = math.fsum(piece.length for piece in pieces)
         hole = _quantity("--hole", self.hole, LENGTH)
+        if hole > WIDEST:
+            raise SceneError(f'--hole: expected a diameter of at most {WIDEST:g} m, found "{short(self.hole)}"')
         casing = self._casing()
         _check_fit(pieces, hole, casing)
         bit = _quantity("--bit", self.bit, LENGTH) if self.bit else hole
         if bit > hole * (1.0 + 1e-9):
             raise SceneError(f"--bit: expected at most the hole ({hole:.6g} m), found {bit:.6g} m")
-        weight = _quantity("--wob", self.weight_on_bit, FORCE, least=0.0)
-        turn = _quantity("--rpm", self.rotation, ANGULAR_SPEED, least=0.0)
+        weight = _quantity("--wob", self.weight_on_bit, FORCE, 0.0, "N")
+        turn = _quantity("--rpm", self.rotation, ANGULAR_SPEED, 0.0, "rpm")
         straight = all(station["inclination"] == 0.0 for station in stations)
         axis: dict[str, Any] = {} if straight else {"survey": as_block(stations)}
         intervals = [
@@ -260,9 +264,9 @@ def _check_fit(pieces: list[Piece], hole: float, casing: list[tuple[float, float
         depth -= piece.length
 
 
-def _quantity(option: str, text: str, dimension: Dimension, least: float = -math.inf) -> float:
+def _quantity(option: str, text: str, dimension: Dimension, least: float = -math.inf, bare: str = "") -> float:
     try:
-        value = parse(text, dimension)
+        value = parse(text if split(text, dimension)[1] else f"{text} {bare}", dimension)
     except SceneError as error:
         raise SceneError(f"{option}: {error}") from None
     if dimension is LENGTH and value <= 0.0:

@@ -12,13 +12,13 @@ from drill_twin.cli.options import JsonOption, ReplaceOption, WorkersOption, fol
 
 
 def analyzer_score(
-    quick: Annotated[bool, typer.Option("--quick", help="A tenth of the records, for a quick check.")] = False,
+    quick: Annotated[bool, typer.Option("--quick", help="Score a tenth of the records only.")] = False,
     out: Annotated[
         Path | None, folder_option("Write the tables, the numbers and the confusion matrix to this folder too.")
     ] = None,
     downhole: Annotated[
         bool,
-        typer.Option("--downhole", help="Score whirl from one sub instead (docs/sensors.md)."),
+        typer.Option("--downhole", help="Score what one downhole sub tells of whirl instead (docs/sensors.md)."),
     ] = False,
     noise: Annotated[
         float, time_option("--duration", "With --downhole: length of the noise without whirl", 0.0, 3.6e6)

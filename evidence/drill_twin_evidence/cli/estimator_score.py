@@ -19,17 +19,18 @@ _FOREIGN, _OTHER = "expected results of the score, found another file", "expecte
 
 def estimator_score(
     only: OnlyOption = "",
-    truths: Annotated[int, typer.Option("--truths", min=1, help="Twins with hidden numbers.")] = 10,
+    truths: Annotated[int, typer.Option("--truths", min=1, help="Number of twins with hidden numbers.")] = 10,
     first: Annotated[
         int | None, typer.Option("--first", min=0, help="Number of the first one; drawn anew if left out.")
     ] = None,
     seconds: Annotated[float, time_option("--duration", "Simulated time for which each is followed", 2.0)] = 60.0,
     members: Annotated[
-        list[int], typer.Option("--members", min=4, help="Members; repeatable: error against members and time.")
+        list[int],
+        typer.Option("--members", min=4, help="Number of members; repeatable, for error over members and time."),
     ] = [],  # noqa: B006
     imu: Annotated[bool, typer.Option("--imu", help="Measure with a downhole sub near the bit too.")] = False,
     journal: Annotated[
-        Path | None, typer.Option("--journal", help="File of results, a line each: what is in it is not done again.")
+        Path | None, typer.Option("--journal", help="File of results; what is in it is not done again.")
     ] = None,
     json: JsonOption = False,
 ) -> None:

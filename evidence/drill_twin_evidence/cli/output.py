@@ -20,7 +20,8 @@ PageOption = Annotated[
     Path | None, typer.Option("--page", metavar="FILE", help="Write the table as a page (.md), and as JSON beside it.")
 ]
 OnlyOption = Annotated[
-    str, typer.Option("--only", metavar="TEXT", help="Only the cases whose name contains this text; `*` is any text.")
+    str,
+    typer.Option("--only", metavar="TEXT", help="Run only the cases whose name contains this text; `*` is any text."),
 ]
 QuickOption = Annotated[bool, typer.Option("--quick", help="Leave out what takes long.")]
 ListOption = Annotated[bool, typer.Option("--list", help="Print the names of the cases and what they are for.")]

@@ -22,7 +22,10 @@ def paper_search(
     scene: Annotated[str, typer.Option("--scene", metavar="SCENE", help="The bench.")] = "pa6_calibrated",
     friction: Annotated[
         Literal["falling", "joined"],
-        typer.Option("--friction", help="joined: static and dynamic friction joined by STEPs, two numbers more."),
+        typer.Option(
+            "--friction",
+            help="Law of friction; joined: static and dynamic friction joined by STEPs, with two numbers more.",
+        ),
     ] = "falling",
     workers: WorkersOption = 0,
     seconds: Annotated[float, time_option("--duration", "Simulated time of a run", 2.0, 120.0)] = 30.0,
@@ -30,7 +33,8 @@ def paper_search(
         Path | None, typer.Option("--out", metavar="DIR", help="Folder of the result; left out: that of the record.")
     ] = None,
     show_habits: Annotated[
-        bool, typer.Option("--habits", help="Run the bench with each habit of multibody codes too: friction, contact.")
+        bool,
+        typer.Option("--habits", help="Run the bench with the friction and the contact of usual multibody codes too."),
     ] = False,
     json: JsonOption = False,
 ) -> None:
@@ -57,7 +61,7 @@ def paper_search(
     on = Bench(bench(scene), seconds, joined=friction == "joined", workers=workers)
     setup = {"seed": seed, "seconds": seconds, "scene": on.scene.to_yaml(), "friction": friction}
     kept = searching.Record(record, setup)
-    with shown_progress("sets", sets, unit="sets") as bar:
+    with shown_progress("sets", sets, unit="sets", kept=f"the same command goes on from {record}") as bar:
         searching.search(on, kept, sets=sets, seed=seed, progress=lambda done: bar.show("sets", done))
     found = exclusion_of(kept.evaluated, on)
     habitual = habits(on) if show_habits else {}

@@ -21,7 +21,9 @@ if TYPE_CHECKING:
 def validate(
     data: Annotated[
         Path | None,
-        typer.Option("--data", metavar="DIR", help="Folder with ufrj_rig/ or well_b/; else that of DRILL_TWIN_DATA."),
+        typer.Option(
+            "--data", metavar="DIR", help="Folder with ufrj_rig/ or well_b/; that of DRILL_TWIN_DATA if left out."
+        ),
     ] = None,
     only: OnlyOption = "",
     refit: Annotated[
@@ -38,7 +40,7 @@ def validate(
     ] = None,
     json: JsonOption = False,
 ) -> None:
-    """Measured beside computed, and of each number whether it is a fit or a prediction."""
+    """Print what was measured beside what is computed, and of each number whether it is a fit or a prediction."""
     from drill_twin.cli.emit import emit
     from drill_twin.cli.show import remark
     from drill_twin.core.errors import ArgumentError

@@ -46,7 +46,8 @@ def whirl_compare(
 
     own = as_scene(scene, overrides(change))
     weights, turns = (points_of(own, key, text) for key, text in (("wob", wob), ("rpm", rpm)))
-    with shown_progress("points", len(weights) * len(turns)) as bar:
+    kept = f"the same command goes on from {record}" if record else "nothing was kept; with --record it would be"
+    with shown_progress("points", len(weights) * len(turns), kept=kept) as bar:
         points = compare(
             own, weights, turns, duration=duration, record=record, workers=workers,
             progress=lambda count: bar.show("points", count),
