@@ -33,7 +33,7 @@ def test_new_replaces_no_file_and_asks_for_what_is_missing(tmp_path: Path) -> No
     file.write_text("mine")
     assert "--replace" in str(CliRunner().invoke(app, ["scene", "new", str(file), *OPTIONS]).exception)
     missing = CliRunner().invoke(app, ["scene", "new", str(tmp_path / "other.yaml"), *OPTIONS[2:]])
-    assert "--survey: expected it, found nothing" in str(missing.exception)
+    assert "expected --survey, found nothing" in str(missing.exception)
     assert not (tmp_path / "other.yaml").exists()
     survey = tmp_path / "survey.csv"
     survey.write_text("mine")
