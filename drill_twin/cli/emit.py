@@ -14,8 +14,8 @@ from drill_twin.cli.show import out, print_json, remark
 from drill_twin.core.errors import BagError
 from drill_twin.core.files import output
 from drill_twin.core.files.output import make_folder, write_whole
+from drill_twin.core.files.plain_json import json_text
 from drill_twin.core.table import Table
-from drill_twin.studies.json_io import json_text
 
 if TYPE_CHECKING:
     from rich.text import Text

@@ -90,7 +90,7 @@ def run(
         raise typer.Exit(128 + stopped_by)
     with shown_progress("analysing the bag", kept=f"the bag is whole: {outcome.bag}"):
         from drill_twin.report.recording import read_recording
-        from drill_twin.report.summary import summarise, to_json
+        from drill_twin.report.summary import summarise
 
         recording = read_recording(outcome.bag)
         summary = summarise(recording)
@@ -101,7 +101,7 @@ def run(
 
         draw(recording, folder)
     emit(
-        summary, findings_shown(summary), json=json, folder=folder, files={"summary.json": to_json(summary)},
+        summary, findings_shown(summary), json=json, folder=folder, files={"summary.json": summary},
         also=["bag_0", *(["report.html and figures"] if with_report else [])],
     )  # fmt: skip
 

@@ -16,8 +16,8 @@ from rich.text import Text
 
 from drill_twin.cli.interrupt import Interrupted
 from drill_twin.core.errors import printable
+from drill_twin.core.files.plain_json import json_text
 from drill_twin.core.table import Table
-from drill_twin.studies.json_io import json_text
 
 
 class _PrintableConsole(Console):

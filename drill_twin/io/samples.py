@@ -17,13 +17,29 @@ from drill_twin.io.messages.decode import JointState, JointStates
 from drill_twin.io.messages.encode import MARK_AXES, wall_push
 from drill_twin.io.messages.rig_messages import BIT_AXIAL
 from drill_twin.io.messages.topics import MARKS_STATE, RIG_STATE
-from drill_twin.io.twin_summary import UNKNOWN_RIG, RigSample
 
 WAITING = 256
 """Largest number of samples of one topic that wait for their partner of the other, or for the scene."""
 
 FASTEST = 1e6
 """Largest speed of top drive and bit that is taken for one [rad/s]."""
+
+
+class RigSample(NamedTuple):
+    """Values of a `/rig/state` that the analysis takes, NaN for those that it does not have."""
+
+    top_speed: float
+    """Speed of the top drive [rad/s]."""
+    bit_speed: float
+    """Speed of the bit [rad/s]."""
+    weight: float = math.nan
+    """Weight on bit [N]."""
+    drilled: float = math.nan
+    """Depth drilled [m]."""
+
+
+UNKNOWN_RIG = RigSample(math.nan, math.nan)
+"""No `/rig/state`."""
 
 
 class Sample(NamedTuple):

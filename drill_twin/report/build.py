@@ -10,9 +10,10 @@ from typing import TYPE_CHECKING
 
 from drill_twin.core.errors import BagError
 from drill_twin.core.files.output import write_whole
+from drill_twin.core.files.plain_json import json_text
 from drill_twin.report.figures import FIGURES, drawing, left_out
 from drill_twin.report.recording import Recording, read_recording
-from drill_twin.report.summary import summarise, to_json
+from drill_twin.report.summary import summarise
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -68,7 +69,7 @@ def build_report(
     )
     try:
         folder.mkdir(parents=True, exist_ok=True)
-        write_whole(files.summary, to_json(summary))
+        write_whole(files.summary, json_text(summary))
         from drill_twin.report.charts import CHARTS, chart
         from drill_twin.report.page import build_page
 

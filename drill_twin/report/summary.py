@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import json
 import math
 from dataclasses import asdict
 from pathlib import Path
@@ -11,13 +10,14 @@ from typing import Any
 
 import numpy as np
 
+from drill_twin.core.files.plain_json import plain
 from drill_twin.dynamics.twin.frame import COUNTS
 from drill_twin.io.bag.reader import Bag
 from drill_twin.report.quantities import applied, fatigue, loads, precession, soft_wall, wall_depth
 from drill_twin.report.recording import Recording, read_recording
 from drill_twin.report.severity import severity
 from drill_twin.report.surface import surface
-from drill_twin.whirl import AnalysisError, BitMotion, MotionPeriod, MotionState, two_sided_spectrum
+from drill_twin.whirl import AnalysisError, MotionPeriod, two_sided_spectrum
 
 SLOWEST = 0.1
 """Lowest frequency of oscillations of the bit's speed [Hz]."""
@@ -145,8 +145,8 @@ def summarise(bag: Recording | Bag | str | Path) -> dict[str, Any]:
             "differing": bag.live.differing,
         },
     }
-    plain: dict[str, Any] = _plain(summary)
-    return plain
+    result: dict[str, Any] = plain(summary)
+    return result
 
 
 def timeline(periods: tuple[MotionPeriod, ...], end: float) -> list[dict[str, Any]]:
@@ -182,11 +182,6 @@ def bit_peak(bag: Recording) -> float | None:
     return None if peak is None or peak.radius < NOTICED * steady else peak.frequency
 
 
-def to_json(summary: dict[str, Any]) -> str:
-    """JSON text of a summary."""
-    return json.dumps(summary, indent=2, allow_nan=False, ensure_ascii=False) + "\n"
-
-
 def _notes(bag: Recording) -> list[str]:
     guard = bag.log.guard
     notes = list(bag.log.left_out)
@@ -212,18 +207,3 @@ def _notes(bag: Recording) -> list[str]:
             f"the live analyzer {'read marks, ' if bag.sub else ''}missed samples, or was another version"
         )
     return notes
-
-
-def _plain(value: Any) -> Any:
-    """Value in plain types; a number that is not finite becomes None."""
-    if isinstance(value, np.generic):
-        value = value.item()
-    if isinstance(value, MotionState | BitMotion):
-        return value.value
-    if isinstance(value, float):
-        return value if math.isfinite(value) else None
-    if isinstance(value, dict):
-        return {str(key): _plain(item) for key, item in value.items()}
-    if isinstance(value, list | tuple):
-        return [_plain(item) for item in value]
-    return value

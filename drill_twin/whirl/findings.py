@@ -5,13 +5,13 @@ from __future__ import annotations
 
 import math
 from dataclasses import asdict, dataclass
-from enum import Enum
 from functools import cached_property
 from typing import Any, Literal, NamedTuple
 
 import numpy as np
 
 from drill_twin.core.arrays import Array
+from drill_twin.core.files.plain_json import plain
 from drill_twin.whirl.criteria import BitMotion, MotionCode, MotionState
 
 
@@ -283,17 +283,5 @@ class Summary:
 
     def to_dict(self) -> dict[str, Any]:
         """The summary in plain types for JSON; states by name, unknown numbers as None."""
-        plain: dict[str, Any] = _plain({"onset_s": self.onset_s, **asdict(self), "quality": self.quality._asdict()})
-        return plain
-
-
-def _plain(value: Any) -> Any:
-    if isinstance(value, Enum):
-        return value.value
-    if isinstance(value, float):
-        return value if math.isfinite(value) else None
-    if isinstance(value, dict):
-        return {key: _plain(item) for key, item in value.items()}
-    if isinstance(value, list | tuple):
-        return [_plain(item) for item in value]
-    return value
+        found: dict[str, Any] = plain({"onset_s": self.onset_s, **asdict(self), "quality": self.quality._asdict()})
+        return found

@@ -10,12 +10,12 @@ import pytest
 
 from drill_twin.cli import run_command, show
 from drill_twin.core.errors import BagError, DrillTwinError, SceneError, StoppedError, TableError, printable
+from drill_twin.core.files.plain_json import json_text
 from drill_twin.core.table import Table
 from drill_twin.io.bag.reader import Bag
 from drill_twin.io.bag.skipped import SkippedMessages
 from drill_twin.scene import load_scene, parse_scene
 from drill_twin.scene.set_points.tables import read_table
-from drill_twin.studies.json_io import json_text
 
 COMMAND = f"{sys.executable} -m drill_twin.cli"
 ODD = "a\x1b]0;title\x07b\x9b2Jc\u202egnp.exe\u2066\nfake: error\r\x00\ud800"

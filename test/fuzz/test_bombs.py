@@ -27,7 +27,7 @@ from drill_twin.io.messages.topics import DIAGNOSTICS, TWIN_SCENE
 from drill_twin.live.page_state import INPUTS
 from drill_twin.live.player import Player
 from drill_twin.report.recording import read_recording
-from drill_twin.report.summary import summarise, to_json
+from drill_twin.report.summary import summarise
 from drill_twin.runs import Session
 from drill_twin.scene import load_scene
 from drill_twin.scene.set_points.tables import read_table
@@ -61,7 +61,7 @@ TEXTS = {
 def read_bag(path):
     """As `drill-twin analyze` and `watch` do."""
     recording = read_recording(path)
-    json.loads(to_json(summarise(recording)))
+    json.dumps(summarise(recording), allow_nan=False)
     Player(path).close()
 
 

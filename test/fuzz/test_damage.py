@@ -29,7 +29,7 @@ from drill_twin.dynamics.twin.twin import Twin
 from drill_twin.io.bag.reader import Bag
 from drill_twin.live.player import Player
 from drill_twin.report.recording import read_recording
-from drill_twin.report.summary import summarise, to_json
+from drill_twin.report.summary import summarise
 from drill_twin.runs import Session
 from drill_twin.scene import load_scene
 
@@ -82,7 +82,7 @@ def attempt(kind, material, place, random, *, truncate):
     pattern = {"bag": "*.mcap", "sqlite bag": "*.db3", "metadata": "metadata.yaml"}[kind]
     shutil.copytree(material / name, place / name)
     damage(next((place / name).glob(pattern)), random, truncate=truncate)
-    json.loads(to_json(summarise(read_recording(place / name))))
+    json.dumps(summarise(read_recording(place / name)), allow_nan=False)
     Player(place / name).close()
 
 

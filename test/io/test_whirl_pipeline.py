@@ -8,6 +8,7 @@ import pytest
 
 from drill_twin.core.errors import DrillTwinError
 from drill_twin.io.bag.reader import Bag
+from drill_twin.io.findings_encoder import Motion, TwinSummary
 from drill_twin.io.messages.decode import read_joint_state, read_string
 from drill_twin.io.messages.encode import encode_string
 from drill_twin.io.messages.stamps import pack_stamp
@@ -21,8 +22,7 @@ from drill_twin.io.messages.topics import (
     WHIRL_STATE,
 )
 from drill_twin.io.messages.whirl_encode import decode_motion, decode_onset
-from drill_twin.io.samples import STUCK, WAITING
-from drill_twin.io.twin_summary import Motion, RigSample, TwinSummary
+from drill_twin.io.samples import STUCK, WAITING, RigSample
 from drill_twin.io.whirl_pipeline import WhirlPipeline
 from drill_twin.whirl import AnalysisError, BitMotion, MarkInfo, MotionCode, MotionState, StickSlipCode
 

@@ -9,12 +9,13 @@ import pytest
 
 from drill_twin.core.errors import DrillTwinError
 from drill_twin.dynamics.twin.frame import Frames
+from drill_twin.io.findings_encoder import Motion, TwinSummary
 from drill_twin.io.messages.cdr import JointStateTemplate
 from drill_twin.io.messages.diagnostics import Level, Status, encode_diagnostics
 from drill_twin.io.messages.encode import TwinEncoder
 from drill_twin.io.messages.topics import DIAGNOSTICS, ESTIMATE_STATE, RIG_STATE, TWIN_SUMMARY
+from drill_twin.io.samples import RigSample
 from drill_twin.io.scene_geometry import mark_infos
-from drill_twin.io.twin_summary import Motion, RigSample, TwinSummary
 from drill_twin.live.alarms import Alarms
 from drill_twin.live.limits import parse_limit
 from drill_twin.live.page_state import PageState

@@ -1,38 +1,113 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Advisor node: where the set-point lies in the operating map, and the nearest calmer one. It commands nothing."""
+"""Advisor node: where the set-point lies in the operating map, and the nearest calmer one. It commands nothing.
+
+Where it is given no map, `drill-twin map` makes a coarse one of the scene on the topics in a child process.
+"""
 
 from __future__ import annotations
 
 import json
 import math
-from typing import TYPE_CHECKING, ClassVar
+import os
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+from types import SimpleNamespace
+from typing import ClassVar
 
 from rclpy.lifecycle import LifecycleState, TransitionCallbackReturn
 
-from drill_twin.core.errors import DrillTwinError
+from drill_twin.core.errors import DrillTwinError, RunError
+from drill_twin.core.process import child_environment
 from drill_twin.io.messages.decode import JointState, read_string
 from drill_twin.io.messages.diagnostics import Level, Status
 from drill_twin.io.messages.encode import encode_string
 from drill_twin.io.messages.good_samples import GONE
 from drill_twin.io.messages.rig_messages import read_rig_state
 from drill_twin.io.messages.stamps import seconds, stamp_ns
-from drill_twin.io.messages.topics import (
-    ADVICE_MAP,
-    ADVICE_STATE,
-    RIG_STATE,
-    TWIN_SCENE,
-    TWIN_SUMMARY,
-)
+from drill_twin.io.messages.topics import ADVICE_MAP, ADVICE_STATE, RIG_STATE, TWIN_SCENE, TWIN_SUMMARY
 from drill_twin.ros.core.node import AUTOSTART, DONE, TwinNode
 from drill_twin.ros.core.pacing import Tick
 from drill_twin.ros.core.parameters import Parameter
+from drill_twin.scene import Scene, parse_scene
 from drill_twin.studies.maps.advice import Advice, AdviceEncoder, Adviser
 from drill_twin.studies.maps.advice_tracker import Tracker
+from drill_twin.studies.maps.operating_map import OperatingMap, digest_of, read_map
 from drill_twin.whirl import MotionCode
 
-if TYPE_CHECKING:
-    from drill_twin.ros.advisor.map_maker import MapMaker
-    from drill_twin.studies.maps import OperatingMap
+_LOW, _HIGH = 0.025, 1.1
+"""Ranges that the map has by default, over the set-points of the scene."""
+_STEPS = 8
+_NICE = 10
+
+
+class MapMaker:
+    """A child process that makes the map, at low priority, so that the nodes keep real time."""
+
+    def __init__(self, scene: Scene, settings: SimpleNamespace) -> None:
+        """Start it.
+
+        Args:
+            scene: The scene.
+            settings: Parameters `wob`, `rpm`, `runs` and `workers` of the node.
+
+        Raises:
+            DrillTwinError: No range is given, and the scene has no set-point to take one from.
+        """
+        rig = scene.rig
+        wob = settings.wob or _range("wob", rig.weight_on_bit.value, "N")
+        rpm = settings.rpm or _range("rpm", rig.rotation.value, "rad/s")
+        self._runs = settings.runs
+        self._folder = tempfile.TemporaryDirectory(prefix="drill_twin_map_")
+        self._out = Path(self._folder.name)
+        (self._out / "scene.yaml").write_text(scene.to_yaml(), "utf-8")
+        words = ["map", str(self._out / "scene.yaml"), "--wob", wob, "--rpm", rpm, "--runs", str(settings.runs)]
+        words += ["--steps", str(_STEPS), "--workers", str(settings.workers), "--out", str(self._out)]
+        with (self._out / "log").open("wb") as log:
+            self._process = subprocess.Popen(
+                [sys.executable, "-m", "drill_twin.cli", *words], env=child_environment(), stdin=subprocess.DEVNULL,
+                stdout=subprocess.DEVNULL, stderr=log, start_new_session=True,
+            )  # fmt: skip
+        os.setpriority(os.PRIO_PROCESS, self._process.pid, _NICE)
+
+    @property
+    def progress(self) -> str:
+        """Runs made so far, as text."""
+        journal = self._out / "runs.jsonl"
+        made = max(journal.read_bytes().count(b"\n") - 1, 0) if journal.exists() else 0
+        return f"no advice yet: making a coarse map, {made} of at most {self._runs} runs ({made / self._runs:.0%}) made"
+
+    def result(self) -> OperatingMap | None:
+        """The map, once it is made.
+
+        Raises:
+            RunError: It could not be made.
+        """
+        code = self._process.poll()
+        if code is None:
+            return None
+        if code:
+            lines = (self._out / "log").read_text("utf-8", "replace").split("\n")
+            said = next((line for line in reversed(lines) if line.strip()), f"exit code {code}")
+            raise RunError(f"no map of this scene: {said.removeprefix('drill-twin: ')}")
+        return read_map(self._out / "map.json")
+
+    def close(self) -> None:
+        """End the child, and remove its files."""
+        if self._process.poll() is None:
+            self._process.kill()
+            self._process.wait()
+        self._folder.cleanup()
+
+
+def _range(name: str, value: float, unit: str) -> str:
+    if not value > 0.0 or not math.isfinite(value):
+        raise DrillTwinError(
+            f"parameter {name}: expected a range for the map, for the scene has the set-point {value:g} {unit}"
+        )
+    return f"{_LOW * value!r}..{_HIGH * value!r} {unit}"
+
 
 _PERIOD = 0.1  # s of wall time between two looks at the map
 _REPEAT = 1.0  # s of wall time
@@ -62,8 +137,6 @@ class Advisor(TwinNode):
         Raises:
             ArgumentError: The map cannot be read.
         """
-        from drill_twin.studies.maps import read_map
-
         self._made: OperatingMap | None = None
         self._adviser: Adviser | None = None
         self._trouble = ""
@@ -94,10 +167,6 @@ class Advisor(TwinNode):
     # --- inputs ---------------------------------------------------------------------------------------------------
 
     def _on_scene(self, raw: bytes) -> None:
-        from drill_twin.ros.advisor.map_maker import MapMaker
-        from drill_twin.scene import parse_scene
-        from drill_twin.studies.maps.operating_map import digest_of
-
         self._drop_maker()
         self._adviser, self._trouble = None, ""
         self._clear()
@@ -153,7 +222,7 @@ class Advisor(TwinNode):
             self._drop_maker()
 
     def _use(self, found: OperatingMap) -> None:
-        from drill_twin.studies.maps.drawing import lattice_data
+        from drill_twin.studies.maps.drawing import lattice_data  # takes long
 
         self._adviser = Adviser(found, self.settings.margin)
         self.topics.publish(ADVICE_MAP, encode_string(json.dumps(lattice_data(found))))

@@ -67,7 +67,7 @@ class Ablation:
     """Change without all the others."""
 
     def to_dict(self) -> dict[str, Any]:
-        """Plain types for JSON (`drill_twin.studies.json_io`)."""
+        """Plain types for JSON (`drill_twin.core.files.plain_json`)."""
         return asdict(self)
 
 

@@ -90,7 +90,7 @@ class Curve:
     """Resolutions that could not be run, and why."""
 
     def to_dict(self) -> dict[str, Any]:
-        """Plain types for JSON (`drill_twin.studies.json_io`)."""
+        """Plain types for JSON (`drill_twin.core.files.plain_json`)."""
         return asdict(self)
 
     @property

@@ -33,7 +33,7 @@ def analyzer_score(
     """
     from drill_twin.cli.emit import check_new, write_file
     from drill_twin.cli.show import print_json, shown_progress
-    from drill_twin.studies.json_io import json_text
+    from drill_twin.core.files.plain_json import json_text
     from drill_twin_evidence.detection.measure import QUICK, Plan, measure
     from drill_twin_evidence.detection.text import markdown
 

@@ -59,7 +59,7 @@ def write_page(
     """
     from drill_twin.cli.emit import write_file
     from drill_twin.cli.show import remark
-    from drill_twin.studies.json_io import json_text
+    from drill_twin.core.files.plain_json import json_text
 
     options = [*(["--only", only] if only else []), *(flag for flag, on in flags.items() if on)]
     write_file(page, build(" ".join(["drill-twin study", command, *options, "--page", page.as_posix()])))

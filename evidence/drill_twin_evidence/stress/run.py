@@ -63,7 +63,7 @@ class Result:
         return self.verdict.startswith("ok")
 
     def to_dict(self) -> dict[str, Any]:
-        """Plain types for JSON (`drill_twin.studies.json_io`)."""
+        """Plain types for JSON (`drill_twin.core.files.plain_json`)."""
         return asdict(self) | {"ok": self.ok}
 
 

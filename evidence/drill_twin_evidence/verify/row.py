@@ -52,7 +52,7 @@ class Row:
         return self.source.startswith(TWIN)
 
     def to_dict(self) -> dict[str, Any]:
-        """Plain types for JSON (`drill_twin.studies.json_io`)."""
+        """Plain types for JSON (`drill_twin.core.files.plain_json`)."""
         numbers = {"expected": float(self.expected), "computed": float(self.computed), "error": self.error}
         return asdict(self) | numbers | {"ok": self.ok, "consistency": self.is_consistency}
 

@@ -11,7 +11,7 @@ import pytest
 from typer.testing import CliRunner
 
 from drill_twin.cli.app import app
-from drill_twin.studies.json_io import json_text
+from drill_twin.core.files.plain_json import json_text
 from drill_twin_evidence.cli import output
 from drill_twin_evidence.verify import Case, Row, all_cases, choose, run, scenes
 from drill_twin_evidence.verify.page import summary, to_page

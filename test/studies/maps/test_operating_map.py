@@ -14,7 +14,7 @@ from coarse_map import ASKED, COARSE
 
 import drill_twin as dt
 from drill_twin.core.errors import ArgumentError, BagError, SceneError
-from drill_twin.studies.json_io import json_text
+from drill_twin.core.files.plain_json import json_text
 from drill_twin.studies.maps.operating_map import OperatingMap, digest_of
 
 ALL = {regime.value for regime in dt.Regime}
