@@ -35,6 +35,7 @@ _SKIPPED = re.compile(
     r"|<!--.*?-->|\$\$.*?\$\$|\]\([^)]*\)|`[^`\n]*`|\$[^$\n]+\$",
     re.MULTILINE | re.DOTALL,
 )
+_PRINTED = re.compile(r"^(<!-- printed: (\w+) -->)\n.*?^<!-- end: \2 -->$", re.MULTILINE | re.DOTALL)
 _FIGURE = re.compile(
     r"\d ?%|\b\d[\d,]* of (?:the )?\d|\de-\d|(?<![\d.])\d[\d.,]* ?(?:ns|ms|µs|s|min|h|GB|MB|Hz|N|kN|N m|kN m|mm|m)\b"
     r"|\d (?:times|× real)|(?<![\d.])\d+\.\d+(?![\d.])"
@@ -83,8 +84,8 @@ def _without_source(page: str) -> Iterator[tuple[int, str]]:
     """
     if WRITTEN in page:
         return
-    line = 1
-    for section in re.split(r"^(?=#+ )", page, flags=re.MULTILINE):
+    line, written = 1, _PRINTED.sub(lambda part: part[1] + "\n" * part[0].count("\n"), page)
+    for section in re.split(r"^(?=#+ )", written, flags=re.MULTILINE):
         found = _FIGURE.search(_NO_FIGURE.sub("", prose(section)))
         if found and not _SOURCE.search(section):
             yield line, f"a figure without the command or file that it comes from: {found[0]!r}"

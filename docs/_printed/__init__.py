@@ -8,7 +8,7 @@ is committed: `docs/print_reference.py` writes it, and `test/documentation/test_
 
 from collections.abc import Callable
 
-from _printed.api import api
+from _printed.api import api, api_names, summary_keys
 from _printed.command_line import commands
 from _printed.evidence import exact_checks, hard_scenes
 from _printed.licences import licences
@@ -18,6 +18,7 @@ from _printed.topics import topics, topics_quality
 
 PAGES: dict[str, Callable[[], str]] = {
     "api": api,
+    "api_names": api_names,
     "commands": commands,
     "effect_keys": effect_keys,
     "exact_checks": exact_checks,
@@ -25,6 +26,7 @@ PAGES: dict[str, Callable[[], str]] = {
     "licences": licences,
     "nodes": nodes,
     "scene_keys": scene_keys,
+    "summary_keys": summary_keys,
     "topics": topics,
     "topics_quality": topics_quality,
 }

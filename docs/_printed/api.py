@@ -1,11 +1,14 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Names of the public Python API, in sections by the module that defines them, for autodoc."""
+"""Public Python API: its names in tables, its docstrings in sections for autodoc, the keys of `summary.json`."""
 
 from __future__ import annotations
 
 import inspect
+import re
 
 import drill_twin
+from _printed.markdown import code, table
+from drill_twin.report.summary import summarise
 
 SECTIONS = {
     "Scenes": ("drill_twin.api.scenes", "drill_twin.scene"),
@@ -21,6 +24,30 @@ _OPTIONS = {
     "Result": ("inherited-members:", "exclude-members: recording"),
     "StoppedError": ("exclude-members: with_message, with_traceback, add_note",),
 }
+
+
+def api_names() -> str:
+    """Tables of functions, classes and errors, each with the head of its docstring."""
+    groups: dict[str, list[tuple[str, str]]] = {"Functions": [], "Classes": [], "Errors": []}
+    for name in drill_twin.__all__:
+        value = getattr(drill_twin, name)
+        if isinstance(value, str):
+            continue
+        head = (inspect.getdoc(value) or "").partition("\n\n")[0]
+        if not inspect.isclass(value):
+            arguments = inspect.signature(value).parameters.values()
+            signature = inspect.Signature([item.replace(annotation=item.empty) for item in arguments])
+            text = re.sub(r"<function (?:<lambda>|(\w+)) at \w+>", lambda found: found[1] or "...", str(signature))
+            groups["Functions"].append((code(f"{name}{text}"), head))
+        else:
+            groups["Errors" if issubclass(value, Exception) else "Classes"].append((code(name), head))
+    return "\n".join(f"## {title}\n\n{table(('name', 'meaning'), rows)}" for title, rows in groups.items())
+
+
+def summary_keys() -> str:
+    """List of the keys of `summary.json`, from the docstring of the function that makes it."""
+    returned = re.search(r"^Returns:\n(.*?)^Raises:", inspect.getdoc(summarise) or "", re.MULTILINE | re.DOTALL)
+    return inspect.cleandoc(returned[1]) + "\n" if returned else ""
 
 
 def api() -> str:

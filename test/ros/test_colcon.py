@@ -74,12 +74,12 @@ def test_a_wheel_runs_from_an_empty_environment(built, tmp_path):
         {"HOME": str(tmp_path / "home"), "DRILL_TWIN_CACHE": str(cache_folder())},
     )
     (tmp_path / "home").mkdir()
-    venv.create(environment, with_pip=True)
+    venv.create(environment)
     (packages,) = environment.glob("lib/python*/site-packages")
     (packages / "libraries.pth").write_text("".join(f"{path}\n" for path in sys.path if "site-packages" in path))
     before = {file.name for file in (environment / "bin").iterdir()}
     (wheel,) = (built / "b").glob("*.whl")
-    _run([str(environment / "bin" / "pip"), "install", "--no-deps", "--no-index", str(wheel)])
+    _run([*PIP, "--python", str(environment), "install", "--no-deps", "--no-index", str(wheel)])
     assert {file.name for file in (environment / "bin").iterdir()} - before == {"drill-twin"}
     assert {file.name for file in (environment / "lib" / "drill_twin").iterdir()} == {*NODES, "twin", "watch"}
     from_share = f"import drill_twin.scene as s; assert str(s.presets()['pa6_bench']).startswith('{environment}/share')"

@@ -112,6 +112,8 @@ def _malformed(error: yaml.YAMLError, name: str) -> YamlError:
     place = f"{name}:{mark.line + 1}: column {mark.column + 1}" if mark else name
     said = getattr(error, "problem", None) or getattr(error, "reason", None) or " ".join(str(error).split())
     said = str(said).removeprefix("but ").removeprefix("found ")
+    if said == "exceeded maximum nesting depth":  # libyaml of PyYAML 6.0.4 reads ahead of the check of events
+        return YamlError(f"{place}: expected at most {DEEPEST_NESTING} nested blocks, found more")
     since = (
         f" {error.context} from line {begun.line + 1} on" if isinstance(error, yaml.MarkedYAMLError) and begun else ""
     )
