@@ -101,7 +101,7 @@ class _Search(Repeats):
 
     def what(self) -> str:
         """Whirl of the run."""
-        frequency, ratio = self.summary["whirl_frequency_hz"], self.summary["precession_ratio"]
+        frequency, ratio = self.summary["whirl_frequency_hz"], self.summary["whirl_ratio"]
         pace = "" if frequency is None else f" at {frequency:.2f} Hz, {ratio:.2f} of the rotation"
         end = self.summary["whirl_end_s"]
         until = "" if end is None else f", which ends at {end:.2f} s"

@@ -175,7 +175,7 @@ def _run(case: Case) -> Iterator[tuple[tuple[str, str], float | str]]:
     yield ("motion that lasts", ""), summary["lasting_motion"] or ""
     yield ("onset of whirl", "s"), number_or_nan(summary["onset_s"])
     yield ("whirl frequency", "Hz"), number_or_nan(summary["whirl_frequency_hz"])
-    yield ("precession / rotation", "-"), number_or_nan(summary["precession_ratio"])
+    yield ("whirl ratio", "-"), number_or_nan(summary["whirl_ratio"])
     for mark, radius in summary["max_radius_m"].items():
         yield (
             (f"largest radius, {mark}, of the clearance (above 100: into the wall)", "%"),

@@ -67,7 +67,7 @@ class Plots:
 
     plot_set_points = _plot("set_points", "Weight on bit and rotation over time, commanded and applied.")
     plot_displacement = _plot("displacement", "Displacement of the centre line at the marks over time.")
-    plot_motion = _plot("motion", "Motion states and precession over time.")
+    plot_motion = _plot("motion", "Motion states and whirl ratio over time.")
     plot_spectrum_over_time = _plot("spectrum_over_time", "Two-sided spectrum of the motion across the hole over time.")
     plot_spectrum = _plot("spectrum", "Two-sided spectrum of the motion across the hole after the onset.")
     plot_orbits = _plot("orbits", "Orbits of the centre line at the marks across the hole.")

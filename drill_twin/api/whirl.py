@@ -37,7 +37,7 @@ class Whirl:
     precession: Array
     """Precession [rev/s], positive in the sense of rotation (forward), shape (T, m); NaN where there is none."""
     ratio: Array
-    """Precession over rotation, shape (T, m)."""
+    """Whirl ratio, shape (T, m)."""
     confidence: Array
     """Confidence of both, 0 to 1, shape (T, m)."""
     summary: Summary

@@ -83,7 +83,7 @@ QUANTITIES = {
     ),
     "whirl_orbit_radius": RigQuantity(WHIRL_STATE, LENGTH, "radius of the largest orbit of a mark"),
     "whirl_precession": RigQuantity(WHIRL_STATE, ANGULAR_SPEED, "precession of that mark, positive forward"),
-    "whirl_ratio": RigQuantity(WHIRL_STATE, DIMENSIONLESS, "precession over rotation of that mark"),
+    "whirl_ratio": RigQuantity(WHIRL_STATE, DIMENSIONLESS, "whirl ratio of that mark"),
     "whirl_confidence": RigQuantity(WHIRL_STATE, DIMENSIONLESS, "confidence of these, 0 to 1"),
     "whirl_detected": RigQuantity(WHIRL_ONSET, DIMENSIONLESS, "1 once a whirl has begun, else 0", on_change=True),
     "real_time_factor": RigQuantity(REALTIME_FACTOR, DIMENSIONLESS, "simulated over wall time"),

@@ -35,7 +35,7 @@ def _values(summary: Mapping[str, Any], units: UnitSystem) -> Iterator[tuple[str
     onset = summary["onset_s"]
     yield "onset of whirl", "none" if onset is None else f"{onset:.2f} s, {summary['onset_mark']}"
     yield "whirl frequency", _text(summary["whirl_frequency_hz"], "{:+.3f} Hz")
-    yield "precession / rotation", _text(summary["precession_ratio"], "{:+.3f}")
+    yield "whirl ratio", _text(summary["whirl_ratio"], "{:+.3f}")
     yield "rotation", rotation(summary, units)
     for mark, radius in summary["max_radius_m"].items():
         yield f"largest radius, {mark}", "not seen" if radius is None else units.text(radius, "offset")

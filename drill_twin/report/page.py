@@ -167,7 +167,7 @@ def _motion_cards(summary: Mapping[str, Any]) -> str:
     return (
         cards
         + card(summary["whirl_frequency_hz"], "{:+.2f} Hz", f"whirl{of}, positive = forward")
-        + card(summary["precession_ratio"], "{:+.2f}", f"precession / rotation{of}, most frequent")
+        + card(summary["whirl_ratio"], "{:+.2f}", f"whirl ratio{of}, most frequent")
     )
 
 

@@ -108,7 +108,7 @@ def precession(recording: Recording) -> dict[str, Any]:
 
     * `whirl_frequency_interval_hz`: smallest and largest mean over windows of `window_rev` revolutions [Hz].
     * `spectrum_lines`: highest lines of the spectrum: `frequency_hz`, `radius_m`.
-    * `ratios`: precession over rotation as `mode` (the most frequent), as `line` (the highest of the spectrum) and as
+    * `ratios`: whirl ratio as `mode` (the most frequent), as `line` (the highest of the spectrum) and as
       `mean` (weighted by the radius); None where unknown.
     """
     found = recording.summary

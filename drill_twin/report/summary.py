@@ -40,7 +40,7 @@ def summarise(bag: Recording | Bag | str | Path) -> dict[str, Any]:
           `onset_at_start`: whether the string whirled already at the start of what is analysed.
         * `lasting_motion`: state of the string for most of the second half of the time since the onset.
         * `whirl_frequency_hz`: most frequent precession after the onset [Hz], positive = the sense of rotation, at
-          `frequency_mark`; `precession_ratio`: the same over the rotation, `rotation_rev_s`. None for irregular motion,
+          `frequency_mark`; `whirl_ratio`: the same over the rotation, `rotation_rev_s`. None for irregular motion,
           which has no single frequency.
         * `whirl_frequency_interval_hz`, `window_rev`, `spectrum_lines`, `ratios`: see
           `drill_twin.report.quantities`.
@@ -98,7 +98,7 @@ def summarise(bag: Recording | Bag | str | Path) -> dict[str, Any]:
         "onset_at_start": onset.at_start if onset else None,
         "mark_onset_s": found.mark_onset_s,
         "whirl_frequency_hz": found.whirl_frequency_hz,
-        "precession_ratio": found.precession_ratio,
+        "whirl_ratio": found.whirl_ratio,
         "frequency_mark": found.frequency_mark,
         "lasting_motion": found.lasting_motion,
         "whirl_end_s": found.whirl_end_s,

@@ -89,7 +89,7 @@ def findings(summary: Summary) -> Iterator[Row]:
     yield "whirl frequency", _frequency(summary)
     if summary["spectrum_lines"]:
         yield "lines of the spectrum", _lines(summary)
-    yield "precession / rotation", _ratio(summary)
+    yield "whirl ratio", _ratio(summary)
     yield "rotation", rotation(summary, units_of(summary))
     for mark, value in summary["max_radius_m"].items():
         yield f"largest radius, {mark}", radius_text(value, summary["clearance_m"].get(mark), units_of(summary))
@@ -250,7 +250,7 @@ def _lines(summary: Summary) -> str:
 
 
 def _ratio(summary: Summary) -> str:
-    """Precession over rotation, each number with its meaning."""
+    """Whirl ratio, each number with its meaning."""
     names = {"mode": "most frequent", "line": "highest line of the spectrum", "mean": "mean weighted by the radius"}
     left_out = {"mode"} if irregular(summary) else set()
     found = [

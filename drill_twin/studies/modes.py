@@ -210,7 +210,8 @@ def _map(figure: Figure, panel: Axes, growth: GrowthMap, rates: Array, units: Un
     turns, loads = units.show(growth.speeds, "rotation"), units.show(growth.weights, "force")
     colours = panel.pcolormesh(turns, loads, rates, cmap="RdBu_r", norm=TwoSlopeNorm(0.0, -size, size))
     if rates.min() < 0.0 < rates.max():
-        panel.contour(turns, loads, rates, levels=[0.0], colors=[PURPLE], linewidths=2.0)
+        line = panel.contour(turns, loads, rates, levels=[0.0], colors=[PURPLE], linewidths=2.0)
+        panel.clabel(line, fmt={0.0: "growth 0"}, fontsize=9)
     panel.grid(visible=False)
     panel.set_xlabel(f"rotation [{units.rotation}]")
     figure.colorbar(colours, ax=panel, label="growth [1/s]", pad=0.02)

@@ -111,7 +111,13 @@ def tracks(found: Statics, units: UnitSystem) -> Figure:
             panel.set(xlabel=f"[{unit}]", ylim=(bottom, 0.0))
             panel.xaxis.set_major_locator(MaxNLocator(4))
             panel.tick_params(labelleft=panel is tension)
-        side.set_xlim(left=0.0)
+        loads_of = [units.show(1.0, "force_per_length") * loads.along.side_force for loads in found.operations]
+        most, usual = np.max(loads_of), 1.3 * np.quantile(loads_of, 0.985)
+        side.set_xlim(left=0.0, right=usual if usual < most else None)
+        if usual < most:  # single contacts at the bit would flatten all else
+            side.annotate(
+                f"up to {most:.0f}", (0.98, 0.02), xycoords="axes fraction", color=GREY, fontsize=8.5, ha="right"
+            )
         buckling.set_xlim(left=0.0, right=max(1.6, buckling.get_xlim()[1]))
         tension.set_ylabel(f"measured depth [{units.length}]")
         figure.legend(*tension.get_legend_handles_labels(), loc="upper left", bbox_to_anchor=(0.07, 0.935), ncols=5)

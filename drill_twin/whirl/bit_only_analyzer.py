@@ -52,7 +52,7 @@ class BitOnlyAnalyzer:
             onset=None,
             mark_onset_s={},
             whirl_frequency_hz=None,
-            precession_ratio=None,
+            whirl_ratio=None,
             frequency_mark=None,
             max_radius_m={},
             rotation_rev_s=float(self._clock.rotation[TOTAL_ANGLE]) / math.tau / seconds if seconds > 0.0 else None,

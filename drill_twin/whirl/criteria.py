@@ -93,9 +93,9 @@ class Criteria(NamedTuple):
     `settling_ratio`. A string that settles, on the low side or where friction pushes it up the wall, sweeps less [rad].
     """
     settling_ratio: float = 1.0 / 24.0
-    """Onset: precession over rotation below which `settling_angle` is needed."""
+    """Onset: whirl ratio below which `settling_angle` is needed."""
     synchronous_band: float = 0.3
-    """Onset: distance of precession over rotation from 1 within which a motion may be synchronous while the
+    """Onset: distance of whirl ratio from 1 within which a motion may be synchronous while the
     rotation changes: it must sweep `synchronous_angle` in the frame of the string, and not die away."""
     synchronous_angle: float = math.radians(400.0)
     """The same: smallest angle swept in the string [rad]. The synchronous part, drawn in that frame, runs once round a
@@ -106,7 +106,7 @@ class Criteria(NamedTuple):
     dying_share: float = 0.7
     """Onset: radius over its largest since the crossing below which it dies away."""
     standing_ratio: float = 1.0 / 144.0
-    """Rotation about a fixed axis: precession over rotation of a displaced string below this, 15 degrees in
+    """Rotation about a fixed axis: whirl ratio of a displaced string below this, 15 degrees in
     `sweep_window`; the string stands, whatever the sign of the rest, if it moves as little as `standing_share` says."""
     standing_share: float = 1.0 / 3.0
     """Rotation about a fixed axis: unevenness and lack of coherence of a string that stands, over those from which a

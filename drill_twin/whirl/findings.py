@@ -115,7 +115,7 @@ class Findings:
     """Precession of the centre line [rev/s], positive = forward (the sense of rotation); nan while the radius is too
     small. Of the asynchronous part during whirl, otherwise of the motion about the offset."""
     ratio: Array
-    """Precession over rotation; nan as above, and at rest."""
+    """Whirl ratio; nan as above, and at rest."""
     confidence: Array
     """Confidence in precession and ratio, 0 to 1."""
     whirl_radius: Array
@@ -238,8 +238,8 @@ class Summary:
     whirl_frequency_hz: float | None
     """Most frequent precession after the onset [Hz], positive = forward, at `frequency_mark`; None where the motion
     that lasts is irregular and has no single one."""
-    precession_ratio: float | None
-    """Most frequent ratio of precession to rotation (the mode, weighted by the power of the motion); None as above."""
+    whirl_ratio: float | None
+    """Most frequent whirl ratio (the mode, weighted by the power of the motion); None as above."""
     frequency_mark: str | None
     """Mark with the largest whirl relative to its clearance, whose frequency is reported."""
     max_radius_m: dict[str, float | None]
@@ -270,7 +270,7 @@ class Summary:
     mode_frequency_hz: float | None = None
     """`whirl_frequency_hz`, for irregular motion too: there it depends on the length of the record [Hz]."""
     mode_ratio: float | None = None
-    """`precession_ratio`, for irregular motion too."""
+    """`whirl_ratio`, for irregular motion too."""
     observable: bool = True
     """False if there were no positions of marks, so that whirl is not observable."""
     sub: SubFindings | None = None

@@ -54,7 +54,7 @@ class MarkInfo:
 
     @property
     def rolling_ratio(self) -> float:
-        """Precession over rotation in pure rolling along the wall, -r_o / clearance (Johnson 1962; Jansen 1991)."""
+        """Whirl ratio in pure rolling along the wall, -r_o / clearance (Johnson 1962; Jansen 1991)."""
         return -self.wall_offset / self.clearance
 
 

@@ -20,7 +20,7 @@ from drill_twin.whirl.sample_bins import ANGLE, BINS, REVOLUTIONS, TIME, Bin
 from drill_twin.whirl.sample_bins import SAMPLES as BIN_SAMPLES
 
 WIDTH = 0.02
-"""Width of a cell, in precession over rotation, up to `EVEN`."""
+"""Width of a cell, in whirl ratio, up to `EVEN`."""
 EVEN = 6.0
 """Ratio from which cells keep their width over their ratio."""
 LARGEST_RATIO = 60.0

@@ -203,7 +203,7 @@ class PrecessionRecord:
     """Smallest and largest mean precession of a window of `WINDOW` revolutions [Hz], positive = the sense of rotation;
     weighted by the radius. None where the record is shorter than two windows."""
     mean_ratio: float | None
-    """Mean ratio of precession to rotation, weighted by the radius."""
+    """Mean whirl ratio, weighted by the radius."""
     lines: tuple[Peak, ...]
     """Highest lines of the spectrum, highest first; positive = the sense of rotation."""
 
@@ -216,7 +216,7 @@ def precession_record(
     Args:
         time: Times of the samples [s], rising.
         precession: Precession [rev/s], positive = forward; nan where unknown.
-        ratio: Precession over rotation.
+        ratio: Whirl ratio.
         radius: Distance of the centre line from the hole's axis [m].
         centre: Centre line z = x + i y [m].
         rotation: Mean rotation [rev/s], signed.

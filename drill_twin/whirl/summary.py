@@ -46,7 +46,7 @@ def summarise(
         onset=onset,
         mark_onset_s=dict(zip(names, estimator.crossed, strict=True)),
         whirl_frequency_hz=precession if single else None,
-        precession_ratio=ratio if single else None,
+        whirl_ratio=ratio if single else None,
         frequency_mark=None if mark is None else names[mark],
         max_radius_m=dict(zip(names, map(number_or_none, largest.tolist()), strict=True)),
         rotation_rev_s=turns / seconds if seconds > 0.0 else None,

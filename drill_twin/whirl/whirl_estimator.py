@@ -58,7 +58,7 @@ def criterion_text(
         criteria: Thresholds.
         mark: Index of the mark.
         row: Row of the orbit: 0 for the asynchronous part, 1 for the motion about the offset.
-        ratio: Precession over rotation.
+        ratio: Whirl ratio.
         carrier: Carriers of the orbits.
         contact_known: Whether the distance from the axis of the hole is known; a downhole sub knows it about its mean.
     """
@@ -149,7 +149,7 @@ class WhirlEstimator:
 
     @property
     def rolling_ratio(self) -> float:
-        """Precession over rotation in pure rolling of the mark with the largest."""
+        """Whirl ratio in pure rolling of the mark with the largest."""
         return float(self._state.marks.rolling_ratio.min())
 
     @property

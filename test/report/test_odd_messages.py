@@ -121,7 +121,7 @@ def test_one_odd_message(topic, kind, first, good, expected, tmp_path):
     folder = odd_bag(tmp_path / "run_0", good, topic, kind, first)
     found = dt.read_bag(folder).summary
     json.dumps(found, allow_nan=False)
-    for key in ("onset_s", "onset_mark", "precession_ratio", "max_radius_m", "duration_s", "elements", "version"):
+    for key in ("onset_s", "onset_mark", "whirl_ratio", "max_radius_m", "duration_s", "elements", "version"):
         assert found[key] == expected[key], (key, found["notes"])
     assert found["samples"] >= expected["samples"] - 1
     if topic in READ and kind in {"no bytes", "short", "noise"}:

@@ -98,7 +98,7 @@ def test_bag_without_a_scene_needs_the_clearance(foreign, write):
     found = chosen(bag, clearance=0.08175, outer_radius=0.00825)
     assert found["scene"] is None
     assert found["onset_s"] == pytest.approx(3.1, abs=0.3)
-    assert found["precession_ratio"] == pytest.approx(-0.3, abs=0.02)
+    assert found["whirl_ratio"] == pytest.approx(-0.3, abs=0.02)
     assert list(found["max_radius_m"]) == ["lower"]
     json.dumps(found, allow_nan=False)
 
@@ -110,7 +110,7 @@ def test_topics_can_be_mapped(messages, write):
     assert not summarise(bag)["whirl_observable"]
     found = chosen(bag, topics={WHIRL_STATE: MARKS_STATE})
     assert found["whirl_observable"]
-    assert found["precession_ratio"] == pytest.approx(-0.3, abs=0.01)
+    assert found["whirl_ratio"] == pytest.approx(-0.3, abs=0.01)
 
 
 def test_mapped_topic_that_is_not_there(known_bag):
@@ -134,7 +134,7 @@ def test_marks_alone_are_drawn(messages, write, tmp_path):
     recording = read_recording(write([row for row in messages if row[0] in {TWIN_SCENE, MARKS_STATE}]))
     assert recording.rotation_from_spin
     assert build_report(recording, tmp_path / "report").page.exists()
-    assert recording.summary.precession_ratio == pytest.approx(-0.3, abs=0.01)
+    assert recording.summary.whirl_ratio == pytest.approx(-0.3, abs=0.01)
 
 
 # --- no marks

@@ -23,7 +23,7 @@ from drill_twin.scene.set_points import Schedule
 from drill_twin.whirl import MotionPeriod, MotionState
 
 KEYS = {
-    "onset_s", "whirl_frequency_hz", "precession_ratio", "max_radius_m", "realtime_factor", "physics_speed",
+    "onset_s", "whirl_frequency_hz", "whirl_ratio", "max_radius_m", "realtime_factor", "physics_speed",
     "elements", "step_s",
     "effects", "seed", "version", "onset_mark", "motion", "mark_motion", "duration_s", "samples", "truncated", "notes",
 }  # fmt: skip
@@ -109,7 +109,7 @@ def test_is_plain_json_and_comes_back_equal(summary):
 def test_finds_what_was_put_into_the_bag(summary):
     assert 3.0 < summary["onset_s"] < 3.4
     assert summary["whirl_frequency_hz"] == pytest.approx(-0.6, abs=0.02)
-    assert summary["precession_ratio"] == pytest.approx(-0.3, abs=0.01)
+    assert summary["whirl_ratio"] == pytest.approx(-0.3, abs=0.01)
     assert summary["rotation_rev_s"] == pytest.approx(2.0, rel=1e-3)
     assert set(summary["max_radius_m"]) == {"mark_1", "mark_2", "mark_3", "mark_4"}
     assert list(summary["max_radius_m"].values()) == pytest.approx([0.031] * 4, rel=0.02)
@@ -171,7 +171,7 @@ def test_bag_of_a_killed_recorder_is_read_as_far_as_it_goes(bench_run, tmp_path)
 def test_whirl_that_never_comes_is_none_not_nan(messages, write):
     before = [row for row in messages if row[1] <= 2_500_000_000]
     found = summarise(write(before))
-    assert found["onset_s"] is found["onset_mark"] is found["whirl_frequency_hz"] is found["precession_ratio"] is None
+    assert found["onset_s"] is found["onset_mark"] is found["whirl_frequency_hz"] is found["whirl_ratio"] is None
     assert [period["state"] for period in found["motion"]][-1] == "rotation about a fixed axis"
     assert found["realtime_factor"] is found["steps"] is found["steps_above_tolerance"] is None
     json.dumps(found, allow_nan=False)

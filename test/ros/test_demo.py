@@ -57,7 +57,7 @@ def test_a_short_demo_leaves_bag_report_figures_and_summary_and_moves_an_older_o
     assert bag.topics["/rig/state"].count == 300
     summary = json.loads((out / "summary.json").read_text("utf-8"))
     wanted = {
-        "onset_s", "whirl_frequency_hz", "precession_ratio", "max_radius_m", "realtime_factor",
+        "onset_s", "whirl_frequency_hz", "whirl_ratio", "max_radius_m", "realtime_factor",
         "elements", "step_s", "effects", "seed", "version",
     }  # fmt: skip
     assert wanted <= set(summary)

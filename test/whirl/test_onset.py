@@ -35,13 +35,13 @@ def test_growth_from_nothing(rate, ratio, pace):
     moved = motion(clock(rate, 12), bow=0.03, whirl=growth(6.0, 0.05, pace, ratio))
     summary = assert_found(moved)
     assert summary.onset.kind == "asynchronous"
-    assert summary.precession_ratio == pytest.approx(ratio, rel=0.02)
+    assert summary.whirl_ratio == pytest.approx(ratio, rel=0.02)
     assert summary.whirl_frequency_hz == pytest.approx(2.0 * ratio, rel=0.02)
 
 
 def test_two_kilohertz():
     summary = assert_found(motion(clock(2000, 9), bow=0.03, whirl=growth(5.0, 0.05, 2.0, 0.5)), within=0.1)
-    assert summary.precession_ratio == pytest.approx(0.5, rel=0.02)
+    assert summary.whirl_ratio == pytest.approx(0.5, rel=0.02)
 
 
 @pytest.mark.parametrize("seed", range(12))
@@ -54,8 +54,8 @@ def test_random_growth_with_noise_jitter_and_drop_outs(seed):
     moved = motion(time, speed=speed, bow=0.04, offset=0.1, whirl=growth(8.0, 0.05, pace, ratio), marks=MARKS)
     kept = random.uniform(size=time.size) > 0.1
     summary = assert_found(moved.with_noise(0.01, seed).keep(kept))
-    assert np.sign(summary.precession_ratio) == np.sign(ratio)
-    assert summary.precession_ratio == pytest.approx(ratio, rel=0.05)
+    assert np.sign(summary.whirl_ratio) == np.sign(ratio)
+    assert summary.whirl_ratio == pytest.approx(ratio, rel=0.05)
 
 
 @pytest.mark.parametrize(("clearance", "offset"), [(0.03675, 0.00825), (0.0539, 0.1016), (0.5, 0.1)])
@@ -68,7 +68,7 @@ def test_other_holes(clearance, offset):
 
 def test_left_hand_rotation():
     summary = assert_found(motion(clock(100, 12), speed=-2.0, bow=0.03, whirl=growth(6.0, 0.05, 2.0, 0.5)))
-    assert summary.precession_ratio == pytest.approx(0.5, rel=0.02)
+    assert summary.whirl_ratio == pytest.approx(0.5, rel=0.02)
     assert summary.whirl_frequency_hz == pytest.approx(1.0, rel=0.02)
     assert summary.rotation_rev_s == pytest.approx(-2.0, rel=0.01)
 
@@ -77,7 +77,7 @@ def test_left_hand_rotation():
 def test_camera_finds_it_without_spin(ratio):
     moved = motion(clock(100, 14), bow=0.03, whirl=growth(8.0, 0.05, 1.5, ratio), marks=MARKS)
     summary = assert_found(moved.with_noise(0.005, 3), spin=False)
-    assert summary.precession_ratio == pytest.approx(ratio, rel=0.02)
+    assert summary.whirl_ratio == pytest.approx(ratio, rel=0.02)
 
 
 def test_rotation_known_from_the_spin_alone():
@@ -115,7 +115,7 @@ def test_surge_of_the_synchronous_part(pace):
     assert summary.onset.kind == "synchronous"
     assert (summary.onset.time_s - truth) * 2.0 == pytest.approx(0.0, abs=0.5)
     assert summary.onset.detected_s - truth < 2.0
-    assert summary.precession_ratio == pytest.approx(1.0, rel=0.02)
+    assert summary.whirl_ratio == pytest.approx(1.0, rel=0.02)
     assert summary.motion[-1].state is MotionState.SYNCHRONOUS_WHIRL
 
 
@@ -146,7 +146,7 @@ def test_rotor_in_a_hole(rotor):
         summary = assert_found(moved, force=force)
     end = moved.time > 12.0
     rate = np.polyfit(moved.time[end], np.unwrap(np.angle(moved.centre[end, 0])), 1)[0] / TURN
-    assert summary.precession_ratio == pytest.approx(rate / rotor.speed, abs=0.03)
+    assert summary.whirl_ratio == pytest.approx(rate / rotor.speed, abs=0.03)
     assert summary.max_radius_m[BENCH.name] == pytest.approx(abs(moved.centre).max(), rel=1e-9)
 
 

@@ -22,7 +22,7 @@ def test_ratio_and_sign(ratio, rate):
     assert found[-1].precession[0] == pytest.approx(found[-1].ratio[0] * found[-1].rotation, rel=1e-12)
     definite = min(1.0, rate / 2.0 / 15.0)  # six times the rotation, 2 rev/s, needs 15 samples in a revolution
     assert found[-1].confidence[0] > 0.9 * definite
-    assert analyzer.summary().precession_ratio == pytest.approx(ratio, rel=0.02)
+    assert analyzer.summary().whirl_ratio == pytest.approx(ratio, rel=0.02)
 
 
 def test_rotation_to_the_left_gives_the_mirrored_figures():
@@ -34,7 +34,7 @@ def test_rotation_to_the_left_gives_the_mirrored_figures():
     (analyzer, found), (mirrored, others) = play(right), play(left)
     assert others[-1].ratio[0] == pytest.approx(found[-1].ratio[0], rel=1e-9)
     assert others[-1].precession[0] == pytest.approx(found[-1].precession[0], rel=1e-9)
-    assert mirrored.summary().precession_ratio == pytest.approx(analyzer.summary().precession_ratio, rel=1e-9)
+    assert mirrored.summary().whirl_ratio == pytest.approx(analyzer.summary().whirl_ratio, rel=1e-9)
 
 
 def test_wall_mark_and_centre_mark_agree():
@@ -84,7 +84,7 @@ def test_two_motions_one_after_the_other_give_the_one_that_weighs_more():
         return np.where(time > 5.0, 0.6, 0.0) * np.exp(1j * turned)
 
     analyzer, _ = play(motion(clock(100, 60), whirl=whirl))
-    assert analyzer.summary().precession_ratio == pytest.approx(-0.1, abs=0.004)
+    assert analyzer.summary().whirl_ratio == pytest.approx(-0.1, abs=0.004)
 
 
 def test_few_samples_per_revolution_are_said_so():
@@ -92,7 +92,7 @@ def test_few_samples_per_revolution_are_said_so():
     summary = analyzer.summary()
     assert summary.quality.samples_per_revolution == pytest.approx(27 / 6, rel=0.02)
     assert any(note.startswith("not definite: 4.5 samples in a revolution") for note in summary.notes)
-    assert summary.precession_ratio == pytest.approx(0.5, rel=0.02)
+    assert summary.whirl_ratio == pytest.approx(0.5, rel=0.02)
 
 
 @pytest.mark.parametrize("rate", [7.0, 12.0, 20.0])
@@ -101,7 +101,7 @@ def test_rate_too_low_for_the_rotation_gives_no_number(rate):
     analyzer, found = play(motion(clock(rate, 25), speed=6.0, whirl=growth(8.0, 0.05, 2.0, -1.9)))
     summary = analyzer.summary()
     assert summary.whirl_frequency_hz is None
-    assert summary.precession_ratio is None
+    assert summary.whirl_ratio is None
     assert any("aliasing" in note for note in summary.notes)
     assert all(np.isnan(f.ratio).all() for f in found if f.time_s > 3.0)
     assert {period.state.value for period in summary.motion[1:]} <= {"not observable"}

@@ -44,7 +44,7 @@ SUMMARY = {
     "units": "si", "acceleration": {}, "rate_of_penetration_m_s": None, "specific_energy_pa": None,
     "stick_slip_level": None,
     "whirl_observable": True, "onset_s": 5.0, "onset_mark": "m", "onset_confidence": 1.0, "whirl_end_s": None,
-    "lasting_motion": "irregular", "whirl_frequency_hz": None, "frequency_mark": "m", "precession_ratio": None,
+    "lasting_motion": "irregular", "whirl_frequency_hz": None, "frequency_mark": "m", "whirl_ratio": None,
     "whirl_frequency_interval_hz": [-0.04, 0.63], "window_rev": 10.0, "rotation_rev_s": 2.0, "max_radius_m": {},
     "spectrum_lines": [{"frequency_hz": 0.22, "radius_m": 0.04}], "ratios": {"mode": 0.7, "line": 0.11, "mean": 0.15},
     "loads": {}, "motion": [], "mark_motion": {"m": [{"state": "forward whirl"}]}, "bit": "steady", "stick_slip": [],
@@ -56,9 +56,9 @@ def test_irregular_motion_is_told_by_interval_and_lines():
     rows = dict(findings(SUMMARY))
     assert rows["whirl frequency"].startswith("no single one, the motion is irregular: -0.04 to +0.63 Hz over windows")
     assert rows["lines of the spectrum"] == "+0.22 Hz (40.0 mm), at m"
-    assert "most frequent" not in rows["precession / rotation"]
+    assert "most frequent" not in rows["whirl ratio"]
     assert (
-        "+0.110 (highest line of the spectrum), +0.150 (mean weighted by the radius)" in rows["precession / rotation"]
+        "+0.110 (highest line of the spectrum), +0.150 (mean weighted by the radius)" in rows["whirl ratio"]
     )
 
 

@@ -60,7 +60,7 @@ def test_rolling_is_found_where_the_samples_show_it(ratio, rate, noise):
     assert found.ratio[0] == pytest.approx(ratio, rel=2e-3, abs=5e-3)
     assert found.whirl_radius[0] == pytest.approx(CLEARANCE, rel=0.01 + 0.25 * noise)
     assert found.contact_fraction[0] > 0.95
-    assert summary.precession_ratio == pytest.approx(ratio, rel=5e-3)
+    assert summary.whirl_ratio == pytest.approx(ratio, rel=5e-3)
     assert summary.onset is not None
     assert summary.onset.kind == "asynchronous"
     assert abs(summary.onset.time_s - BEGIN) * TURNS < 0.5

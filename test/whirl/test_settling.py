@@ -79,5 +79,5 @@ def test_irregular_motion_has_no_single_frequency():
     summary = play(motion(clock(100, 25), marks=MARKS[:1], whirl=wander).with_noise(0.005, 5))[0].summary()
     assert summary.lasting_motion is MotionState.IRREGULAR
     assert summary.whirl_frequency_hz is None
-    assert summary.precession_ratio is None
+    assert summary.whirl_ratio is None
     assert summary.mode_frequency_hz is not None

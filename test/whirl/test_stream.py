@@ -117,7 +117,7 @@ def test_marks_that_drop_out_for_a_while():
         analyzer.push(stamp, positions[i], moved.spin[i], float(moved.top_speed[i]))
     summary = analyzer.summary()
     assert summary.onset.time_s == pytest.approx(moved.true_onset(2), abs=0.25)
-    assert summary.precession_ratio == pytest.approx(0.5, rel=0.02)
+    assert summary.whirl_ratio == pytest.approx(0.5, rel=0.02)
 
 
 @pytest.mark.parametrize("gap", [(3.0, 4.5), (8.0, 9.2)])
@@ -129,7 +129,7 @@ def test_gap_in_the_stream(gap):
     assert summary.quality.gaps == 1
     assert any("gap" in note for note in summary.notes)
     assert summary.onset.time_s == pytest.approx(moved.true_onset(2), abs=0.25)
-    assert summary.precession_ratio == pytest.approx(0.5, rel=0.02)
+    assert summary.whirl_ratio == pytest.approx(0.5, rel=0.02)
 
 
 def test_outliers_beyond_the_hole_are_left_out():

@@ -264,7 +264,7 @@ class WhirlSeries(JointSeries):
     precession_rad_s = Column(1)
     """Precession [rad/s], positive = forward, shape (T, m)."""
     ratio = Column(2)
-    """Precession over rotation, shape (T, m)."""
+    """Whirl ratio, shape (T, m)."""
     confidence = Column(3)
     """Confidence, 0 to 1, shape (T, m)."""
     motion = Column(4)

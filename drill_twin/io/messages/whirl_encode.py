@@ -41,7 +41,7 @@ class WhirlOfMarks:
     precession: Array
     """Precession [rad/s], positive = forward."""
     ratio: Array
-    """Precession over rotation."""
+    """Whirl ratio."""
     confidence: Array
     """Confidence, 0 to 1."""
     motion: Array

@@ -19,7 +19,7 @@ export function showOrbits(picture) {
     const caption = $(`caption_${mark.name}`);
     if (!caption) continue;
     const precession = mark.precession === undefined || mark.precession === null ? "-" : `${mark.precession >= 0 ? "+" : ""}${text(mark.precession, "rotation")}`;
-    caption.replaceChildren(element("b", { textContent: mark.name }), ` radius ${text(mark.orbit, "offset")}, precession ${precession}`, element("br"), mark.motion || "");
+    caption.replaceChildren(element("b", { textContent: mark.name }), ` radius ${text(mark.orbit, "offset")}, whirl ${precession}`, element("br"), mark.motion || "");
   }
 }
 

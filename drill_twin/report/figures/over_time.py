@@ -129,10 +129,10 @@ _LETTER = 0.0078
 
 
 def motion(recording: Recording) -> Figure:
-    """Bands of motion states of the string and of each mark; below, signed precession over rotation."""
+    """Bands of motion states of the string and of each mark; below, signed whirl ratio."""
     summary = recording.summary
     rows = {"string": summary.motion, **summary.mark_motion}
-    figure, (bands, ratio) = over_time(recording.duration, [_ROW * len(rows), 1.9], title="Motion state and precession")
+    figure, (bands, ratio) = over_time(recording.duration, [_ROW * len(rows), 1.9], title="Motion and whirl ratio")
     for row, periods in enumerate(rows.values()):
         _band(bands, row, periods, recording.duration)
     bands.set_ylim(len(rows) - 0.5, -0.5)
@@ -176,9 +176,9 @@ def _ratio(panel: Axes, recording: Recording) -> None:
     panel.axhline(1.0, color=GREY, linewidth=1.0, linestyle="--")
     looks = {"ha": "right", "va": "bottom", "fontsize": 8.5, "color": GREY}
     note(panel, "as fast as the string turns", (1.0, 1.0), where=("axes fraction", "data"), shift=(-3, 2), **looks)
-    panel.set_ylabel("precession / rotation\n- backward, + forward")
+    panel.set_ylabel("whirl ratio\n- backward, + forward")
     share = f"{100 * Criteria().onset_radius:g} %"
-    panel.set_title(f"Precession over rotation (faint: within {share} of the clearance)", fontsize=10.5, pad=4)
+    panel.set_title(f"Whirl ratio (faint: within {share} of the clearance)", fontsize=10.5, pad=4)
     panel.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=min(6, ratios.shape[1]), borderaxespad=0.2)
 
 

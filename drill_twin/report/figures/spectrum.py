@@ -151,7 +151,7 @@ def _spectra(panel: Axes, recording: Recording, mark: int) -> None:
     )
     panel.set_title(
         f"Darker is wider, up to {largest:.3g} {recording.units.offset} (black); window {window:.2g} s; orange: "
-        "precession found",
+        "whirl frequency found",
         fontsize=10.5,
         pad=4,
     )

@@ -180,6 +180,6 @@ class Findings(Collector):
             "onset_s": Variable(number_or_nan(found.onset_s), (), "s"),
             "motion": Variable(found.motion[-1].state.value if found.motion else "unknown", (), ""),
             "whirl_frequency_hz": Variable(number_or_nan(found.whirl_frequency_hz), (), "rev/s"),
-            "precession_ratio": Variable(number_or_nan(found.precession_ratio), (), "1"),
+            "whirl_ratio": Variable(number_or_nan(found.whirl_ratio), (), "1"),
             "summary": Variable(found, (), ""),
         }

@@ -76,7 +76,7 @@ def _label(change: Change) -> str:
 
 
 COLOURS = {"spatial": BLUE, "lateral": VERMILION}
-FORMULATION_NAMES = {"spatial": "in space, every unknown", "lateral": "lateral motion only"}
+FORMULATION_NAMES = {"spatial": "spatial formulation", "lateral": "lateral formulation"}
 PLAIN = FuncFormatter(lambda value, _: f"{value:g}")
 LABEL_RATIO = 0.6  # a point is labelled if its error is below this share of the last labelled one
 FLOOR = 1e-9  # drawn in place of zero
@@ -122,7 +122,12 @@ def _panel(axis: Axes, curve: Curve, quantity: str, title: str) -> None:
     if noise:
         axis.axhline(noise, color=GREY, linewidth=0.8, linestyle="--")
         axis.annotate(
-            "spread of replicas", (1.0, noise), xycoords=("axes fraction", "data"), fontsize=7, ha="right", va="bottom"
+            "spread of runs with a random push",
+            (1.0, noise),
+            xycoords=("axes fraction", "data"),
+            fontsize=7,
+            ha="right",
+            va="bottom",
         )
     axis.set_title(f"error of the {title}", fontsize=11)
     axis.set_xlabel("processor time per simulated second [ms]")
@@ -130,7 +135,7 @@ def _panel(axis: Axes, curve: Curve, quantity: str, title: str) -> None:
     axis.set_xlim(0.4 * min(ms), 2.0 * max(ms))  # room for the labels
     both: Any = (_inverse, _inverse)
     faster = axis.secondary_xaxis("top", functions=both)
-    faster.set_xlabel("times faster than real time", fontsize=8)
+    faster.set_xlabel("× real time", fontsize=8)
     for scale in (axis.xaxis, faster.xaxis):
         scale.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
         scale.set_major_formatter(PLAIN)
@@ -139,7 +144,7 @@ def _panel(axis: Axes, curve: Curve, quantity: str, title: str) -> None:
 
 
 def _inverse(cost: Array) -> Array:
-    """Milliseconds per second as times faster than real time, and back."""
+    """Milliseconds per second as a multiple of real time, and back."""
     found: Array = 1e3 / np.maximum(cost, FLOOR)
     return found
 

@@ -58,7 +58,7 @@ class OperatingMap(MapFields):
     def said_runs(self) -> str:
         """Runs of the map, and checks, in words."""
         checks = len(self.checks)
-        said = f"{len(self.records) - checks} runs, those from rest of {self.duration:g} s"
+        said = f"{len(self.records) - checks} runs of {self.duration:g} s from rest"
         return f"{said}, and {checks} checks of {self.asked:g} s" if checks else said
 
     @property

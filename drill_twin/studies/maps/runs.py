@@ -116,7 +116,7 @@ class RunRecord:
     whirl_hz: float = math.nan
     """Whirl frequency, positive = forward [Hz]."""
     ratio: float = math.nan
-    """Precession over rotation."""
+    """Whirl ratio."""
     bit: str = ""
     """Motion of the bit at the end."""
     radius: float = math.nan

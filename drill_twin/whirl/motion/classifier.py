@@ -141,7 +141,7 @@ def classify(
         onsets: Asynchronous whirl of the marks.
         synchronous: Synchronous whirl of the marks.
         criteria: Thresholds.
-        rolling_ratio: Precession over rotation in pure rolling, shape (m,).
+        rolling_ratio: Whirl ratio in pure rolling, shape (m,).
         numbers: Those of the newest bin.
 
     Returns:

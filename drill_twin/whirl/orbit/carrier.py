@@ -209,7 +209,7 @@ def judge(carrier: Carrier, seen: Mask, rotation: float, rolling_ratio: Array, c
         carrier: The carriers.
         seen: Marks that were seen, shape (m,); not those with an orbit that is too fast for the samples.
         rotation: Rotation [rev/s].
-        rolling_ratio: Precession over rotation in pure rolling, shape (m,).
+        rolling_ratio: Whirl ratio in pure rolling, shape (m,).
         criteria: Thresholds.
     """
     for k in range(seen.size):

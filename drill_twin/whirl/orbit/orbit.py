@@ -67,7 +67,7 @@ class Orbit(NamedTuple):
     contact: Array  # (m,) share of the window in contact with the wall
     seen: Mask  # (m,) marks seen in at least half of the bins of the last revolution
     precession: Array  # (m,) [rev/s], positive = forward
-    ratio: Array  # (m,) precession over rotation
+    ratio: Array  # (m,) whirl ratio
     confidence: Array  # (m,) in both
     numbers: Array
     clearance: Array  # (m,) [m]

@@ -141,7 +141,7 @@ def _in_noise(part: int, hours: float) -> bool:
 
 
 def _precession(run: Run, since: float) -> float:
-    """Mean precession over rotation from a time to the end of a run."""
+    """Mean whirl ratio from a time to the end of a run."""
     late = run.time >= since
     angle = np.unwrap(np.angle(run.mark_centre[late, MARK]))
     revolutions = revolutions_of(run.time, run.top_speed)[late]

@@ -46,7 +46,7 @@ class SubSignal(NamedTuple):
     onset: float | None
     """True onset [s]."""
     ratio: float
-    """Precession over rotation."""
+    """Whirl ratio."""
 
 
 def drawn_signal(seed: int) -> SubSignal:

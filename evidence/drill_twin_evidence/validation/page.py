@@ -51,19 +51,28 @@ def to_page(found: Sequence[Validation], name: str) -> str:
     return "\n".join([*parts, _BLIND])
 
 
+CLOSE = 4.0
+"""Width of the part of a prediction that is drawn again, wider [s]."""
+
+
 def figure(found: Validation) -> Figure:
-    """Measured and computed channels over time."""
+    """Measured and computed channels over time, and where there is a prediction a few seconds of it close up."""
     from drill_twin.report.figures.style import BLUE, VERMILION, laid_out, styled
 
     with styled():
-        drawn = laid_out(1.0 + 2.4 * len(found.traces), f"{found.record}: measured and computed")
-        panels = drawn.subplots(len(found.traces), sharex=True, squeeze=False)[:, 0]
-        for axes, trace in zip(panels, found.traces, strict=True):
+        first = found.traces[0].time
+        near = found.fitted_until + 5.0 if found.fitted_until + 5.0 + CLOSE < first[-1] else None
+        rows = len(found.traces) + (near is not None)
+        drawn = laid_out(1.0 + 2.4 * rows, f"{found.record}: measured and computed")
+        panels = drawn.subplots(rows, sharex=near is None, squeeze=False)[:, 0]
+        for axes, trace in zip(panels, (*found.traces, *found.traces[: len(panels) - len(found.traces)]), strict=True):
             axes.plot(trace.time, trace.measured, color=BLUE, label="measured")
-            axes.plot(trace.time, trace.computed, color=VERMILION, label="computed")
-            axes.axvspan(trace.time[0], found.fitted_until, color="0.93", zorder=0, label="fitted")
+            axes.plot(trace.time, trace.computed, color=VERMILION, label="computed", linewidth=1.0)
+            axes.axvspan(trace.time[0], found.fitted_until, fc="0.93", ec="0.6", zorder=0, label="fitted")
             axes.set_ylabel(trace.label)
             axes.set_xlim(trace.time[0], trace.time[-1])
-        panels[0].legend(loc="upper right", ncols=3)
+        if near is not None:
+            panels[-1].set_xlim(near, near + CLOSE)
+        panels[0].legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=3)
         panels[-1].set_xlabel("time [s]")
         return drawn

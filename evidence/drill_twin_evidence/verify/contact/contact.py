@@ -150,5 +150,5 @@ def pure_rolling(form: str) -> Iterator[Row]:
     late = np.array(places[-500:])
     turned = np.unwrap(np.angle(late))
     found = (turned[-1] - turned[0]) / (499 * 0.01) / math.tau
-    yield Row("precession over rotation [-]", "-r_pipe / r_orbit", "no slip; Vandiver, Nicholson and Shyu 1990",
+    yield Row("whirl ratio [-]", "-r_pipe / r_orbit", "no slip; Vandiver, Nicholson and Shyu 1990",
               float(-RADIUS / np.abs(late).mean()), float(found), 2e-3)  # fmt: skip
