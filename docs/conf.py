@@ -23,11 +23,12 @@ project, author, copyright = "drill_twin", "The drill_twin contributors", "The d
 version = release = drill_twin.__version__
 
 extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.napoleon"]
-exclude_patterns = ["examples", "_printed"]
+exclude_patterns = ["examples", "_printed", "static"]
 html_theme = "furo"
 html_title = f"drill_twin {release}"
 html_theme_options = {"source_repository": "", "navigation_with_keys": True}
 html_show_sphinx = False
+html_static_path, html_css_files = ["static"], ["site.css"]
 html_copy_source = False
 html_math_renderer = "mathml"  # drawn by the browser itself: the site opens without a network
 

@@ -102,15 +102,16 @@ def _arrow(axes: Axes, start: tuple[float, float], end: tuple[float, float], tex
 
 NODES = {
     "rig_driver": (0.0, 2.0), "gateway": (0.0, 0.6), "simulator": (2.9, 2.0), "analyzer": (5.9, 2.0),
-    "recorder": (4.4, 0.1), "watch": (8.6, 2.0), "advisor": (7.2, 0.6),
+    "recorder": (4.6, 0.1), "watch": (8.6, 2.0), "advisor": (7.2, 0.6), "estimator": (2.4, 0.1),
 }  # fmt: skip
-OPTIONAL = ("gateway", "recorder", "watch", "advisor")
+OPTIONAL = ("gateway", "recorder", "watch", "advisor", "estimator")
 TOPICS = (
     ("rig_driver", "simulator", "/rig/command", (1.45, 2.12)),
     ("gateway", "simulator", "/rig/command", (1.15, 1.42)),
+    ("gateway", "estimator", "/measured/rig/state", (1.1, 0.02)),
     ("simulator", "analyzer", "/marks/state\n/rig/state", (4.4, 2.12)),
     ("analyzer", "watch", "/whirl/state\n/whirl/motion\n/whirl/onset", (7.28, 2.12)),
-    ("simulator", "recorder", "all topics", (3.3, 1.0)),
+    ("simulator", "recorder", "all topics", (3.35, 1.05)),
     ("analyzer", "recorder", "findings", (5.55, 1.0)),
     ("analyzer", "advisor", "/whirl/motion", (6.95, 1.32)),
     ("advisor", "watch", "/advice/state", (8.4, 1.2)),
