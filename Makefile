@@ -114,10 +114,10 @@ setup-test: $(STAMPS)/test-$(KIND)
 demo: setup
 	@$(PYTHON) -m drill_twin.ros demo --out out/demo --replace
 
-# Spelling of pages, help texts and messages; then terms and sentences (docs/style.py) with the site.
+# Spelling of pages, help texts and messages (typos); then terms and sentences (docs/style.py) with the site.
 # A warning is an error, a reference to nothing too. No network: no inventory of another site is fetched.
 docs: $(STAMPS)/docs-$(KIND)
-	@$(PYTHON) -m codespell_lib README.md CONTRIBUTING.md CHANGELOG.rst QUALITY_DECLARATION.md docs drill_twin evidence
+	@$(VENV)/bin/typos README.md CONTRIBUTING.md CHANGELOG.rst QUALITY_DECLARATION.md docs drill_twin evidence
 	@$(PYTHON) -m sphinx --quiet --builder html --nitpicky --fail-on-warning --keep-going docs out/docs/html
 	@echo 'out/docs/html/index.html'
 

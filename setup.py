@@ -49,7 +49,7 @@ setup(
         "zstandard>=0.22",
     ],
     extras_require={
-        "docs": ["codespell>=2.4", "furo", "myst-parser", "sphinx"],
+        "docs": ["furo", "myst-parser", "sphinx", "typos"],
         "test": [
             "asyncua>=1.1.8",
             "colcon-common-extensions",

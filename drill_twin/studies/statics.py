@@ -112,7 +112,7 @@ def tracks(found: Statics, units: UnitSystem) -> Figure:
             panel.xaxis.set_major_locator(MaxNLocator(4))
             panel.tick_params(labelleft=panel is tension)
         loads_of = [units.show(1.0, "force_per_length") * loads.along.side_force for loads in found.operations]
-        most, usual = np.max(loads_of), 1.3 * np.quantile(loads_of, 0.985)
+        most, usual = np.max(loads_of), 1.7 * np.quantile(loads_of, 0.985)
         side.set_xlim(left=0.0, right=usual if usual < most else None)
         if usual < most:  # single contacts at the bit would flatten all else
             side.annotate(
