@@ -57,9 +57,7 @@ def test_irregular_motion_is_told_by_interval_and_lines():
     assert rows["whirl frequency"].startswith("no single one, the motion is irregular: -0.04 to +0.63 Hz over windows")
     assert rows["lines of the spectrum"] == "+0.22 Hz (40.0 mm), at m"
     assert "most frequent" not in rows["whirl ratio"]
-    assert (
-        "+0.110 (highest line of the spectrum), +0.150 (mean weighted by the radius)" in rows["whirl ratio"]
-    )
+    assert "+0.110 (highest line of the spectrum), +0.150 (mean weighted by the radius)" in rows["whirl ratio"]
 
 
 def test_transient_is_told_as_such():
