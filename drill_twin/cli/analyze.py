@@ -10,19 +10,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from drill_twin.cli import options
 from drill_twin.cli.emit import check_new, emit
-from drill_twin.cli.options import (
-    FromOption,
-    JsonOption,
-    NamespaceOption,
-    RecordedArgument,
-    RemapOption,
-    ReplaceOption,
-    SceneOption,
-    ToOption,
-    UnitsOption,
-    folder_option,
-)
 from drill_twin.cli.show import findings_shown, marks_shown, remark, shown_progress
 from drill_twin.core.errors import BagError
 from drill_twin.core.files.output import make_folder
@@ -39,17 +28,17 @@ StatesOption = Annotated[
 
 
 def analyze(
-    bag: RecordedArgument,
-    scene: SceneOption = "",
-    out: Annotated[Path | None, folder_option("Write the result to this folder too, as summary.json.")] = None,
-    replace: ReplaceOption = False,
-    json: JsonOption = False,
+    bag: options.RecordedArgument,
+    scene: options.SceneOption = "",
+    out: Annotated[Path | None, options.folder_option("Write the result to this folder too, as summary.json.")] = None,
+    replace: options.ReplaceOption = False,
+    json: options.JsonOption = False,
     marks: Annotated[
         list[str], typer.Option("--marks", metavar="NAME", help="Analyse this mark only; repeatable, or NAME,NAME.")
     ] = [],  # noqa: B006  typer does not change the default
-    begin: FromOption = -math.inf,
-    end: ToOption = math.inf,
-    topics: RemapOption = [],  # noqa: B006
+    begin: options.FromOption = -math.inf,
+    end: options.ToOption = math.inf,
+    topics: options.RemapOption = [],  # noqa: B006
     clearance: Annotated[
         str,
         typer.Option(
@@ -64,7 +53,7 @@ def analyze(
             help="Outer radius of the string at the marks, for marks on its surface in a bag without a scene.",
         ),
     ] = "",
-    namespace: NamespaceOption = "",
+    namespace: options.NamespaceOption = "",
     states: StatesOption = False,
     why: Annotated[
         bool,
@@ -78,7 +67,7 @@ def analyze(
             help="Analyse the readings of this downhole sub instead of the marks; of a rig's sub measured/NAME.",
         ),
     ] = None,
-    units: UnitsOption = "",
+    units: options.UnitsOption = "",
 ) -> None:
     """Find whirl in a bag, its onset, frequencies and motion states, and stick-slip of the bit.
 
@@ -110,16 +99,16 @@ def analyze(
 
 
 def report(
-    bag: RecordedArgument,
-    out: Annotated[Path | None, folder_option("Folder of the report.", "beside bag_0, or BAG_report")] = None,
-    scene: SceneOption = "",
-    replace: ReplaceOption = False,
-    json: JsonOption = False,
-    begin: FromOption = -math.inf,
-    end: ToOption = math.inf,
-    namespace: NamespaceOption = "",
+    bag: options.RecordedArgument,
+    out: Annotated[Path | None, options.folder_option("Folder of the report.", "beside bag_0, or BAG_report")] = None,
+    scene: options.SceneOption = "",
+    replace: options.ReplaceOption = False,
+    json: options.JsonOption = False,
+    begin: options.FromOption = -math.inf,
+    end: options.ToOption = math.inf,
+    namespace: options.NamespaceOption = "",
     states: StatesOption = False,
-    units: UnitsOption = "",
+    units: options.UnitsOption = "",
 ) -> None:
     """Draw the report of a bag: report.html, which needs no network, and its figures as PNG."""
     folder = out or default_folder(bag)

@@ -25,7 +25,7 @@ def compare(
     cases: Annotated[
         list[str],
         typer.Argument(
-            metavar="A B ...",
+            metavar="CASE",
             help='Scenes, as "bha_full_size" or "bha_full_size,wob=120 kN,hole.radius=6 in", or bags; the first one is '
             "what the others are compared with.",
         ),

@@ -8,17 +8,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from drill_twin.cli import options
 from drill_twin.cli.emit import emit, folder_name
-from drill_twin.cli.options import (
-    DurationOption,
-    JsonOption,
-    SceneArgument,
-    SetOption,
-    WorkersOption,
-    folder_option,
-    meshes,
-    overrides,
-)
 from drill_twin.cli.show import shown_progress
 from drill_twin.core.files.output import make_folder
 from drill_twin.core.table import Table
@@ -29,9 +20,9 @@ if TYPE_CHECKING:
 
 
 def cost(
-    scene: SceneArgument,
-    duration: DurationOption = "",
-    change: SetOption = [],  # noqa: B006  typer makes a new list of it
+    scene: options.SceneArgument,
+    duration: options.DurationOption = "",
+    change: options.SetOption = [],  # noqa: B006  typer makes a new list of it
     replicas: Annotated[
         int, typer.Option("--replicas", min=0, max=50, help="Number of repeats of the converged run, for its spread.")
     ] = 3,
@@ -41,17 +32,17 @@ def cost(
         typer.Option(
             "--elements",
             metavar="N,N,...",
-            help="Run these meshes only, at the scene's step; adds hookload, torque and stick-slip.",
+            help="Run these options.meshes only, at the scene's step; adds hookload, torque and stick-slip.",
         ),
     ] = "",
-    workers: WorkersOption = 0,
+    workers: options.WorkersOption = 0,
     out: Annotated[
-        Path | None, folder_option("Folder of the result; an interrupted study continues.", "out/cost_SCENE")
+        Path | None, options.folder_option("Folder of the result; an interrupted study continues.", "out/cost_SCENE")
     ] = None,
     markdown: Annotated[
         bool, typer.Option("--markdown", help="Print the cheapest resolution for each power of ten as Markdown.")
     ] = False,
-    json: JsonOption = False,
+    json: options.JsonOption = False,
 ) -> None:
     """Measure error and processor time of a scene over formulations, elements, steps and tolerances.
 
@@ -69,14 +60,14 @@ def cost(
     )
     from drill_twin.studies.accuracy.figures import cost_figure
 
-    changes = overrides(change, duration=duration)
+    changes = options.overrides(change, duration=duration)
     described = load_scene(scene, overrides=changes)
     require_marks(described)
     folder = out or Path("out") / f"cost_{folder_name(described.name)}"
     make_folder(folder / "runs")
     with shown_progress("building the string"):
         if elements:
-            resolutions = on_meshes(described, meshes(elements, "125,250,500"))
+            resolutions = on_meshes(described, options.meshes(elements, "125,250,500"))
         else:
             shares = (ELEMENTS[1::2], STEPS[1::2]) if coarse else (ELEMENTS, STEPS)
             resolutions = choose_resolutions(described, *shares)

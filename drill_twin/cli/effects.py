@@ -8,17 +8,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from drill_twin.cli import options
 from drill_twin.cli.emit import emit, folder_name, new_folder
-from drill_twin.cli.options import (
-    DurationOption,
-    JsonOption,
-    ReplaceOption,
-    SceneArgument,
-    SetOption,
-    WorkersOption,
-    folder_option,
-    overrides,
-)
 from drill_twin.cli.show import shown_progress
 from drill_twin.core.table import Column, Table
 
@@ -28,7 +19,7 @@ if TYPE_CHECKING:
 
 
 def effects(
-    scene: SceneArgument,
+    scene: options.SceneArgument,
     tolerance: Annotated[
         float,
         typer.Option(
@@ -45,12 +36,12 @@ def effects(
             "--replicas", min=2, max=100, help="Number of runs for each set of effects, with small random differences."
         ),
     ] = 5,
-    duration: DurationOption = "",
-    change: SetOption = [],  # noqa: B006  typer makes a new list of it
-    workers: WorkersOption = 0,
-    out: Annotated[Path | None, folder_option("New folder of the result.", "out/effects_SCENE")] = None,
-    replace: ReplaceOption = False,
-    json: JsonOption = False,
+    duration: options.DurationOption = "",
+    change: options.SetOption = [],  # noqa: B006  typer makes a new list of it
+    workers: options.WorkersOption = 0,
+    out: Annotated[Path | None, options.folder_option("New folder of the result.", "out/effects_SCENE")] = None,
+    replace: options.ReplaceOption = False,
+    json: options.JsonOption = False,
 ) -> None:
     """Leave out each effect of a scene in turn: its cost, what it changes, and the effects that the scene needs.
 
@@ -60,7 +51,7 @@ def effects(
     from drill_twin.studies.accuracy.ablation import ablate, groups
     from drill_twin.studies.accuracy.figures import ablation_figure
 
-    changes = overrides(change, duration=duration)
+    changes = options.overrides(change, duration=duration)
     described = load_scene(scene, overrides=changes)
     folder = out or Path("out") / f"effects_{folder_name(described.name)}"
     new_folder(folder, replace=replace)

@@ -13,15 +13,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from drill_twin.cli import options
 from drill_twin.cli.emit import check_new, say, write_file, write_files
-from drill_twin.cli.options import (
-    FromOption,
-    NamespaceOption,
-    RecordedArgument,
-    ReplaceOption,
-    ToOption,
-    folder_option,
-)
 from drill_twin.cli.show import remark, shown_progress
 from drill_twin.core.errors import ArgumentError, BagError
 from drill_twin.core.table import Table
@@ -31,7 +24,7 @@ if TYPE_CHECKING:
 
 
 def export(
-    bag: RecordedArgument,
+    bag: options.RecordedArgument,
     csv: Annotated[bool, typer.Option("--csv", help="Write rig.csv, with units in its heading.")] = False,
     las: Annotated[bool, typer.Option("--las", help="Write rig.las (LAS 2.0); needs the extra `las`.")] = False,
     drillbotics: Annotated[
@@ -60,11 +53,11 @@ def export(
             show_default="of the recording",
         ),
     ] = "",
-    out: Annotated[Path | None, folder_option("Folder of the files.", "beside the report")] = None,
-    begin: FromOption = -math.inf,
-    end: ToOption = math.inf,
-    namespace: NamespaceOption = "",
-    replace: ReplaceOption = False,
+    out: Annotated[Path | None, options.folder_option("Folder of the files.", "beside the report")] = None,
+    begin: options.FromOption = -math.inf,
+    end: options.ToOption = math.inf,
+    namespace: options.NamespaceOption = "",
+    replace: options.ReplaceOption = False,
 ) -> None:
     """Write weight on bit, hookload, torques and speeds of a bag over time as CSV or LAS, in kN, kN.m and rpm."""
     from drill_twin.cli.analyze import default_folder

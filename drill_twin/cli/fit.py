@@ -10,19 +10,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from drill_twin.cli import options
 from drill_twin.cli.emit import emit
-from drill_twin.cli.options import (
-    FromOption,
-    JsonOption,
-    SetOption,
-    ToOption,
-    UnitsOption,
-    WorkersOption,
-    folder_option,
-    overrides,
-    ranges_of,
-    time_option,
-)
 from drill_twin.cli.show import shown_progress
 from drill_twin.core.table import Table
 
@@ -53,29 +42,33 @@ def fit(
             help='Channel to compare and its column, as "bit_speed=Bit_Speed:rpm"; of a bag NAME; repeatable.',
         ),
     ],
-    change: SetOption = [],  # noqa: B006  typer makes a new list of it
+    change: options.SetOption = [],  # noqa: B006  typer makes a new list of it
     likelihood: Annotated[
         str, typer.Option("--likelihood", help="What is compared: the series, or features of windows (features).")
     ] = "series",
-    begin: FromOption = 0.0,
-    end: ToOption = math.inf,
+    begin: options.FromOption = 0.0,
+    end: options.ToOption = math.inf,
     rate: Annotated[
         str, typer.Option("--rate", metavar="FREQUENCY", help="Number of samples per second that are compared.")
     ] = "20 Hz",
-    window: Annotated[float, time_option("--window", "With --likelihood features: length of a window", 0.0)] = 5.0,
+    window: Annotated[
+        float, options.time_option("--window", "With --likelihood features: length of a window", 0.0)
+    ] = 5.0,
     members: Annotated[int, typer.Option("--members", min=8, help="Number of runs in a round.")] = 64,
     rounds: Annotated[int, typer.Option("--rounds", min=1, help="Most rounds.")] = 24,
     seed: Annotated[int, typer.Option("--seed", min=0, help="Seed of the draws.")] = 1,
-    workers: WorkersOption = 0,
-    out: Annotated[Path | None, folder_option("Write fit.json, fitted.yaml and fit.png to this folder.")] = None,
-    units: UnitsOption = "",
-    json: JsonOption = False,
+    workers: options.WorkersOption = 0,
+    out: Annotated[
+        Path | None, options.folder_option("Write fit.json, fitted.yaml and fit.png to this folder.")
+    ] = None,
+    units: options.UnitsOption = "",
+    json: options.JsonOption = False,
 ) -> None:
     """Find numbers of a scene from a record, with intervals, correlations, and what the record does not determine."""
     import drill_twin as dt
     from drill_twin.studies.fitting.posterior import fit_figure
 
-    ranges = ranges_of("--free", free)
+    ranges = options.ranges_of("--free", free)
 
     with shown_progress("running the first round", rounds, unit="rounds") as bar:
 
@@ -84,9 +77,9 @@ def fit(
             bar.show(f"{found.effective:.0f} effective draws of {len(found.weights)}{power}", number)
 
         found = dt.fit(
-            record, scene, ranges, channels=channel, overrides=overrides(change, units=units), likelihood=likelihood,
-            begin=begin, end=end if end < math.inf else None, rate=rate, window=window, members=members, rounds=rounds,
-            seed=seed, workers=workers, progress=told,
+            record, scene, ranges, channels=channel, overrides=options.overrides(change, units=units),
+            likelihood=likelihood, begin=begin, end=end if end < math.inf else None, rate=rate, window=window,
+            members=members, rounds=rounds, seed=seed, workers=workers, progress=told,
         )  # fmt: skip
     base = str(Path(scene).resolve()) if Path(scene).is_file() else scene
     emit(

@@ -11,18 +11,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from drill_twin.cli import options
 from drill_twin.cli.emit import emit
-from drill_twin.cli.options import (
-    JsonOption,
-    RpmOption,
-    SceneArgument,
-    SetOption,
-    UnitsOption,
-    WeightOption,
-    WithoutOption,
-    folder_option,
-    overrides,
-)
 from drill_twin.cli.show import shown_progress
 from drill_twin.core.files.output import make_folder
 from drill_twin.core.table import Table
@@ -36,11 +26,11 @@ if TYPE_CHECKING:
 
 
 def modes(
-    scene: SceneArgument,
-    wob: WeightOption = "",
-    rpm: RpmOption = "",
-    change: SetOption = [],  # noqa: B006  typer makes a new list of it
-    without: WithoutOption = [],  # noqa: B006
+    scene: options.SceneArgument,
+    wob: options.WeightOption = "",
+    rpm: options.RpmOption = "",
+    change: options.SetOption = [],  # noqa: B006  typer makes a new list of it
+    without: options.WithoutOption = [],  # noqa: B006
     count: Annotated[int, typer.Option("--count", min=1, max=100, help="Number of modes of each kind.")] = 6,
     campbell: Annotated[
         int, typer.Option("--campbell", metavar="N", min=0, max=1000, help="Draw the Campbell diagram over N speeds.")
@@ -48,9 +38,9 @@ def modes(
     growth: Annotated[
         int, typer.Option("--growth", metavar="N", min=0, max=500, help="Draw growth rates over N loads and N speeds.")
     ] = 0,
-    out: Annotated[Path | None, folder_option("Write modes.json and the figures to this folder.")] = None,
-    units: UnitsOption = "",
-    json: JsonOption = False,
+    out: Annotated[Path | None, options.folder_option("Write modes.json and the figures to this folder.")] = None,
+    units: options.UnitsOption = "",
+    json: options.JsonOption = False,
 ) -> None:
     """Compute the damped modes of the turning string: frequency, growth, shape, and its critical speeds.
 
@@ -74,7 +64,7 @@ def modes(
         shapes_figure,
     )
 
-    changes = overrides(change, wob=wob, rpm=rpm, units=units)
+    changes = options.overrides(change, wob=wob, rpm=rpm, units=units)
     own = rotordynamics.steady_scene(scene, changes, without)
     if out is not None:  # before the figures are computed
         make_folder(out)

@@ -11,19 +11,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from drill_twin.cli import options
 from drill_twin.cli.emit import emit, folder_name
-from drill_twin.cli.options import (
-    DurationOption,
-    JsonOption,
-    ReplaceOption,
-    SceneArgument,
-    SetOption,
-    UnitsOption,
-    WorkersOption,
-    folder_option,
-    overrides,
-    ranges_of,
-)
 from drill_twin.cli.show import shown_progress
 from drill_twin.core.files.output import make_folder
 
@@ -33,7 +22,7 @@ if TYPE_CHECKING:
 
 
 def operating_map(
-    scene: SceneArgument,
+    scene: options.SceneArgument,
     wob: Annotated[str, typer.Option("--wob", metavar="LO..HI", help='Range of the weight on bit, as "1..300 N".')],
     rpm: Annotated[
         str,
@@ -50,8 +39,8 @@ def operating_map(
             help='Draw this number from a range, as "wall_friction.coefficient=0.1..0.3"; repeatable.',
         ),
     ] = [],  # noqa: B006  typer makes a new list of it
-    change: SetOption = [],  # noqa: B006
-    duration: DurationOption = "",
+    change: options.SetOption = [],  # noqa: B006
+    duration: options.DurationOption = "",
     calm_for: Annotated[
         str,
         typer.Option(
@@ -71,16 +60,16 @@ def operating_map(
     no_growth: Annotated[
         bool, typer.Option("--no-growth", help="Do not place first runs by the growth rates of the linear string.")
     ] = False,
-    workers: WorkersOption = 0,
+    workers: options.WorkersOption = 0,
     dask: Annotated[
         str, typer.Option("--dask", metavar="ADDRESS", help="Address of a Dask scheduler whose workers make the runs.")
     ] = "",
     out: Annotated[
-        Path | None, folder_option("Folder of the result; a map that was broken off goes on.", "out/map_SCENE")
+        Path | None, options.folder_option("Folder of the result; a map that was broken off goes on.", "out/map_SCENE")
     ] = None,
-    replace: ReplaceOption = False,
-    units: UnitsOption = "",
-    json: JsonOption = False,
+    replace: options.ReplaceOption = False,
+    units: options.UnitsOption = "",
+    json: options.JsonOption = False,
 ) -> None:  # fmt: skip
     """Map the regimes of motion over weight on bit and speed, and find windows in which the string stays calm.
 
@@ -93,8 +82,8 @@ def operating_map(
     from drill_twin.scene import load_scene
     from drill_twin.studies.maps.drawing import build_page, map_figure
 
-    changes = overrides(change, duration=duration, units=units or ("field" if typed_in_pounds(wob) else ""))
-    ranges = ranges_of("--vary", vary)
+    changes = options.overrides(change, duration=duration, units=units or ("field" if typed_in_pounds(wob) else ""))
+    ranges = options.ranges_of("--vary", vary)
     described = load_scene(scene, overrides=changes)
     folder = out or Path("out") / f"map_{folder_name(described.name)}"
     make_folder(folder)
@@ -110,11 +99,14 @@ def operating_map(
             progress=lambda phase, done, expected: bar.show(phase, done, max(runs, expected)),
         )  # fmt: skip
     data = found.to_dict()
-    options = [f"--set {quote(f'{key}={value}')}" for key, value in changes.items() if key not in {"duration", "units"}]
+    settings = [
+        f"--set {quote(f'{key}={value}')}" for key, value in changes.items() if key not in {"duration", "units"}
+    ]
     emit(
         data, _shown(found, described), json=json, folder=folder, also=["runs.jsonl"],
         files={
-            "map.json": data, "map.csv": found.csv(), "map.html": build_page(found, " ".join([quote(scene), *options])),
+            "map.json": data, "map.csv": found.csv(),
+            "map.html": build_page(found, " ".join([quote(scene), *settings])),
             "map.png": lambda: map_figure(found),
         },
     )  # fmt: skip

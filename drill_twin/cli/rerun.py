@@ -6,20 +6,8 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
+from drill_twin.cli import options
 from drill_twin.cli.emit import emit, new_folder
-from drill_twin.cli.options import (
-    JsonOption,
-    NamespaceOption,
-    RecordedArgument,
-    ReplaceOption,
-    RpmOption,
-    SceneOption,
-    SetOption,
-    UnitsOption,
-    WeightOption,
-    folder_option,
-    overrides,
-)
 from drill_twin.cli.show import shown_progress
 from drill_twin.core.files.output import check_folder
 from drill_twin.core.table import Table
@@ -29,16 +17,16 @@ if TYPE_CHECKING:
 
 
 def rerun(
-    bag: RecordedArgument,
-    wob: WeightOption = "",
-    rpm: RpmOption = "",
-    change: SetOption = [],  # noqa: B006  typer makes a new list of it
-    out: Annotated[Path | None, folder_option("New folder of the result.", "beside the bag: BAG_rerun")] = None,
-    scene: SceneOption = "",
-    namespace: NamespaceOption = "",
-    replace: ReplaceOption = False,
-    units: UnitsOption = "",
-    json: JsonOption = False,
+    bag: options.RecordedArgument,
+    wob: options.WeightOption = "",
+    rpm: options.RpmOption = "",
+    change: options.SetOption = [],  # noqa: B006  typer makes a new list of it
+    out: Annotated[Path | None, options.folder_option("New folder of the result.", "beside the bag: BAG_rerun")] = None,
+    scene: options.SceneOption = "",
+    namespace: options.NamespaceOption = "",
+    replace: options.ReplaceOption = False,
+    units: options.UnitsOption = "",
+    json: options.JsonOption = False,
 ) -> None:
     """Run the commands of a bag again, with other numbers if you like, and compare both runs.
 
@@ -49,13 +37,13 @@ def rerun(
     from drill_twin.api.recorded_run import rerun as run_again
     from drill_twin.cli.analyze import default_folder
 
-    changes = overrides(change, wob=wob, rpm=rpm)
+    changes = options.overrides(change, wob=wob, rpm=rpm)
     folder = out or default_folder(bag).with_name(f"{default_folder(bag).name.removesuffix('_report')}_rerun")
     check_folder(folder, replace=replace)
     with shown_progress("reading the bag", unit="s") as bar:
         both = run_again(
             bag,
-            changes | overrides([], units=units),
+            changes | options.overrides([], units=units),
             scene=scene or None,
             namespace=namespace or None,
             progress=lambda now, end: bar.show("computing", now, end),

@@ -10,20 +10,9 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from drill_twin.cli import options
 from drill_twin.cli.emit import emit, folder_name, new_folder
 from drill_twin.cli.interrupt import Interrupted, stop_request
-from drill_twin.cli.options import (
-    DurationOption,
-    JsonOption,
-    ReplaceOption,
-    RpmOption,
-    SceneArgument,
-    SetOption,
-    UnitsOption,
-    WeightOption,
-    folder_option,
-    overrides,
-)
 from drill_twin.cli.show import findings_shown, remark, shown_progress
 from drill_twin.core.errors import RunStopped
 
@@ -36,10 +25,10 @@ if TYPE_CHECKING:
 
 
 def run(
-    scene: SceneArgument,
-    wob: WeightOption = "",
-    rpm: RpmOption = "",
-    duration: DurationOption = "",
+    scene: options.SceneArgument,
+    wob: options.WeightOption = "",
+    rpm: options.RpmOption = "",
+    duration: options.DurationOption = "",
     accuracy: Annotated[
         str,
         typer.Option(
@@ -51,14 +40,14 @@ def run(
     rerun: Annotated[
         bool, typer.Option("--check/--no-check", help="With --accuracy: measure the error after the run.")
     ] = True,
-    change: SetOption = [],  # noqa: B006  typer makes a new list of it
-    out: Annotated[Path | None, folder_option("New folder of the result.", "out/SCENE")] = None,
-    replace: ReplaceOption = False,
+    change: options.SetOption = [],  # noqa: B006  typer makes a new list of it
+    out: Annotated[Path | None, options.folder_option("New folder of the result.", "out/SCENE")] = None,
+    replace: options.ReplaceOption = False,
     with_report: Annotated[
         bool, typer.Option("--report", help="Draw the report of the run too, as report.html and figures.")
     ] = False,
-    units: UnitsOption = "",
-    json: JsonOption = False,
+    units: options.UnitsOption = "",
+    json: options.JsonOption = False,
 ) -> None:
     """Simulate a scene and analyse it; write a bag and summary.json to a new folder.
 
@@ -68,7 +57,7 @@ def run(
     from drill_twin.scene.set_points import Schedule
 
     described = load_scene(
-        scene, overrides=overrides(change, wob=wob, rpm=rpm, duration=duration, accuracy=accuracy, units=units)
+        scene, overrides=options.overrides(change, wob=wob, rpm=rpm, duration=duration, accuracy=accuracy, units=units)
     )
     schedule = Schedule.from_scene(described)
     folder = out or Path("out") / folder_name(described.name)

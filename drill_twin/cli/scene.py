@@ -12,17 +12,8 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import typer
 
+from drill_twin.cli import options
 from drill_twin.cli.emit import check_new, emit, say, write_file
-from drill_twin.cli.options import (
-    JsonOption,
-    ReplaceOption,
-    RpmOption,
-    SceneArgument,
-    SetOption,
-    WeightOption,
-    folder_option,
-    overrides,
-)
 from drill_twin.cli.show import print_json, remark
 from drill_twin.core.errors import ArgumentError, SceneError
 from drill_twin.core.table import Table
@@ -31,7 +22,7 @@ if TYPE_CHECKING:
     from drill_twin.scene import Scene
 
 
-def scenes(json: JsonOption = False) -> None:
+def scenes(json: options.JsonOption = False) -> None:
     """List the installed scenes."""
     from drill_twin.scene import load_scene, presets, well_scenes
 
@@ -52,12 +43,12 @@ def scenes(json: JsonOption = False) -> None:
 
 
 def check(
-    scene: SceneArgument,
-    change: SetOption = [],  # noqa: B006  typer makes a new list of it
+    scene: options.SceneArgument,
+    change: options.SetOption = [],  # noqa: B006  typer makes a new list of it
     yaml: Annotated[
         bool, typer.Option("--yaml", help="Print the whole scene with units and defaults, as YAML.")
     ] = False,
-    json: JsonOption = False,
+    json: options.JsonOption = False,
 ) -> None:
     """Check a scene file, and print each problem in a line: its place, what was expected, what was found."""
     from drill_twin.dynamics.discretisation.warnings import notes_on
@@ -65,7 +56,7 @@ def check(
     from drill_twin.scene.set_points import Schedule
 
     try:
-        described = load_scene(scene, overrides=overrides(change))
+        described = load_scene(scene, overrides=options.overrides(change))
     except SceneError as error:
         if not error.problems:
             raise
@@ -85,8 +76,8 @@ def check(
 
 
 def schema(
-    out: Annotated[Path | None, folder_option("Write scene.schema.json to this folder instead.")] = None,
-    replace: ReplaceOption = False,
+    out: Annotated[Path | None, options.folder_option("Write scene.schema.json to this folder instead.")] = None,
+    replace: options.ReplaceOption = False,
 ) -> None:
     """Print the JSON Schema of scene files, for completion and checks in an editor."""
     from drill_twin.scene.json_schema import schema_text
@@ -188,8 +179,8 @@ def new(
         float | None,
         typer.Option("--cased-friction", min=0.0, max=5.0, help="Friction coefficient in the casing, if another."),
     ] = None,
-    wob: WeightOption = "100 kN",
-    rpm: RpmOption = "120 rpm",
+    wob: options.WeightOption = "100 kN",
+    rpm: options.RpmOption = "120 rpm",
     units: Annotated[
         Literal["", "si", "field"],
         typer.Option(
@@ -199,7 +190,7 @@ def new(
             show_default=False,
         ),
     ] = "",
-    replace: ReplaceOption = False,
+    replace: options.ReplaceOption = False,
 ) -> None:
     """Make a scene from a well plan. In a terminal it asks for survey, tally and hole if they are not given."""
     from drill_twin.scene.lines import yaml_text

@@ -10,18 +10,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from drill_twin.cli import options
 from drill_twin.cli.emit import emit
-from drill_twin.cli.options import (
-    JsonOption,
-    RpmOption,
-    SceneArgument,
-    SetOption,
-    UnitsOption,
-    WeightOption,
-    WithoutOption,
-    folder_option,
-    overrides,
-)
 from drill_twin.cli.show import shown_progress
 from drill_twin.core.errors import SceneError
 from drill_twin.core.files.output import make_folder
@@ -38,11 +28,11 @@ SHAPES = ("straight", "snaking", "snaking, helix", "helix")
 
 
 def statics(
-    scene: SceneArgument,
-    wob: WeightOption = "",
-    rpm: RpmOption = "",
-    change: SetOption = [],  # noqa: B006  typer makes a new list of it
-    without: WithoutOption = [],  # noqa: B006
+    scene: options.SceneArgument,
+    wob: options.WeightOption = "",
+    rpm: options.RpmOption = "",
+    change: options.SetOption = [],  # noqa: B006  typer makes a new list of it
+    without: options.WithoutOption = [],  # noqa: B006
     trip_speed: Annotated[
         str, typer.Option("--trip-speed", metavar="SPEED", help='Speed of tripping, as "0.3 m/s".')
     ] = "0.3 m/s",
@@ -65,11 +55,11 @@ def statics(
             help="With --friction: record with columns of the depth and of trip out, trip in, off bottom or torque.",
         ),
     ] = None,
-    units: UnitsOption = "",
+    units: options.UnitsOption = "",
     out: Annotated[
-        Path | None, folder_option("Write statics.json, statics.csv and statics.png to this folder.")
+        Path | None, options.folder_option("Write statics.json, statics.csv and statics.png to this folder.")
     ] = None,
-    json: JsonOption = False,
+    json: options.JsonOption = False,
 ) -> None:
     """Compute torque, drag and buckling without a run: tripping, rotating off bottom, sliding, drilling.
 
@@ -86,12 +76,12 @@ def statics(
     if out is not None:
         make_folder(out)
     if friction:
-        changes = overrides(change, wob=wob, rpm=rpm, units=units)
+        changes = options.overrides(change, wob=wob, rpm=rpm, units=units)
         _over_depth(scene, changes, without, friction, measured, out, json=json)
         return
     with shown_progress("computing"):
         found = computed(
-            scene, overrides(change, wob=wob, rpm=rpm, units=units), without=without,
+            scene, options.overrides(change, wob=wob, rpm=rpm, units=units), without=without,
             trip_speed=speeds["--trip-speed"], feed=speeds["--rop"],
         )  # fmt: skip
     shown, data = found.scene.unit_system, statics_data(found)

@@ -98,12 +98,7 @@ def _play(
     for text in player.damage:
         remark(text)
     server = PageServer(
-        player.snapshot,
-        player.on_request,
-        history=player.state.history,
-        host=host,
-        port=port,
-        allowed_hosts=allowed,
+        player.snapshot, player.on_request, history=player.state.history, host=host, port=port, allowed_hosts=allowed
     )
     with stop_request() as asked:
         print(f"{bag} at {server.url}", flush=True)

@@ -10,19 +10,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from drill_twin.cli import options
 from drill_twin.cli.emit import emit
-from drill_twin.cli.options import (
-    JsonOption,
-    RpmOption,
-    SceneArgument,
-    SetOption,
-    UnitsOption,
-    WeightOption,
-    WithoutOption,
-    folder_option,
-    overrides,
-    ranges_of,
-)
 from drill_twin.cli.show import shown_progress
 from drill_twin.core.errors import SceneError
 from drill_twin.core.table import Table
@@ -37,11 +26,11 @@ _STABLE = {"stable": "yes", "unstable": "no", "not determined": "?"}
 
 
 def whirl(
-    scene: SceneArgument,
-    wob: WeightOption = "",
-    rpm: RpmOption = "",
-    change: SetOption = [],  # noqa: B006  typer makes a new list of it
-    without: WithoutOption = [],  # noqa: B006
+    scene: options.SceneArgument,
+    wob: options.WeightOption = "",
+    rpm: options.RpmOption = "",
+    change: options.SetOption = [],  # noqa: B006  typer makes a new list of it
+    without: options.WithoutOption = [],  # noqa: B006
     starts: Annotated[
         int,
         typer.Option(
@@ -63,9 +52,9 @@ def whirl(
     simulate: Annotated[
         int, typer.Option("--simulate", metavar="N", min=0, help="With --over: simulate at N values of the range too.")
     ] = 0,
-    out: Annotated[Path | None, folder_option("Write the results and their figures to this folder.")] = None,
-    units: UnitsOption = "",
-    json: JsonOption = False,
+    out: Annotated[Path | None, options.folder_option("Write the results and their figures to this folder.")] = None,
+    units: options.UnitsOption = "",
+    json: options.JsonOption = False,
 ) -> None:
     """Find the steady whirls that can exist at the final set-points: frequency, ratio to the rotation, stability.
 
@@ -77,7 +66,7 @@ def whirl(
     from drill_twin.api import rotordynamics
     from drill_twin.studies.whirl_states import state_data, states_figure
 
-    own = rotordynamics.steady_scene(scene, overrides(change, wob=wob, rpm=rpm, units=units), without)
+    own = rotordynamics.steady_scene(scene, options.overrides(change, wob=wob, rpm=rpm, units=units), without)
     if over:
         _follow(own, over, starts, simulate, out, json=json)
         return
@@ -146,7 +135,7 @@ def _follow(scene: Scene, over: str, starts: int, simulate: int, out: Path | Non
     from drill_twin.api import rotordynamics
     from drill_twin.studies.whirl_states import branch_data, branches_figure, run_data, shown_parameter
 
-    ((key, span),) = ranges_of("--over", [over]).items()
+    ((key, span),) = options.ranges_of("--over", [over]).items()
     with shown_progress("following"):
         found = rotordynamics.branches(scene, over=key, span=span, random_starts=starts)
     runs = _simulated(scene, key, span, simulate)

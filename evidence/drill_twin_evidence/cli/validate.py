@@ -46,7 +46,8 @@ def validate(
     from drill_twin.core.errors import ArgumentError
     from drill_twin_evidence.validation import RECORDS, data_folder
 
-    folder, wanted = data_folder(data), chosen(only, RECORDS)
+    wanted = chosen(only, RECORDS)
+    folder = data_folder(data)
     there = [name for name in wanted if (folder / name).is_dir()]
     if not there:
         raise ArgumentError(f"{folder}: expected a folder {' or '.join(wanted or RECORDS)}, found none; see --only")

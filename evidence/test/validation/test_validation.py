@@ -113,7 +113,7 @@ def test_a_missed_aim_is_told_and_a_number_without_an_aim_is_not_judged():
 
 
 def test_a_record_of_another_name_is_told():
-    with pytest.raises(ArgumentError, match="--only: expected ufrj_rig or well_b, found nope"):
+    with pytest.raises(ArgumentError, match='--only: expected a part of ufrj_rig, well_b, found "nope"'):
         CliRunner().invoke(app, ["study", "validate", "--only", "nope"], catch_exceptions=False)
 
 
