@@ -27,7 +27,7 @@ _TRIALS, _WIDTHS = 16, (0.25, 0.06)
 """Values that are tried at a time, and the parts of the prior in which they lie about the best of the last ones."""
 _EXPLAINS = 1.0
 """Rms of measured less computed over the stated error, up to which a restart explains what was measured. Restarts with
-the number that had jumped reached 0.4 to 0.5, others 1.5 to 3.7 after a jump of the string's stiffness."""
+the number that had jumped reached 0.4 to 0.5, all of them 1.5 to 3.3 after a jump of the string's stiffness."""
 
 
 class _Window(NamedTuple):
