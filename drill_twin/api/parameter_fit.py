@@ -42,7 +42,7 @@ def fit(
     window: Quantity = 5.0,
     members: int = 64,
     rounds: int = 24,
-    effective: float = 100.0,
+    effective: float = 200.0,
     seed: int = 1,
     workers: int | None = None,
     progress: Callable[[int, Sampling], None] = lambda *_: None,

@@ -2,14 +2,17 @@
 """Adaptive multiple importance sampling: a posterior from few calls, many runs at a time.
 
 Cornuet, Marin, Mira and Robert 2012 (Scand. J. Stat. 39, 798): all draws of all rounds are weighted with the mixture
-of the proposals they came from, so no run is thrown away. While the likelihood is much narrower than the draws, it is
-raised to a power below 1 that leaves enough of them alive (tempering).
+of the proposals they came from, so no run is thrown away. Most rounds draw about the draw of the largest weight, with
+the spread of those next to it (Raftery and Bao 2010, Biometrics 66, 1162): proposals that follow a posterior which is
+long and bent. While the likelihood is much narrower than the draws, it is raised to a power below 1 that leaves enough
+of them alive (tempering).
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from scipy import optimize, special, stats
@@ -34,8 +37,10 @@ def in_ranges(cube: Array, ranges: Ranges) -> Array:
 FREEDOM = 2
 """Degrees of freedom of the proposals: tails of Student's t reach along a posterior that is long and bent, where the
 effective number of draws tells nothing of what was never drawn."""
-_INFLATION = 2.0  # of the covariance of a proposal
+_INFLATION = 2.0  # of the covariance of a proposal of all draws
 _PRIOR_SHARE = 0.1  # of the draws of a round, from the prior: finds what the proposals left out
+_GLOBAL = 3  # every so many rounds a proposal of all draws; the others are local
+_NEAR = 0.1  # share of the draws that tells the spread of a local proposal
 
 Likelihood = Callable[[Array], Array]
 """Positions in the unit cube, shape (M, d) -> logarithm of the likelihood of all runs so far, shape (all M,)."""
@@ -85,11 +90,11 @@ def sample(
         done: Called after each round with its number and the draws so far.
     """
     generator = np.random.default_rng(seed)
-    proposals: list[tuple[Array, Array] | None] = []
+    proposals: list[Any] = []
     normal = np.zeros((0, dimensions))
     result: Sampling | None = None
     for number in range(rounds):
-        proposal = None if result is None else _proposal(normal, result.weights)
+        proposal = None if result is None else _proposal(normal, result.weights, members, number)
         proposals.append(proposal)
         normal = np.concatenate((normal, _draws(proposal, members, dimensions, generator)))
         cube = special.ndtr(normal)
@@ -103,31 +108,28 @@ def sample(
     return result
 
 
-def _draws(proposal: tuple[Array, Array] | None, count: int, dimensions: int, generator: np.random.Generator) -> Array:
+def _draws(proposal: Any, count: int, dimensions: int, generator: np.random.Generator) -> Array:
     """Draws in the space where the prior is standard normal: quasi-random (Sobol) from it, else from a proposal."""
     exponent = (count - 1).bit_length()  # Sobol's points are balanced in powers of two
     uniform = stats.qmc.Sobol(dimensions, seed=generator).random_base2(exponent)[:count]
     prior: Array = special.ndtri(np.clip(uniform, 1e-9, 1.0 - 1e-9))
     if proposal is None:
         return prior
-    mean, covariance = proposal
-    drawn = stats.multivariate_t(mean, covariance, FREEDOM).rvs(count, generator).reshape(count, dimensions)
+    drawn = proposal.rvs(count, generator).reshape(count, dimensions)
     keep = round(_PRIOR_SHARE * count)
     drawn[:keep] = prior[:keep]
     clipped: Array = np.clip(drawn, -6.0, 6.0)
     return clipped
 
 
-def _weighted(
-    normal: Array, cube: Array, found: Array, proposals: list[tuple[Array, Array] | None], members: int
-) -> Sampling:
+def _weighted(normal: Array, cube: Array, found: Array, proposals: list[Any], members: int) -> Sampling:
     prior = stats.norm.logpdf(normal).sum(axis=1)
     densities = []
     for proposal in proposals:
         if proposal is None:
             densities.append(prior)
             continue
-        of_t = stats.multivariate_t(*proposal, FREEDOM).logpdf(normal).reshape(-1)
+        of_t = proposal.logpdf(normal).reshape(-1)
         densities.append(np.logaddexp(np.log(_PRIOR_SHARE) + prior, np.log1p(-_PRIOR_SHARE) + of_t))
     base = prior - special.logsumexp(densities, axis=0) + np.log(len(densities))
     wanted: float = min(max(2.0 * normal.shape[1] + 2.0, members / 4.0), members / 1.5)
@@ -148,8 +150,16 @@ def _weighted(
     return Sampling(cube, weights(power), found, power)
 
 
-def _proposal(normal: Array, weights: Array) -> tuple[Array, Array]:
-    mean = weights @ normal
-    spread = normal - mean
-    covariance = _INFLATION * (spread.T * weights) @ spread
-    return mean, covariance + 1e-8 * np.eye(len(mean))
+def _proposal(normal: Array, weights: Array, members: int, number: int) -> Any:
+    """Student's t of all draws, or of those next to the draw of the largest weight, where the prior is normal."""
+    centre = weights @ normal
+    spread = normal - centre
+    covariance = _INFLATION * (spread.T * weights) @ spread + 1e-8 * np.eye(len(centre))
+    if number % _GLOBAL:
+        centre = normal[np.argmax(weights)]
+        spread = normal - centre
+        distance = np.einsum("ni,ij,nj->n", spread, np.linalg.inv(covariance), spread)
+        near = np.argsort(distance)[: max(members, round(_NEAR * len(normal)))]
+        mixed = 0.5 * (weights[near] / weights[near].sum() + 1.0 / len(near))
+        covariance = (spread[near].T * mixed) @ spread[near] + 1e-8 * np.eye(len(centre))
+    return stats.multivariate_t(centre, covariance, FREEDOM)

@@ -49,7 +49,7 @@ def own_fit(
                 runs[channel].append(columns[channel])
         return likelihood({channel: np.array(values) for channel, values in runs.items()})
 
-    sampling = sample(evaluate, len(OWN_RANGES), members=MEMBERS, rounds=ROUNDS, effective=100, seed=seed)
+    sampling = sample(evaluate, len(OWN_RANGES), members=MEMBERS, rounds=ROUNDS, effective=200, seed=seed)
     return np.concatenate(draws), sampling
 
 

@@ -45,16 +45,16 @@ def test_the_end_of_a_posterior_that_is_long_and_bent_is_reached():
         )
 
     ends = []
-    for seed in range(2):
+    for seed in range(6):
         calls = []
 
         def likelihood(cube, calls=calls):
             calls.append(cube)
             return bent(special.ndtri(np.concatenate(calls)))
 
-        result = sample(likelihood, 4, members=32, rounds=40, effective=100, seed=seed)
+        result = sample(likelihood, 4, members=32, rounds=40, effective=200, seed=seed)
         ends.append(float(weighted_quantile(result.cube[:, 1], result.weights, 0.95)))
-    assert np.mean(ends) > 0.88  # 0.975; proposals with lighter tails end at 0.78
+    assert np.mean(ends) > 0.92  # 0.972; proposals of all draws alone end at 0.9
 
 
 def test_without_information_the_draws_are_those_of_the_range():
