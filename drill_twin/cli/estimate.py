@@ -114,16 +114,16 @@ def estimate(
 
 def _shown(found: Estimate, scene: Scene, troubles: dict[str, int]) -> Iterator[Table | str]:
     from drill_twin.studies.estimation.prediction import HELD, shown_unit
-    from drill_twin.studies.fitting.posterior import of_law
+    from drill_twin.studies.fitting.posterior import of_law, shown_number
     from drill_twin.studies.goodness import table as goodness_table
 
     if found.alarm:
         yield found.alarm
     rows = []
     for name, band in {**found.numbers, **found.sensors}.items():
-        size, unit = shown_unit(name, scene.unit_system) if name in found.sensors else (1.0, "SI")
+        size, unit = shown_unit(name, scene.unit_system) if name in found.sensors else shown_number(name, scene)
         mean, low, high = (f"{size * value:.4g}" for value in (band.mean, band.low, band.high))
-        rows.append((f"{name} [{unit}]", mean, f"{size * band.deviation:.2g}", low, high))
+        rows.append((f"{name} [{unit}]" if unit else name, mean, f"{size * band.deviation:.2g}", low, high))
     title = f"{scene.name} at {found.time:g} s"
     yield Table(("", "mean", "deviation", "low", "high"), rows, title=title, right=(1, 2, 3, 4))
     for key, share in found.untold.items():

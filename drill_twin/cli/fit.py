@@ -92,16 +92,22 @@ def fit(
 def _shown(found: Posterior) -> Iterator[Table | Text | str]:
     from rich.text import Text
 
+    from drill_twin.studies.fitting.posterior import shown_number
     from drill_twin.studies.goodness import table as goodness_table
 
     if found.unexplained:
         yield Text(f"{found.unexplained}; intervals count with what is left, not with what is hidden in it", "bold red")
     rows = []
     for key in found.ranges:
-        inside = [f"{found.quantile(key, share):.4g}" for share in (0.05, 0.5, 0.95)]
-        rows.append((key, f"{found.best[key]:.4g}", *inside))
-    heading = ("number (SI)", "best", "5 %", "median", "95 %")
-    yield Table(heading, rows, title=f"{found.scene.name}: {len(found.values)} runs", right=(1, 2, 3, 4))
+        size, unit = shown_number(key, found.scene)
+        values = (found.best[key], *(found.quantile(key, share) for share in (0.05, 0.5, 0.95)))
+        rows.append((f"{key} [{unit}]" if unit else key, *(f"{size * value:.4g}" for value in values)))
+    yield Table(
+        ("number", "best", "5 %", "median", "95 %"),
+        rows,
+        title=f"{found.scene.name}: {len(found.values)} runs",
+        right=(1, 2, 3, 4),
+    )
     if found.sampling.power < 1.0:
         yield Text("the draws are still wider than the record allows; more --rounds narrow the intervals", "yellow")
     for line in found.undetermined:

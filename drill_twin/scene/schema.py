@@ -137,10 +137,24 @@ class Scene(Part):
 
 def number_at(scene: Scene, key: str) -> float | None:
     """Value of a number of a scene in SI, by a key as `string.sections.0.length`; None if there is none."""
+    found = _reached(scene, key)
+    return float(found) if isinstance(found, int | float) and not isinstance(found, bool) else None
+
+
+def unit_at(scene: Scene, key: str) -> str:
+    """SI unit of a number of a scene, by the same key; empty without one."""
+    place, _, name = key.rpartition(".")
+    fields = getattr(type(_reached(scene, place) if place else scene), "model_fields", {})
+    kinds = fields[name].metadata if name in fields else []
+    return next((str(kind.dimension.unit) for kind in kinds if hasattr(kind, "dimension")), "")
+
+
+def _reached(scene: Scene, key: str) -> object:
+    """Part of a scene at a key; None if there is none."""
     found: object = scene
     for part in key.split("."):
         if isinstance(found, tuple):
             found = found[int(part)] if part.isdigit() and int(part) < len(found) else None
         else:
             found = getattr(found, part, None)
-    return float(found) if isinstance(found, int | float) and not isinstance(found, bool) else None
+    return found

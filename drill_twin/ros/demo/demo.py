@@ -160,12 +160,22 @@ def options_from(arguments: Sequence[str]) -> DemoOptions:
     from drill_twin.core.units.dimension import TIME
 
     defaults = DemoOptions()
-    parser = argparse.ArgumentParser(prog="demo", description=__doc__.partition("\n")[0])
-    parser.add_argument("--out", type=Path, default=defaults.out, help="folder of the result (%(default)s)")
-    parser.add_argument("--scene", default=defaults.scene, help="preset or scene file (%(default)s)")
+    parser = argparse.ArgumentParser(
+        prog="drill-twin ros demo",
+        description="Run a scene as ROS 2 nodes on this machine, record it, and draw the report.",
+    )
+    parser.add_argument("--out", type=Path, default=defaults.out, help="new folder of the result (%(default)s)")
+    parser.add_argument(
+        "--scene", default=defaults.scene, help="name of an installed scene, or a scene file (%(default)s)"
+    )
     parser.add_argument("--duration", default="0", help='simulated time, as "30 s" or in s; 0: the scene\'s')
-    parser.add_argument("--pace", default=defaults.pace, choices=("realtime", "fast", "lockstep"))
-    parser.add_argument("--replace", action="store_true", help="move an older result to OUT.old")
+    parser.add_argument(
+        "--pace",
+        default=defaults.pace,
+        choices=("realtime", "fast", "lockstep"),
+        help="pace of the simulator; lockstep: as fast as possible, and the same frames each time",
+    )
+    parser.add_argument("--replace", action="store_true", help="replace an older result, which is moved to OUT.old")
     given = parser.parse_args(arguments)
     return DemoOptions(given.out, given.scene, in_si("--duration", given.duration, TIME), given.pace, given.replace)
 

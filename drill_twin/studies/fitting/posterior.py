@@ -14,6 +14,7 @@ from drill_twin.core.arrays import Array
 from drill_twin.scene import Scene
 from drill_twin.scene.load import build_scene
 from drill_twin.scene.overrides import full_key
+from drill_twin.scene.schema import unit_at
 from drill_twin.studies.fitting.likelihood import noise_in
 from drill_twin.studies.fitting.record import Record
 from drill_twin.studies.fitting.sampling import Sampling
@@ -224,6 +225,11 @@ def of_law(keys: Iterable[str], scene: Scene) -> list[str]:
         for key in keys
         if full_key(key, scene) in AT_REST
     ]
+
+
+def shown_number(key: str, scene: Scene) -> tuple[float, str]:
+    """Size of an SI number of a scene in the units of its reader, and their name; of a factor 1 and nothing."""
+    return scene.unit_system.in_unit(unit_at(scene, full_key(key, scene)))
 
 
 def fit_figure(found: Posterior) -> Figure:

@@ -51,7 +51,7 @@ def calibrate(
     generations: Annotated[
         int, typer.Option("--generations", min=0, help="Generations after the first; 0: only the scene as it is.")
     ] = 30,
-    workers: WorkersOption = 1,
+    workers: WorkersOption = 0,
     replace: ReplaceOption = False,
     json: JsonOption = False,
 ) -> None:
