@@ -46,7 +46,7 @@ def chart(figure: Figure) -> dict[str, Any]:
     """Title and panels of a figure; numbers are float32 in base64."""
     width, height = figure.get_size_inches()
     panels = [_panel(axes, float(width), float(height)) for axes in figure.axes]
-    return {"title": str(figure.get_label()), "panels": panels}
+    return {"title": figure.get_suptitle(), "panels": panels}
 
 
 def _panel(axes: Axes, width: float, height: float) -> dict[str, Any]:

@@ -178,7 +178,7 @@ def test_figures_over_time_share_their_axis_and_draw_the_onset(recording):
 @pytest.mark.parametrize("name", FIGURES)
 def test_figures_have_titles_and_units(recording, name):
     figure = drawn(name, recording)
-    assert figure.get_label()
+    assert figure.get_suptitle()
     labels = [text for panel in figure.axes for text in (panel.get_xlabel(), panel.get_ylabel()) if text]
     assert any("[" in label for label in labels)
 
@@ -188,7 +188,7 @@ def test_displacement_is_that_of_the_centre_line(recording):
     figure = drawn("displacement", recording)
     assert len(figure.axes) == 3  # marks 3 and 4 are at one place
     for panel in figure.axes:
-        x = next(line.get_ydata() for line in panel.get_lines() if line.get_label() == "x")
+        x = next(line.get_ydata() for line in panel.get_lines() if line.get_suptitle() == "x")
         assert np.abs(x[:250]).max() == pytest.approx(1.0, rel=0.01)
         assert np.abs(x).max() == pytest.approx(31.0, rel=0.02)
 
@@ -284,7 +284,7 @@ def test_rotation_to_the_left_turns_the_spectrum_round(recording, messages, writ
 def test_short_bags_without_whirl_are_drawn_too(messages, write, last):
     short = read_recording(write([row for row in messages if row[1] <= last]))
     for name in FIGURES:
-        assert drawn(name, short).get_label()
+        assert drawn(name, short).get_suptitle()
 
 
 def test_bag_without_poses_is_drawn_without_the_view(messages, write, tmp_path):

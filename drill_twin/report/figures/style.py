@@ -138,8 +138,7 @@ def unbridged(time: Array, values: Array) -> tuple[Array, Array]:
 
 
 def head(figure: Figure, title: str) -> None:
-    """Draw the title of a figure, at its upper left; its label is the same."""
-    figure.set_label(title)  # get_suptitle came with matplotlib 3.8, and Ubuntu 24.04 has 3.6
+    """Draw the title of a figure, at its upper left."""
     place = 1.0 - 0.08 / figure.get_size_inches()[1]
     figure.suptitle(title, x=0.012, y=place, ha="left", va="top", fontsize=13, fontweight="bold")
 
