@@ -63,12 +63,12 @@ class Branch:
 
 def load_of(turning: TurningEquations, command: Command, low: float, high: float) -> BranchParameter:
     """Weight on bit as parameter [N]."""
-    return BranchParameter("load", low, high, lambda value: (turning, Command(value, command.rotation)))
+    return BranchParameter("wob", low, high, lambda value: (turning, Command(value, command.rotation)))
 
 
 def speed_of(turning: TurningEquations, command: Command, low: float, high: float) -> BranchParameter:
     """Rotation as parameter [rad/s]."""
-    return BranchParameter("speed", low, high, lambda value: (turning, Command(command.weight_on_bit, value)))
+    return BranchParameter("rpm", low, high, lambda value: (turning, Command(command.weight_on_bit, value)))
 
 
 def key_of(turning: TurningEquations, command: Command, key: str, low: float, high: float) -> BranchParameter:
