@@ -14,7 +14,9 @@ from numpy.typing import NDArray
 from drill_twin.core.arrays import Array
 from drill_twin.core.errors import TableError
 from drill_twin.dynamics.discretisation.discretise import axial_weight, discretise, tubes_of, untwisted
+from drill_twin.dynamics.discretisation.joint import joint_of
 from drill_twin.dynamics.discretisation.resolution import mesh
+from drill_twin.dynamics.torque_drag.analysis import hole_and_string
 from drill_twin.physics.effects.wall import parameters as wall_parameters
 from drill_twin.physics.model.mesh import SPIN, Rod
 from drill_twin.physics.model.section_stress import bending_stress
@@ -38,7 +40,7 @@ class StringForces(NamedTuple):
     torque: Array
     """Torque [N m], right-handed positive, shape (T, n); NaN in a scene without `torsion`."""
     side: Array
-    """Normal force of the wall per length [N/m], shape (T, n)."""
+    """Normal force of the wall per length [N/m], shape (T, n); that of the soft string where it follows the hole."""
 
 
 def string_forces(recording: Recording, poses: slice = slice(None)) -> StringForces | None:
@@ -65,6 +67,9 @@ def string_forces(recording: Recording, poses: slice = slice(None)) -> StringFor
         off = places[..., :2] if law.bore.axis is None else offsets(law.bore.axis, places).off
         depth = np.maximum(np.linalg.norm(off, axis=-1) - law.bore.clearance, 0.0)
         side = (law.stiffness * depth ** (1.5 - 0.5 * law.linear)).reshape(*tension.shape, 2).mean(axis=-1)
+    if joint := joint_of(scene):  # it has no lateral motion above: the force that presses the soft string
+        above, soft = rod.arc[:-1] > joint - 1e-6, hole_and_string(scene, model)
+        side[:, above] = np.stack([soft.pressing(row)[above] for row in tension])
     return StringForces(scene.length - rod.arc, tension, torque, side)
 
 

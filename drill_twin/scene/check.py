@@ -12,6 +12,7 @@ from contextlib import suppress
 from functools import partial
 from typing import Any, Protocol, get_args
 
+from drill_twin.core.units.system import UnitSystem
 from drill_twin.physics.effects.config import BitReaction, EffectConfig, Incompatibility
 from drill_twin.scene.blocks.effects import Effects
 from drill_twin.scene.blocks.hole import Hole
@@ -55,6 +56,10 @@ class SceneParts(Protocol):
     @property
     def sensors(self) -> Sensors | None:
         """Simulated measurements, if any."""
+
+    @property
+    def unit_system(self) -> UnitSystem:
+        """Units in which people read the scene."""
 
 
 class UnknownPartError(Exception):
@@ -107,12 +112,12 @@ def _may_follow_the_hole(scene: SceneParts) -> Iterator[Incompatibility]:
     if depth != "auto" and depth >= scene.string.length:
         yield Incompatibility(
             ("numerics", "lateral_from"),
-            f"expected a depth above the bit ({scene.string.length:.6g} m), found {depth:.6g} m",
+            f"expected a depth above the bit ({scene.unit_system.text(scene.string.length, 'length')}), found "
+            f"{scene.unit_system.text(depth, 'length')}",
         )
     found = [f"effects.{key}" for key in NEED_LATERAL if key in effects.blocks]
     found += ["effects.lateral_kick.offset"] if effects.lateral_kick is not None and effects.lateral_kick.offset else []
     found += ["no stretch and torsion"] if effects.stretch is None else []
-    found += ["numerics.audit: energy"] if numerics.audit != "none" else []
     found += ["numerics.accuracy"] if numerics.accuracy is not None else []
     found += [f"rig.start: {scene.rig.start}"] if scene.rig.start != "axis" else []
     if found:

@@ -7,10 +7,11 @@ import numpy as np
 
 from drill_twin.core.arrays import Array
 from drill_twin.core.compile.jit import as_python
+from drill_twin.dynamics.solver.joined.linear_solver import Workspace
 from drill_twin.physics.effects.wall import Parameters as Wall
 from drill_twin.physics.model.discrete_model import DiscreteModel
-from drill_twin.physics.model.mesh import Rod
-from drill_twin.physics.model.wellbore import axis_offset
+from drill_twin.physics.model.mesh import SPIN, Rod, part_of
+from drill_twin.physics.model.wellbore import axis_offset, offsets
 
 
 class Energy(NamedTuple):
@@ -75,6 +76,33 @@ def lateral_energy(rod: Rod, u: Array, v: Array) -> Energy:
     b = np.einsum("epi,eic->epc", rod.shape[:, :, 2], q)
     bending = 0.25 * float(np.sum((rod.length * rod.bending)[:, None, None] * b**2))
     return Energy(float(kinetic), bending, 0.0, 0.0)
+
+
+def joined_energy(rod: Rod, work: Workspace, u: Array, v: Array) -> Energy:
+    """Energy of a string that follows the hole above a joint, without that of its bending there.
+
+    Args:
+        rod: The string.
+        work: Workspace of the joined form.
+        u: Node rows (r, r', psi), shape (n + 1, 7).
+        v: Their velocities, shape (n + 1, 7).
+    """
+    axis, twist, first = work.nodes, work.twist, work.rod.length.size
+    above = part_of(rod, first, rod.length.size)
+    rows, rates = np.zeros((2, twist.size + 1, 7))
+    rows[:, SPIN] = u[first:, SPIN] - np.append(0.0, np.cumsum(twist * above.length))
+    rates[:, SPIN] = v[first:, SPIN]
+    if axis is None:
+        along, tangent, nearer = u[first:, 2], np.array([0.0, 0.0, 1.0]), np.ones(1)
+    else:
+        at = offsets(axis, u[first:, :3])
+        along, tangent = at.along, at.tangent
+        # nearer to the centre of curvature, z grows faster than the string moves
+        nearer = 1.0 / (1.0 - axis.curvature * (at.off * axis.normal).sum(-1))
+    rows[:, 2], rows[:, 5] = along, (u[first:, 3:6] * tangent).sum(-1)
+    rates[:, 2], rates[:, 5] = nearer * (v[first:, :3] * tangent).sum(-1), (v[first:, 3:6] * tangent).sum(-1)
+    parts = energy(work.rod, u[: first + 1], v[: first + 1]), energy(above, rows, rates)
+    return Energy(*(sum(pair) for pair in zip(*parts, strict=True)))
 
 
 def wall_energy(model: DiscreteModel, wall: Wall, u: Array) -> float:

@@ -67,6 +67,15 @@ def record_load(entries: Array, gauss: Array, account: int, here: Point, load: A
 
 
 @kernel
+def record_side_friction(
+    entries: Array, gauss: Array, account: int, here: Point, along: float, found: tuple[float, ...]
+) -> None:
+    """Record friction on a string that follows the hole, at a speed along it [m/s]: a force and a couple."""
+    power = found[1] * along + found[2] * here.spin_rate
+    entries[POWER, account] += 0.5 * gauss[LENGTH, here.place] * power
+
+
+@kernel
 def record_heat(entries: Array, gauss: Array, account: int, here: Point, power: float) -> None:
     """Record the power that an effect turns into heat at a Gauss point [W/m]."""
     entries[HEAT, account] += 0.5 * gauss[LENGTH, here.place] * power

@@ -33,6 +33,8 @@ from drill_twin.dynamics.audit.energy_ledger import (
     WORK,
 )
 from drill_twin.dynamics.solver.boundary import BIT, RESIDUAL, TOP, turn_row, turn_row_back
+from drill_twin.dynamics.solver.joined.formulation import column as column_above
+from drill_twin.dynamics.solver.joined.linear_solver import ALONG
 from drill_twin.dynamics.solver.lateral.formulation import column
 from drill_twin.dynamics.solver.lateral.linear_solver import ADDED, HALF_STEP, NODE, RENEW, RENEW_STEPS, TORQUE
 from drill_twin.dynamics.solver.state import State
@@ -75,6 +77,12 @@ def close_step(parameters: Any, rod: Rod, state: State) -> None:
         entries[WORK, CLAMP] += change * momentum
 
 
+@kernel
+def add_power(entries: Array, c: int, driven: bool, power: float) -> None:
+    """Add the power of a residual [W] in the column c of a node: a reaction's, or what Newton's method left."""
+    entries[POWER, (DRIVE if c == SPIN else CLAMP) if driven else NEWTON] += power
+
+
 def bind_spatial(build: Any) -> Callable[..., None]:
     """The audit of a step of the spatial form; `build` fills the system with effects that record their work."""
 
@@ -90,8 +98,33 @@ def bind_spatial(build: Any) -> Callable[..., None]:
             for c in range(7):
                 power = scratch.diagonal[i, c, RESIDUAL] * state.trial[i, c]
                 driven = (i == 0 and constrained[0, c]) or (i == last and constrained[1, c])
-                entries[POWER, (DRIVE if c == SPIN else CLAMP) if driven else NEWTON] += power
+                add_power(entries, c, driven, power)
         turn_row_back(state.bit_frame, state.trial[0])
+        end_step(entries, state, 2.0 * half_step)
+
+    return audit
+
+
+def bind_joined(build: Any) -> Callable[..., None]:
+    """The audit of a step of the joined form; `build` as for `bind_spatial`. The forces at the joint do no net work."""
+
+    @kernel
+    def audit(
+        parameters: Any, rod: Rod, scratch: Any, constrained: Array, state: State, time: float, half_step: float
+    ) -> None:
+        entries, free, below = parameters.ledger.entries, parameters.ledger.constrained, scratch.below.diagonal
+        start_step(entries)
+        build(parameters, rod, scratch, free, state, time, half_step, False, OUTSIDE_ITERATION)
+        turn_row(state.bit_frame, state.trial[0])
+        for i in range(below.shape[0]):
+            for c in range(7):
+                add_power(entries, c, i == 0 and constrained[0, c], below[i, c, RESIDUAL] * state.trial[i, c])
+        turn_row_back(state.bit_frame, state.trial[0])
+        for j in range(scratch.right.shape[0]):
+            for k in range(ALONG):
+                c = column_above(k)
+                driven = j == scratch.right.shape[0] - 1 and constrained[1, c]
+                add_power(entries, c, driven, scratch.right[j, k] * scratch.rate[j, k])
         end_step(entries, state, 2.0 * half_step)
 
     return audit

@@ -19,7 +19,7 @@ from drill_twin.dynamics.discretisation.discretise import (
 from drill_twin.dynamics.solver.joined.linear_solver import Workspace, make_workspace
 from drill_twin.physics.effects.gravity import line_weight
 from drill_twin.physics.model.discrete_model import DiscreteModel
-from drill_twin.physics.model.mesh import Rod, Tube, build_rod, tube_constants
+from drill_twin.physics.model.mesh import Tube, build_rod, part_of, tube_constants
 from drill_twin.physics.model.wellbore import Axis
 from drill_twin.scene import Scene
 from drill_twin.scene.set_points import extremes
@@ -92,9 +92,9 @@ def cut(tubes: list[Tube], at: float) -> tuple[list[Tube], list[Tube]]:
     return below, above
 
 
-def counts_above(above: list[Tube]) -> list[int]:
-    """Elements of each piece above the joint."""
-    return [math.ceil(tube.length / LONGEST_ABOVE) for tube in above]
+def counts_above(above: list[Tube], finer: float = 1.0) -> list[int]:
+    """Elements of each piece above the joint, so many times those of `LONGEST_ABOVE`."""
+    return [math.ceil(finer * tube.length / LONGEST_ABOVE - 1e-9) for tube in above]
 
 
 def joined_workspace(scene: Scene, model: DiscreteModel, constrained: Mask) -> Workspace:
@@ -110,7 +110,7 @@ def joined_workspace(scene: Scene, model: DiscreteModel, constrained: Mask) -> W
     m = rod.length.size - first
     nodes, points, twist = axis_at(scene, rod.arc[-1] - rod.arc[first:]), model.wellbore.axis, np.zeros(m)
     if nodes is not None and points is not None:
-        part = Rod(*(field if field is rod.spin_shape else field[first:] for field in rod))
+        part = part_of(rod, first, rod.length.size)
         twist = np.diff(untwisted(part, np.column_stack((nodes.centre, nodes.tangent, np.zeros(m + 1))))) / part.length
         points = Axis(*(np.ascontiguousarray(field[2 * first :]) for field in points))
     return make_workspace(rod, m, constrained, nodes, points, twist)

@@ -36,8 +36,10 @@ def mesh(scene: Scene, elements: int) -> Rod:
     tubes, joint = tubes_of(scene), joint_of(scene)
     if joint is not None:
         below, above = cut(tubes, joint)
-        counts, lengths = counts_above(above), np.array([tube.length for tube in below])
-        wanted = elements_needed(scene, joint)[: len(below)] if scene.length >= LONG else lengths
+        wanted, counts = np.array([tube.length for tube in below]), counts_above(above)
+        if scene.length >= LONG:
+            wanted = elements_needed(scene, joint)[: len(below)]
+            counts = counts_above(above, elements / (max(math.ceil(wanted.sum()), FEWEST) + sum(counts)))
         return rod_of([*below, *above], elements_per_section(wanted, elements - sum(counts)) + counts)
     if scene.length < LONG:
         return build_rod(tubes, elements)

@@ -50,17 +50,21 @@ def _joint(scene: Scene) -> Iterator[str]:
         if scene.numerics.lateral_from == "auto":
             yield "`numerics.lateral_from: auto` is 0 m: the whole string moves laterally"
         return
-    depth, buckled = scene.length - joint, buckled_up_to(scene)
+    buckled = buckled_up_to(scene)
+    depth, above_bit, reaches, at_most = (
+        scene.unit_system.text(each, "length")
+        for each in (scene.length - joint, joint, buckled, max(scene.length - buckled, 0.0))
+    )
     above = [mark.name for mark in scene.string.marks if mark.distance_from_bit > joint]
     stays = f"; marks that stay on the axis: {', '.join(above)}" if above else ""
     yield (
-        f"lateral motion from {depth:.6g} m on, {joint:.6g} m above the bit (`numerics.lateral_from`); the string "
+        f"lateral motion from {depth} on, {above_bit} above the bit (`numerics.lateral_from`); the string "
         f"above it follows the hole, stretches and twists{stays}"
     )
     if buckled > joint:
         yield (
-            f"pipe up to {buckled:.4g} m from the bit may buckle, but has no lateral motion there: expected "
-            f"numerics.lateral_from at most {max(scene.length - buckled, 0.0):.6g} m"
+            f"pipe up to {reaches} from the bit may buckle, but has no lateral motion there: expected "
+            f"numerics.lateral_from at most {at_most}"
         )
 
 
@@ -93,25 +97,26 @@ def _rotary_drag(scene: Scene) -> Iterator[str]:
     drag = getattr(scene.effects, "drag", None)
     if drag is None or drag.rotary == 0.0:
         return
-    speed, tubes = extremes(scene).rotation, sections_of(scene)
+    speed, tubes, units = extremes(scene).rotation, sections_of(scene), scene.unit_system
     torque = drag.rotary * scene.length * speed
     stiffness = tube_constants(tubes[-1])[2]
     shear = torque / stiffness * 0.5 * tubes[-1].outer_diameter
     if shear > LARGEST_SHEAR:
         yield (
-            f"`effects.drag.rotary` takes {torque:.3g} N m from the top drive at {speed * 30.0 / math.pi:.3g} rpm over "
-            f"{scene.length:.6g} m: a shear strain of {100.0 * shear:.2g} % at the top, more than a tenth of what "
-            "steel pipe carries; the couple of mud is far smaller (`mud` with `rotation_drag`)"
+            f"`effects.drag.rotary` takes {units.text(torque, 'torque')} from the top drive at "
+            f"{speed * 30.0 / math.pi:.3g} rpm over {units.text(scene.length, 'length')}: a shear strain of "
+            f"{100.0 * shear:.2g} % at the top, more than a tenth of what steel pipe carries; "
+            "the couple of mud is far smaller (`mud` with `rotation_drag`)"
         )
 
 
 def _friction_below_the_string(scene: Scene) -> Iterator[str]:
-    friction = getattr(scene.effects, "wall_friction", None)
+    friction, units = getattr(scene.effects, "wall_friction", None), scene.unit_system
     for index, interval in enumerate(friction.intervals if friction else ()):
         if interval.top >= scene.length:
             yield (
-                f"`effects.wall_friction.intervals[{index}]` begins at {interval.top:.6g} m, below the bit at "
-                f"{scene.length:.6g} m: no part of the string is in it"
+                f"`effects.wall_friction.intervals[{index}]` begins at {units.text(interval.top, 'length')}, below the "
+                f"bit at {units.text(scene.length, 'length')}: no part of the string is in it"
             )
 
 
@@ -128,7 +133,7 @@ def _rolling(scene: Scene) -> Iterator[str]:
     followed = ratio * turns * STEPS_IN_ORBIT <= steps
     if shown.all() and followed.all():
         return
-    pieces, worst = scene.string.pieces, ratio[fastest] * turns
+    pieces, worst, units = scene.string.pieces, ratio[fastest] * turns, scene.unit_system
     length = sum(piece.length for piece, good in zip(pieces, shown & followed, strict=True) if not good)
     lacks = []
     if not shown.all():
@@ -140,6 +145,7 @@ def _rolling(scene: Scene) -> Iterator[str]:
         lacks.append(f"a step of {1e3 / steps:.3g} ms, this needs one of {1e3 / STEPS_IN_ORBIT / worst:.3g} ms")
     yield (
         f"backward whirl may be missed: rolling along the wall, {pieces[fastest].section.name or 'the string'}, "
-        f"{middle[fastest]:.4g} m from the bit, whirls at -{ratio[fastest]:.3g} times the rotation (radius over "
-        f"clearance), {worst:.3g} Hz; {'; '.join(lacks)}; so for {length:.4g} m of the string"
+        f"{units.text(middle[fastest], 'length')} from the bit, whirls at -{ratio[fastest]:.3g} times the rotation "
+        f"(radius over clearance), {worst:.3g} Hz; {'; '.join(lacks)}; so for "
+        f"{units.text(length, 'length')} of the string"
     )

@@ -147,50 +147,63 @@ class Parameters(NamedTuple):
 
 
 effects = Effects({", ".join(HOOKS)})
-{_above(effects) if form == "joined" else "form = formulation.bind(effects)"}'''
+{_above(effects) if form == "joined" else ""}
+form = {_bind(form)}'''
 
 
-def _above(effects: Sequence[str]) -> str:
-    """The part of a module that binds the joined form: what acts on a string that follows the hole."""
-    along = [name for name in effects if not effect_config(name).across and key_of(name) != "wall_friction"]
-    law = next((name.partition(":")[2] for name in effects if key_of(name) == "wall_friction"), None)
-    bound, rub = "", "across, 0.0, 0.0, 0.0, 0.0, 0.0"
-    if law is not None:
-        bound = f'\nside_friction = friction.side_friction("{law}")\n'
-        rub = "side_friction(parameters.wall_friction, parameters.wall.lever[here.place], here, along, across)"
+def _bind(form: str, *, audit: bool = False) -> str:
+    """The binding of a form; the joined one takes what acts on a string that follows the hole, too."""
+    bound = "audited" if audit else "effects"
+    if form != "joined":
+        return f"formulation.bind({bound})"
+    prefix = "audited_above_" if audit else "above_"
+    return f"formulation.bind({bound}, {prefix}section_stress, {prefix}distributed_load, {prefix}friction)"
+
+
+def _above(effects: Sequence[str], *, audit: bool = False) -> str:
+    """Functions of what acts on a string that follows the hole."""
+    prefix, bound, lines = "audited_" if audit else "", "", ["return across, 0.0, 0.0, 0.0, 0.0, 0.0"]
+    for number, name in enumerate(effects):
+        if key_of(name) == "wall_friction":
+            bound = f'\nside_friction = friction.side_friction("{name.partition(":")[2]}")\n\n'
+            rub = "side_friction(parameters.wall_friction, parameters.wall.lever[here.place], here, along, across)"
+            account = f"energy_ledger.FIRST_EFFECT + {number}"
+            record = f"energy_ledger.record_side_friction({_LEDGER}, {account}, here, along, found)"
+            lines = [f"found = {rub}", *([record] if audit else []), "return found"]
     functions = "\n\n".join(
-        _function(hook, along, name=f"above_{hook}") for hook in ("section_stress", "distributed_load")
+        _function(hook, effects, audit=audit, above=True) for hook in ("section_stress", "distributed_load")
     )
-    return f"""{bound}{functions}
+    return f"""{functions}
 
-
+{"" if audit else bound}
 @kernel
-def above_friction(parameters, here, along, across):
-    return {rub}
-
-
-form = formulation.bind(effects, above_section_stress, above_distributed_load, above_friction)"""
+def {prefix}above_friction(parameters, here, along, across):
+    {_lines(lines)}"""
 
 
 def _audited(effects: Sequence[str], form: str) -> str:
     """The part of the module for the energy audit: the effects once more, each followed by a record of its work."""
     functions = "\n\n".join(_function(hook, effects, audit=True) for hook in _RECORD)
+    functions += f"\n\n{_above(effects, audit=True)}" if form == "joined" else ""
+    close = "step_audit.close_step" if form != "joined" else "midpoint.no_end"  # no effect shakes the top of that form
     replaced = ", ".join(f"{hook}=audited_{hook}" for hook in _RECORD)
     return f"""
 {functions}
 
 
 audited = effects._replace({replaced})
-audit_step = step_audit.bind_{form}(formulation.bind(audited).build)
-loop = midpoint.bind(form, effects, audit_step, step_audit.close_step)"""
+audit_step = step_audit.bind_{form}({_bind(form, audit=True)}.build)
+loop = midpoint.bind(form, effects, audit_step, {close})"""
 
 
-def _function(hook: str, effects: Sequence[str], *, audit: bool = False, name: str = "") -> str:
-    """A function that calls those of the effects in turn."""
+def _function(hook: str, effects: Sequence[str], *, audit: bool = False, above: bool = False) -> str:
+    """A function that calls those of the effects in turn; above a joint those that do not act across the hole only."""
     lines = [_RIG[hook]] if hook in _RIG else []
     lines += [_BEGIN[hook]] if audit and hook in _BEGIN else []
     damping = hook == "axial_damping"
     for number, effect in sorted(enumerate(effects), key=lambda pair: _comes_later(hook, pair[1])):
+        if above and (effect_config(effect).across or key_of(effect) == "wall_friction"):
+            continue
         account = f"energy_ledger.FIRST_EFFECT + {number}"
         if function := function_name(effect, hook):
             call = f"{key_of(effect)}.{function}({arguments_of(effect, function, HOOKS[hook])})"
@@ -205,7 +218,7 @@ def _function(hook: str, effects: Sequence[str], *, audit: bool = False, name: s
         lines = ["force = 0.0", "slope = 0.0", *lines, *last, "return force, slope"]
     return f"""
 @kernel
-def {name or f"{'audited_' if audit else ''}{hook}"}({HOOKS[hook]}):
+def {"audited_" if audit else ""}{"above_" if above else ""}{hook}({HOOKS[hook]}):
     {_lines(lines or ["pass"])}"""
 
 

@@ -29,6 +29,7 @@ from drill_twin.physics.effects.bit_torque_stribeck import BitTorqueStribeck
 from drill_twin.physics.effects.gravity import line_weight
 from drill_twin.physics.effects.stretch import Stretch
 from drill_twin.physics.effects.torsion import Torsion
+from drill_twin.physics.model.discrete_model import DiscreteModel
 from drill_twin.scene import Scene
 from drill_twin.scene.blocks.top_drive import TopDrive
 
@@ -174,14 +175,13 @@ def analyse(scene: Scene, operations: Sequence[Operation]) -> Statics:
     """
     own = steady(scene)
     balance = SlidingBalance(EquationsOfMotion(own))
-    string = hole_and_string(balance.equations)
+    string = hole_and_string(scene, balance.equations.model)
     found = tuple(_loads(own, balance, string, operation) for operation in operations)
     return Statics(scene, found)
 
 
-def hole_and_string(equations: EquationsOfMotion, bit_depth: float | None = None) -> HoleAndString:
+def hole_and_string(scene: Scene, model: DiscreteModel, bit_depth: float | None = None) -> HoleAndString:
     """The elements of a string in its hole, for the soft string; of its lower part, with the bit at a depth [m]."""
-    scene, model = equations.scene, equations.model
     rod = model.rod
     bit_depth = scene.length if bit_depth is None else bit_depth
     ends = np.minimum(rod.arc, bit_depth)

@@ -69,7 +69,7 @@ def over_depth(scene: Scene, friction: Sequence[float], depths: int) -> OverDept
     hookload = np.empty((len(wanted), coefficients.size, depths))
     torque = np.empty((coefficients.size, depths))
     for d, bit in enumerate(depth.tolist()):
-        string = hole_and_string(equations, bit)
+        string = hole_and_string(equations.scene, equations.model, bit)
         own = np.zeros(string.length.size, bool) if law is None else abs(string.friction - law.coefficient) > OWN
         for f, coefficient in enumerate(coefficients.tolist()):
             rubbing = string._replace(friction=np.where(own, string.friction, coefficient))

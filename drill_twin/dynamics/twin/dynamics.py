@@ -8,6 +8,7 @@ import numpy as np
 
 from drill_twin.core.arrays import Array
 from drill_twin.core.compile.packed_arguments import Packed, pack
+from drill_twin.dynamics.audit.energy import Energy, energy, joined_energy, lateral_energy
 from drill_twin.dynamics.audit.energy_ledger import make_energy_ledger
 from drill_twin.dynamics.discretisation.discretise import BoundaryConditions, discretise, set_initial_state, survey_of
 from drill_twin.dynamics.discretisation.joint import joined_workspace
@@ -249,6 +250,12 @@ class Dynamics:
         """Simulated time and history of the steps, see `drill_twin.dynamics.solver.state`."""
         clock: Array = self._state.clock
         return clock
+
+    def energy_of(self, u: Array, v: Array) -> Energy:
+        """Energy of node rows (r, r', psi) and their velocities, shape (n + 1, 7) each, as the kernel samples it."""
+        if self.form == LATERAL:
+            return lateral_energy(self.rod, u, v)
+        return energy(self.rod, u, v) if self.form == SPATIAL else joined_energy(self.rod, self._work, u, v)
 
     def largest_change(self) -> int:
         """Node with the largest change, in tolerances, of the last Newton iteration."""

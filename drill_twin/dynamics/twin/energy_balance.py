@@ -8,12 +8,12 @@ the error of Newton's method. Any force missing in the ledger appears in the res
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
 from drill_twin.core.arrays import Array
-from drill_twin.dynamics.audit.energy import energy, lateral_energy, wall_energy
+from drill_twin.dynamics.audit.energy import Energy, wall_energy
 from drill_twin.dynamics.audit.energy_ledger import (
     ACCOUNTS,
     BEGUN,
@@ -42,9 +42,15 @@ class EnergyAudit:
     """Energy balance of one twin."""
 
     def __init__(
-        self, ledger: EnergyLedger, effects: Sequence[str], model: DiscreteModel, wall: Wall | None, *, lateral: bool
+        self,
+        ledger: EnergyLedger,
+        effects: Sequence[str],
+        model: DiscreteModel,
+        wall: Wall | None,
+        energy_of: Callable[[Array, Array], Energy],
     ) -> None:
-        self._entries, self._model, self._wall, self._lateral = ledger.entries, model, wall, lateral
+        """`energy_of` is the energy of node rows and their velocities in the formulation of the twin."""
+        self._entries, self._model, self._wall, self._energy_of = ledger.entries, model, wall, energy_of
         self._effects = tuple(effects)
         rod = model.rod
         self._least = 0.5 * float(np.sum(rod.line_mass * rod.length)) * SLOWEST**2
@@ -56,9 +62,8 @@ class EnergyAudit:
             self._entries[START, :STORED] = self._stored(u, v)
 
     def _stored(self, u: Array, v: Array) -> Array:
-        rod = self._model.rod
         held = wall_energy(self._model, self._wall, u) if self._wall is not None else 0.0
-        return np.array([*(lateral_energy if self._lateral else energy)(rod, u, v), held])
+        return np.array([*self._energy_of(u, v), held])
 
     def balance(self, u: Array, v: Array) -> tuple[EnergyBalance, float]:
         """Energy balance, and the change of its residual since the last call [J].

@@ -8,7 +8,6 @@ import numpy as np
 
 from drill_twin.core.arrays import Array
 from drill_twin.core.errors import ArgumentError
-from drill_twin.dynamics.discretisation.kernel_arguments import LATERAL
 from drill_twin.dynamics.solver.state import HALVINGS, PAUSED, REACHED, STEPS
 from drill_twin.dynamics.twin.binding import read_past
 from drill_twin.dynamics.twin.dynamics import Dynamics
@@ -45,11 +44,10 @@ class Twin:
         """
         self.scene = scene
         self.dynamics = dynamics = Dynamics(scene)
-        lateral = dynamics.form == LATERAL
         self.energy_audit: EnergyAudit | None = None
         if scene.numerics.audit == "energy":
             self.energy_audit = EnergyAudit(
-                dynamics.parameters.ledger, dynamics.effects, self.model, dynamics.wall, lateral=lateral
+                dynamics.parameters.ledger, dynamics.effects, self.model, dynamics.wall, dynamics.energy_of
             )
         self._guard = StepGuard(dynamics)
         self._loop = FrameLoop(dynamics)

@@ -60,7 +60,7 @@ def test_a_rotary_drag_copied_to_a_long_string_is_told():
     fine = {"numerics.elements": "1000", "rig.rotation.value": "120 rpm"}
     assert notes_on(load_scene("bha_full_size", overrides=fine)) == []
     (note,) = notes_on(load_scene("bha_full_size", overrides=LONG | fine))
-    assert "takes 9.05e+03 N m from the top drive at 120 rpm over 3600 m" in note
+    assert "takes 9.048 kN m from the top drive at 120 rpm over 3600 m" in note
 
 
 def test_notes_are_in_the_diagnostics():

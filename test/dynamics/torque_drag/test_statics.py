@@ -120,7 +120,8 @@ def test_lock_up_of_a_straight_hole() -> None:
     string = scene.string.model_copy(update={"sections": stiff})
     own = scene.model_copy(update={"hole": level, "string": string})
     solver = SlidingBalance(EquationsOfMotion(steady(own)))
-    elements, slide = hole_and_string(solver.equations), Operation("slide", 1.0, -0.01, 0.0)
+    elements = hole_and_string(solver.equations.scene, solver.equations.model)
+    slide = Operation("slide", 1.0, -0.01, 0.0)
     weight = sum(part.mass_per_length * part.length for part in stiff) * 9.81
     exact = weight * (math.cos(1.0) - 0.25 * math.sin(1.0))
     assert lock_up_weight(elements, slide) == pytest.approx(exact, rel=1e-4)

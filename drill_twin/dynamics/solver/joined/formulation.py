@@ -14,37 +14,23 @@ import numpy as np
 
 from drill_twin.core.arrays import Array
 from drill_twin.core.compile.jit import kernel
-from drill_twin.dynamics.solver.boundary import (
-    ROTATION,
-    TOP,
-    from_bit,
-    to_bit,
-    turn_blocks,
-    turn_row,
-    turn_row_back,
-    turn_step_back,
-)
+from drill_twin.dynamics.solver.boundary import ROTATION, TOP, from_bit, to_bit, turn_blocks, turn_row, turn_row_back
 from drill_twin.dynamics.solver.interface import Effects, Formulation
 from drill_twin.dynamics.solver.joined import elements
 from drill_twin.dynamics.solver.joined.elements import along
 from drill_twin.dynamics.solver.joined.linear_solver import (
     ALONG,
+    KEPT,
     Workspace,
     add_to_joint,
     eliminate_above,
+    keep_above,
     solve_above,
 )
 from drill_twin.dynamics.solver.spatial import assembly
-from drill_twin.dynamics.solver.spatial.formulation import add_ends, begin, constrain, finish, update_reactions
+from drill_twin.dynamics.solver.spatial import formulation as lower
 from drill_twin.dynamics.solver.spatial.linear_solver import NODE, solve_blocks
-from drill_twin.dynamics.solver.state import (
-    BIT_IMPULSE,
-    HOOK_IMPULSE,
-    TORQUE_IMPULSE,
-    State,
-    StepControl,
-    extrapolation_weights,
-)
+from drill_twin.dynamics.solver.state import BIT_IMPULSE, HOOK_IMPULSE, KNOWN, TORQUE_IMPULSE, State, StepControl
 from drill_twin.physics.model.mesh import SPIN, Rod
 from drill_twin.physics.model.wellbore import Axis, distance_along
 
@@ -119,35 +105,22 @@ def join(scratch: Workspace, row: Array, rates: Array, old: Array) -> None:
 @kernel
 def predict(scratch: Workspace, constrained: Array, state: State, half_step: float) -> None:
     """Extrapolate the mid-step velocity; constrained unknowns move as prescribed."""
-    now, last, before = extrapolation_weights(state.clock, 2.0 * half_step)
     first, top = scratch.rod.length.shape[0], state.u.shape[0] - 1
-    for i in range(first + 1):
-        for c in range(NODE):
-            state.trial[i, c] = now * state.v[i, c] + last * state.middle[i, c] + before * state.earlier[i, c]
+    lower.predict(scratch.below, constrained, state, half_step)
     for j in range(1, scratch.start.shape[0]):
         i = first + j
         read_node(scratch.nodes, j, state.u[i], state.v[i], scratch.start[j], scratch.old[j])
         for k in range(ALONG):
             c = column(k)
-            state.trial[i, c] = now * scratch.old[j, k] + last * state.middle[i, c] + before * state.earlier[i, c]
-    turn_row(state.bit_frame, state.trial[0])
-    for c in range(NODE):
-        if constrained[0, c]:
-            state.trial[0, c] = 0.0
-        if constrained[1, c]:
-            state.trial[top, c] = 0.0
-    turn_row_back(state.bit_frame, state.trial[0])
-    if constrained[1, SPIN]:
-        state.trial[top, SPIN] = scratch.command[ROTATION]
+            if state.clock[KNOWN] < 1.0 and not (i == top and constrained[1, c]):  # of `v`, which is in space
+                state.trial[i, c] = scratch.old[j, k]
 
 
 @kernel
 def move_to_middle(scratch: Workspace, state: State, half_step: float) -> None:
     """Set the configuration at mid-step."""
     first = scratch.rod.length.shape[0]
-    for i in range(first + 1):
-        for c in range(NODE):
-            state.place[i, c] = state.u[i, c] + half_step * state.trial[i, c]
+    lower.move_to_middle(state, half_step)
     for j in range(1, scratch.start.shape[0]):
         i = first + j
         for k in range(ALONG):
@@ -176,14 +149,18 @@ def close_top(scratch: Workspace, constrained: Array) -> None:
                 other[i, k] = 0.0
             own[i, i] = 1.0
             scratch.right[m, i] = 0.0
-    ends[:] = 0.0
 
 
 @kernel
 def solve(scratch: Workspace) -> bool:
-    """Solve the system: above the joint, below it, and above it again."""
+    """Solve the system: above the joint, below it, and above it again.
+
+    Above the joint a system that has been kept is one whose residual the last Newton step has removed.
+    """
     below = scratch.below
-    if not eliminate_above(scratch):
+    if scratch.size[KEPT] > 0.0:
+        keep_above(scratch)
+    elif not eliminate_above(scratch):
         return False
     add_to_joint(scratch)
     if not solve_blocks(below.lower, below.diagonal, below.upper, below.spare):
@@ -195,47 +172,28 @@ def solve(scratch: Workspace) -> bool:
 @kernel
 def correct(scratch: Workspace, state: State, control: StepControl, half_step: float) -> float:
     """Apply the Newton step; returns its size in tolerances, NaN if it is not finite."""
-    below, top, change = scratch.below, scratch.top, scratch.change
+    top, change = scratch.top, scratch.change
     first, m = scratch.rod.length.shape[0], scratch.solved.shape[0]
-    update_reactions(below)
-    turn_step_back(state.bit_frame, below.diagonal[0])
+    size = lower.correct(scratch.below, state, control, half_step)
     for i in range(ALONG):
         for k in range(ALONG):
             top[i, 6] -= top[i, k] * change[m, k] + top[i, ALONG + k] * change[m - 1, k]
     position, angle, total = 0.0, 0.0, 0.0
-    for i in range(first + 1):
-        for c in range(NODE):
-            step = below.diagonal[i, c, NODE]
-            state.trial[i, c] -= step
-            total += step
-            if c < 3:
-                position = max(position, abs(step))
-            else:
-                angle = max(angle, abs(step))
     for j in range(1, m + 1):
-        row = state.trial[first + j]
-        row[2] -= change[j, 0]
-        row[5] -= change[j, 1]
-        row[SPIN] -= change[j, 2]
+        for k in range(ALONG):
+            state.trial[first + j, column(k)] -= change[j, k]
+            total += change[j, k]
         position = max(position, abs(change[j, 0]))
         angle = max(angle, abs(change[j, 1]), abs(change[j, 2]))
-        total += change[j, 0] + change[j, 1] + change[j, 2]
-    return max(position / control.position, angle / control.angle) * half_step + 0.0 * total
+    scratch.size[0] = max(position / control.position, angle / control.angle) * half_step
+    return float(max(size, scratch.size[0]) + 0.0 * (size + total))
 
 
 @kernel
 def accept(scratch: Workspace, constrained: Array, state: State, counters: Array, half_step: float) -> None:
     """Take the step; a constrained top ends it at the speed that the drive prescribes."""
-    step, first = 2.0 * half_step, scratch.rod.length.shape[0]
-    for i in range(state.u.shape[0]):
-        for c in range(NODE):
-            v = state.trial[i, c]
-            if i <= first:
-                state.u[i, c] += step * v
-                state.v[i, c] = 2.0 * v - state.v[i, c]
-            state.earlier[i, c] = state.middle[i, c]
-            state.middle[i, c] = v
-    last = state.u.shape[0] - 1
+    step, first, last = 2.0 * half_step, scratch.rod.length.shape[0], state.u.shape[0] - 1
+    lower.take_step(state, half_step)
     for j in range(1, scratch.start.shape[0]):
         i = first + j
         for k in range(ALONG):
@@ -261,12 +219,17 @@ def bind(effects: Effects, section_stress: Any, distributed_load: Any, friction:
         first_iteration: bool, number: float,
     ) -> None:  # fmt: skip
         """Fill the system: elements, loads at the ends, constraints."""
-        frame, below = state.bit_frame, scratch.below
+        frame, below, size = state.bit_frame, scratch.below, scratch.size
         move_to_middle(scratch, state, half_step)
+        for c in range(NODE):
+            scratch.held[0, c] = constrained[0, c]
+        # above the joint, where Newton's method has converged in this step, the system is kept
+        size[KEPT] = 1.0 if size[0] < 1.0 and number > 0.0 and not first_iteration else 0.0
         assemble(
             parameters, scratch.rod, below, time, half_step, first_iteration, number, state.place, state.trial, state.v
         )
-        assemble_above(parameters, rod, scratch, time, half_step, first_iteration, number)
+        if size[KEPT] == 0.0:
+            assemble_above(parameters, rod, scratch, time, half_step, first_iteration, number)
         below.ends[:] = 0.0
         # the bit is constrained, loaded and braked along and across the hole
         turn_blocks(frame, below.diagonal[0], below.upper[0], below.lower[0])
@@ -275,8 +238,12 @@ def bind(effects: Effects, section_stress: Any, distributed_load: Any, friction:
         end_load(parameters, rod, scratch.command, time, half_step, state.place, state.trial, state.v, below.ends)
         from_bit(frame, state.place[0], state.trial[0])
         turn_row_back(frame, state.v[0])
-        close_top(scratch, constrained)
-        add_ends(below)
-        constrain(scratch.held, below)
+        if size[KEPT] == 0.0:
+            close_top(scratch, constrained)
+        for c in range(NODE):
+            for k in range(NODE + 1):
+                below.ends[TOP, c, k] = 0.0
+        lower.add_ends(below)
+        lower.constrain(scratch.held, below)
 
-    return Formulation(begin, predict, build, solve, correct, accept, finish, order=2)
+    return Formulation(lower.begin, predict, build, solve, correct, accept, lower.finish, order=2)

@@ -14,11 +14,13 @@ from drill_twin.core.compile.jit import kernel
 from drill_twin.dynamics.solver.spatial.linear_solver import SMALLEST_PIVOT
 from drill_twin.dynamics.solver.spatial.linear_solver import Workspace as Below
 from drill_twin.dynamics.solver.spatial.linear_solver import make_workspace as make_below
-from drill_twin.physics.model.mesh import Rod
+from drill_twin.physics.model.mesh import Rod, part_of
 from drill_twin.physics.model.wellbore import Axis
 
 ALONG = 3
 """Unknowns a node above the joint: coordinate along the hole z, its derivative z' by arc length, spin psi."""
+KEPT = 1
+"""Index into `Workspace.size`."""
 
 
 class Workspace(NamedTuple):
@@ -46,6 +48,7 @@ class Workspace(NamedTuple):
     top: Array  # (3, 7) rows of the top before its constraints: by itself, by the node below; reaction
     element: Array  # (6, 6) tangent of an element: z_0, z'_0, z_1, z'_1, psi_0, psi_1
     forces: Array  # (6,) its residual
+    size: Array  # (2,) of the last Newton step there in tolerances; 1 where the system is that of the iteration before
 
 
 def make_workspace(
@@ -54,7 +57,7 @@ def make_workspace(
     """Arrays of zeros for a string whose last elements, `above` of them, follow the hole."""
     m, n = above, rod.length.size - above
     below = make_below(n)
-    part = Rod(*(field if field is rod.spin_shape else field[: n + 1 if field is rod.arc else n] for field in rod))
+    part = part_of(rod, 0, n)
     held = np.stack([constrained[0], np.zeros(7)])
     nodal: list[Array] = [np.zeros((m + 1, ALONG)) for _ in range(4)]
     blocks: list[Array] = [np.zeros((m, ALONG, ALONG)) for _ in range(2)]
@@ -65,6 +68,7 @@ def make_workspace(
         np.zeros((ALONG, 7)),
         np.zeros((6, 6)),
         np.zeros(6),
+        np.zeros(2),
     )
     right = np.zeros((m + 1, ALONG))
     return Workspace._make((below.command, below, part, held, nodes, points, *arrays, right, *blocks, *rest))
@@ -102,6 +106,15 @@ def eliminate_above(scratch: Workspace) -> bool:
                     scratch.diagonal[j, i, c] -= factor * x[k, c]
                 scratch.right[j, i] -= factor * x[k, ALONG]
     return True
+
+
+@kernel
+def keep_above(scratch: Workspace) -> None:
+    """Set what is left of an eliminated system after its Newton step: the force on the joint, which has moved."""
+    for i in range(ALONG):
+        for k in range(ALONG):
+            scratch.right[0, i] -= scratch.diagonal[0, i, k] * scratch.change[0, k]
+    scratch.solved[:, :, ALONG] = 0.0
 
 
 @kernel

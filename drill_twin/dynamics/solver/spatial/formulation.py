@@ -91,7 +91,7 @@ def correct(scratch: Workspace, state: State, control: StepControl, half_step: f
     update_reactions(scratch)
     turn_step_back(state.bit_frame, scratch.diagonal[0])
     position, angle, total = 0.0, 0.0, 0.0
-    for i in range(state.u.shape[0]):
+    for i in range(scratch.diagonal.shape[0]):
         for c in range(NODE):
             change = scratch.diagonal[i, c, NODE]
             state.trial[i, c] -= change
