@@ -19,7 +19,7 @@ from drill_twin.dynamics.discretisation.discretise import (
 from drill_twin.dynamics.solver.joined.linear_solver import Workspace, make_workspace
 from drill_twin.physics.effects.gravity import line_weight
 from drill_twin.physics.model.discrete_model import DiscreteModel
-from drill_twin.physics.model.mesh import Tube, build_rod, part_of, tube_constants
+from drill_twin.physics.model.mesh import Rod, Tube, build_rod, part_of, tube_constants
 from drill_twin.physics.model.wellbore import Axis
 from drill_twin.scene import Scene
 from drill_twin.scene.set_points import extremes
@@ -97,6 +97,19 @@ def counts_above(above: list[Tube], finer: float = 1.0) -> list[int]:
     return [math.ceil(finer * tube.length / LONGEST_ABOVE - 1e-9) for tube in above]
 
 
+def _mean_curvature(scene: Scene, above: Rod, points: Axis) -> Axis:
+    """The hole at Gauss points with the mean curvature of their half of the element, wherever in it a dogleg begins."""
+    arc = np.interp(np.arange(points.along.size + 1), np.arange(0, points.along.size + 1, 2), above.arc)
+    ends = axis_at(scene, scene.length - arc)
+    if ends is None:
+        return points
+    bend = np.diff(ends.tangent, axis=0) / np.diff(arc)[:, None]
+    bend -= (bend * points.tangent).sum(-1, keepdims=True) * points.tangent
+    curvature = np.linalg.norm(bend, axis=-1)
+    normal = np.where(curvature[:, None] > 0.0, bend / np.maximum(curvature, 1e-300)[:, None], points.normal)
+    return points._replace(normal=normal, curvature=curvature)
+
+
 def joined_workspace(scene: Scene, model: DiscreteModel, constrained: Mask) -> Workspace:
     """Workspace of the joined form.
 
@@ -112,5 +125,5 @@ def joined_workspace(scene: Scene, model: DiscreteModel, constrained: Mask) -> W
     if nodes is not None and points is not None:
         part = part_of(rod, first, rod.length.size)
         twist = np.diff(untwisted(part, np.column_stack((nodes.centre, nodes.tangent, np.zeros(m + 1))))) / part.length
-        points = Axis(*(np.ascontiguousarray(field[2 * first :]) for field in points))
+        points = _mean_curvature(scene, part, Axis(*(field[2 * first :].copy() for field in points)))
     return make_workspace(rod, m, constrained, nodes, points, twist)
