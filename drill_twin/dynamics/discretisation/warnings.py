@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from drill_twin.dynamics.discretisation.discretise import sections_of
-from drill_twin.dynamics.discretisation.joint import buckled_up_to, joint_of
+from drill_twin.dynamics.discretisation.joint import LONGEST_ABOVE, buckled_up_to, joint_of
 from drill_twin.dynamics.discretisation.resolution import (
     ELEMENTS_PER_PITCH,
     LONG,
@@ -51,15 +51,17 @@ def _joint(scene: Scene) -> Iterator[str]:
             yield "`numerics.lateral_from: auto` is 0 m: the whole string moves laterally"
         return
     buckled = buckled_up_to(scene)
-    depth, above_bit, reaches, at_most = (
+    depth, above_bit, reaches, at_most, longest = (
         scene.unit_system.text(each, "length")
-        for each in (scene.length - joint, joint, buckled, max(scene.length - buckled, 0.0))
+        for each in (scene.length - joint, joint, buckled, max(scene.length - buckled, 0.0), LONGEST_ABOVE)
     )
     above = [mark.name for mark in scene.string.marks if mark.distance_from_bit > joint]
     stays = f"; marks that stay on the axis: {', '.join(above)}" if above else ""
+    coarse = f", in elements of up to {longest} (a period of stick-slip may be off by 2 %; more `elements` divide them)"
+    coarse = coarse if scene.numerics.elements == "auto" else ""
     yield (
         f"lateral motion from {depth} on, {above_bit} above the bit (`numerics.lateral_from`); the string "
-        f"above it follows the hole, stretches and twists{stays}"
+        f"above it follows the hole, stretches and twists{coarse}{stays}"
     )
     if buckled > joint:
         yield (
