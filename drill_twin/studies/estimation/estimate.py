@@ -41,7 +41,8 @@ class Estimate:
         whirls: Share of the members that whirl.
         chance: Share of those that whirl within the horizon; NaN if it is not computed.
         unexplained: Time since which the misfit of a channel is far above the predicted [s], by name.
-        jumps: Time of a jump [s] by key, of numbers that are being looked for anew.
+        jumps: Time of a jump [s] by key, of numbers that are being looked for anew; of `UNEXPLAINED`, if none explains
+            it.
         misfit: Rms of measured less predicted over the scale, by channel; NaN where nothing was measured.
         goodness: How well the members explain each channel over the last windows, against the stated errors, by name.
         absurd: Samples left out so far.

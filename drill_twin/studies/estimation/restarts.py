@@ -18,6 +18,7 @@ from scipy import special, stats
 from drill_twin.core.arrays import Array, Mask
 from drill_twin.core.errors import DrillTwinError, RunError
 from drill_twin.studies.estimation.members import EstimatorMembers
+from drill_twin.studies.goodness import noise_of
 
 _BACK = 6, 4, 2
 """Windows to go back: friction at rest shows only when the bit breaks off, windows after it has changed."""
@@ -28,6 +29,9 @@ _TRIALS, _WIDTHS = 16, (0.25, 0.06)
 _EXPLAINS = 1.0
 """Rms of measured less computed over the stated error, up to which a restart explains what was measured. Restarts with
 the number that had jumped reached 0.4 to 0.5, all of them 1.5 to 3.3 after a jump of the string's stiffness."""
+
+_OVER_NOISE = 1.6
+"""The same over the noise of what was measured, where that is larger."""
 
 
 class _Window(NamedTuple):
@@ -97,9 +101,15 @@ class Restarts:
             for width in _WIDTHS:
                 again = self._tried(best.windows, best.chosen, best.centre, width, errors)
                 best = min(best, again, key=lambda one: one.misfit)
-            if best.misfit < _EXPLAINS:
+            if best.misfit < self._limit(errors):
                 return best
         return None
+
+    def _limit(self, errors: Array) -> float:
+        """Misfit up to which a restart explains what was measured, whose noise may be as large as the stated error."""
+        measured = np.concatenate([window.measured for window in self._past], axis=1)
+        noise = np.array([noise_of(row) for row in measured]) / errors[: len(measured)]
+        return max(_EXPLAINS, _OVER_NOISE * float(np.sqrt(np.mean(noise**2))))
 
     def follow(self, restart: Restart) -> None:
         """Set all members back, with the numbers that have changed drawn about their new values, and follow again.
