@@ -21,7 +21,7 @@ PageOption = Annotated[
 ]
 OnlyOption = Annotated[
     str,
-    typer.Option("--only", metavar="TEXT", help="Run only the cases whose name contains this text; `*` is any text."),
+    typer.Option("--only", metavar="TEXT", help="Run only the cases whose name contains this text."),
 ]
 QuickOption = Annotated[bool, typer.Option("--quick", help="Leave out what takes long.")]
 ListOption = Annotated[bool, typer.Option("--list", help="Print the names of the cases and what they are for.")]
