@@ -12,6 +12,7 @@ from drill_twin.dynamics.rotordynamics.steady.branches import branch, key_of, lo
 from drill_twin.dynamics.rotordynamics.steady.steady_whirl import TurningEquations
 from drill_twin.dynamics.rotordynamics.steady.whirl_states import whirl_states
 from drill_twin.scene.set_points.command import Command
+from drill_twin.studies.whirl_states import PARAMETERS
 
 FAST = Command(40.0, 6.5 * math.tau)
 
@@ -28,6 +29,7 @@ def state(turning):
 
 def test_a_branch_over_speed_turns_back_at_a_fold_where_stability_is_lost(turning, state):
     found = branch(speed_of(turning, FAST, 2.0 * math.tau, 7.0 * math.tau), state.whirl, FAST.rotation)
+    assert found.parameter in PARAMETERS  # as the axis of the figure is labelled
     assert len(found.folds) == 1
     fold = found.folds[0]
     assert found.values[fold] < FAST.rotation
@@ -40,6 +42,7 @@ def test_a_branch_over_speed_turns_back_at_a_fold_where_stability_is_lost(turnin
 
 def test_points_of_a_branch_are_states(turning, state):
     found = branch(load_of(turning, FAST, 30.0, 50.0), state.whirl, FAST.weight_on_bit)
+    assert found.parameter in PARAMETERS
     for one in found.states[:: max(1, len(found.states) // 4)]:
         assert np.abs(turning.at(one.whirl).residual).max() < 1e-6
     again = turning.newton(found.states[0].whirl)
