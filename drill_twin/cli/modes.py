@@ -87,7 +87,7 @@ def modes(
     figures = {"modes.png": lambda: shapes_figure(table, arc, named, own.unit_system)}
     if response is not None:
         result["response"] = response_data(response)
-        figures["response.png"] = lambda: response_figure(response, table, named, own.unit_system)
+        figures["response.png"] = lambda: response_figure(response, table, own)
     if diagram is not None:
         result["campbell"] = campbell_data(diagram)
         figures["campbell.png"] = lambda: campbell_figure(diagram, named, own.unit_system)

@@ -11,17 +11,13 @@ from matplotlib.figure import Figure
 
 from drill_twin.core.units.system import UnitSystem
 from drill_twin.report.figures.style import BLUE, GREEN, PURPLE, RIGHT, VERMILION, over_time, styled, unbridged
-from drill_twin.report.load_text import units_of
+from drill_twin.report.load_text import load_rows, units_of
 from drill_twin.report.recording import Recording
 from drill_twin.report.text import rotation
 
 _RECORDED: dict[str, Any] = {"color": BLUE, "linewidth": 2.2, "alpha": 0.45}
 _COMPUTED: dict[str, Any] = {"color": VERMILION, "linewidth": 0.9}
 _BESIDE = tuple({"color": colour, "linewidth": 1.2, "alpha": 0.85} for colour in (BLUE, VERMILION, GREEN, PURPLE))
-_LOADS = (
-    ("hookload", "hookload_n", "force"), ("weight on bit", "weight_on_bit_n", "force"), ("drag", "drag_n", "force"),
-    ("top-drive torque", "top_drive_torque_nm", "torque"), ("bit torque", "bit_torque_nm", "torque"),
-)  # fmt: skip
 
 
 def comparison(recorded: Mapping[str, Any], computed: Mapping[str, Any]) -> list[tuple[str, str, str]]:
@@ -39,10 +35,7 @@ def _values(summary: Mapping[str, Any], units: UnitSystem) -> Iterator[tuple[str
     yield "rotation", rotation(summary, units)
     for mark, radius in summary["max_radius_m"].items():
         yield f"largest radius, {mark}", "not seen" if radius is None else units.text(radius, "offset")
-    for name, key, quantity in _LOADS:
-        found = summary["loads"].get(key)
-        text = found and f"{units.text(found['mean'], quantity)}, {units.span(found['min'], found['max'], quantity)}"
-        yield name, text or "none"
+    yield from load_rows(summary)
     yield "motion at the end", summary["motion"][-1]["state"] if summary["motion"] else "unknown"
     yield "bit at the end", summary["bit"]
     yield "simulated time", f"{summary['duration_s']:.2f} s"

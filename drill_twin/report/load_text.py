@@ -18,18 +18,19 @@ _STRETCHES = 5
 
 
 def load_rows(summary: Summary) -> Iterator[Row]:
-    """Rows on weight on bit, hookload, torque and drag."""
+    """Rows on weight on bit, hookload, torque and drag; the torque of the bit is positive where it resists."""
     units = units_of(summary)
-    for name, key, quantity in (
-        ("weight on bit", "weight_on_bit_n", "force"),
-        ("hookload", "hookload_n", "force"),
-        ("drag", "drag_n", "force"),
-        ("torque of the top drive", "top_drive_torque_nm", "torque"),
-        ("torque on the bit", "bit_torque_nm", "torque"),
+    for name, key, quantity, sign in (
+        ("weight on bit", "weight_on_bit_n", "force", 1.0),
+        ("hookload", "hookload_n", "force", 1.0),
+        ("drag", "drag_n", "force", 1.0),
+        ("torque of the top drive", "top_drive_torque_nm", "torque", 1.0),
+        ("torque on the bit", "bit_torque_nm", "torque", -1.0),  # in the summary that of the rock on the bit
     ):
         if found := summary["loads"].get(key):
-            mean, over = units.text(found["mean"], quantity), units.span(found["min"], found["max"], quantity)
-            yield name, f"{mean} on average, {over}"
+            mean, *ends = (sign * found[of] + 0.0 for of in ("mean", "min", "max"))  # never -0
+            over = units.span(min(ends), max(ends), quantity)
+            yield name, f"{units.text(mean, quantity)} on average, {over}"
 
 
 def severity_rows(summary: Summary) -> Iterator[Row]:

@@ -25,10 +25,11 @@ from drill_twin.whirl import Criteria, MotionState
 _OF_THE_STRING = {MotionState.SPIRAL.value, MotionState.SECOND_BENDING.value}
 """States that only the string has, by its shape."""
 FIELD_NAMES = {
-    MotionState.ROLLING.value: "backward whirl", MotionState.BACKWARD_WHIRL.value: "backward whirl",
-    MotionState.IRREGULAR.value: "chaotic whirl",
+    MotionState.ROLLING.value: "backward whirl", MotionState.IRREGULAR.value: "chaotic whirl",
 }  # fmt: skip
 """Names of states in the field, where they are others (vocabulary of D-WIS)."""
+LAB = "lab"
+"""System of units of a bench, where the levels of downhole tools say nothing."""
 ON_THE_WALL = 1.005
 """Share of the clearance from which the penetration of the wall is told."""
 _VARIES = 0.05
@@ -84,7 +85,7 @@ def findings(summary: Summary) -> Iterator[Row]:
         yield from fatigue_rows(summary)
         yield from bit_rows(summary)
         return
-    yield "motion that lasts", lasting(summary)
+    yield "motion that lasts", f"{lasting(summary)}{_weak(summary)}"
     yield "onset of whirl", _onset(summary)
     yield "whirl frequency", _frequency(summary)
     if summary["spectrum_lines"]:
@@ -192,6 +193,13 @@ def lasting(summary: Summary) -> str:
     return f"{state}, the shape of the string (its marks at the end: {', '.join(marks)})"
 
 
+def _weak(summary: Summary) -> str:
+    """Remark on whirl of a well too weak for the levels of downhole tools; in units of a laboratory there is none."""
+    levels = [found["lateral_level"] for found in summary["acceleration"].values()]
+    weak = summary["onset_s"] is not None and levels and max(levels) == 0 and summary["units"] != LAB
+    return "; its lateral acceleration is of level 0, which a downhole tool does not report" if weak else ""
+
+
 def _onset(summary: Summary) -> str:
     if summary["onset_s"] is None:
         return _no_onset(summary)
@@ -262,8 +270,10 @@ def _ratio(summary: Summary) -> str:
 
 
 def rotation(summary: Summary, units: UnitSystem) -> str:
-    """Rotation as text."""
-    found = summary["rotation_rev_s"]
+    """Rotation as text: that of the top drive in the second half, as `applied`; without it, the mean of the string."""
+    applied_speed, found = summary["applied"]["rotation_rad_s"], summary["rotation_rev_s"]
+    if applied_speed is not None:
+        return units.text(applied_speed["mean"], "rotation")
     return "unknown" if found is None else units.text(math.tau * found, "rotation")
 
 

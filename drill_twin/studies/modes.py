@@ -18,6 +18,7 @@ from drill_twin.dynamics.rotordynamics.campbell import Campbell, GrowthMap
 from drill_twin.dynamics.rotordynamics.forced_response import BEND, JOINT, OFFSET, ForcedResponse
 from drill_twin.dynamics.rotordynamics.modes import LATERAL, ModeTable
 from drill_twin.report.figures.style import BLUE, GREY, INK, MARK_COLOURS, PURPLE, VERMILION, blank, head, styled
+from drill_twin.scene import Scene
 
 
 def modes_data(table: ModeTable) -> dict[str, Any]:
@@ -90,6 +91,8 @@ def growth_data(growth: GrowthMap) -> dict[str, Any]:
 SHAPES = 6
 CONTACTS = 4
 """Contacts drawn, from the bit up."""
+PLACES = 200
+"""Places of the assembly at which its largest clearance is sought."""
 
 
 def shapes_figure(table: ModeTable, arc: Array, name: str, units: UnitSystem) -> Figure:
@@ -116,16 +119,27 @@ def shapes_figure(table: ModeTable, arc: Array, name: str, units: UnitSystem) ->
     return figure
 
 
-def response_figure(response: ForcedResponse, table: ModeTable, name: str, units: UnitSystem) -> Figure:
-    """Amplitudes and side forces over the speed for unbalance (left) and bend, critical speeds dotted."""
-    command, turns = table.balance.command, units.show(response.speeds, "rotation")
+def response_figure(response: ForcedResponse, table: ModeTable, scene: Scene) -> Figure:
+    """Amplitudes and side forces over the speed for unbalance (left) and bend, critical speeds dotted.
+
+    Amplitudes beyond the clearance are pale: the response is linear, and the wall would limit them.
+    """
+    command, units = table.balance.command, scene.unit_system
+    turns = units.show(response.speeds, "rotation")
     causes = (f"mass centre {OFFSET * 1e3:g} mm off", f"lowest joint bent by {BEND * 1e3:g} mm in {JOINT:g} m")
     names = [f"{mark}, {units.text(at, 'length')}" for mark, at in response.marks.items()]
+    assembly = scene.length if table.assembly is None else table.assembly.extent.assembly
+    gaps = [scene.clearance_at(at) for at in (*response.marks.values(), *np.linspace(0.0, assembly, PLACES))]
+    limits = [*gaps[: len(names)], max(gaps)]
     touching = [f"{units.text(low, 'length')} to {units.text(high, 'length')}" for low, high in response.contacts]
     with styled():
         figure = blank(6.4 if touching else 4.0)
         load = units.text(command.weight_on_bit, "force")
-        head(figure, f"{name}: forced response at {load}; dotted: critical speeds, red: its rotation")
+        head(
+            figure,
+            f"{scene.name}: forced response at {load}; dotted: critical speeds, red: its rotation\n"
+            "linear; pale: beyond the clearance, where the wall limits it",
+        )
         panels = figure.subplots(2 if touching else 1, 2, sharex=True, sharey="row", squeeze=False)
         figure.subplots_adjust(
             left=0.085,
@@ -138,7 +152,9 @@ def response_figure(response: ForcedResponse, table: ModeTable, name: str, units
         for k, cause in enumerate(causes):
             for i, label in enumerate([*names, "largest of the assembly"]):
                 colour = INK if i == len(names) else MARK_COLOURS[i % len(MARK_COLOURS)]
-                panels[0, k].plot(turns, 1e3 * response.amplitude[:, k, i], color=colour, label=label)
+                within = np.where(response.amplitude[:, k, i] <= limits[i], response.amplitude[:, k, i], np.nan)
+                panels[0, k].plot(turns, 1e3 * response.amplitude[:, k, i], color=colour, alpha=0.25)
+                panels[0, k].plot(turns, 1e3 * within, color=colour, label=label)
             for i, label in enumerate(touching[:CONTACTS]):
                 colour = MARK_COLOURS[i % len(MARK_COLOURS)]
                 panels[1, k].plot(turns, units.show(response.side_force[:, k, i], "force"), color=colour, label=label)
