@@ -44,7 +44,7 @@ setup(
         "rich>=14.3",  # older ones end progress that is not shown with an empty line
         "rosbags>=0.11.6",  # 0.11.0 to 0.11.5 refuse messages that Fast DDS pads at the end
         "scipy>=1.11.4",  # what Ubuntu 24.04 has
-        "typer>=0.19",
+        "typer>=0.26",  # has a click of its own; older ones word errors otherwise
         "websockets>=14",  # 13 has no bound of the messages that wait for a client
         "zstandard>=0.22",
     ],
