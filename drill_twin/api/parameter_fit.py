@@ -28,6 +28,10 @@ from drill_twin.studies.fitting import (
 from drill_twin.studies.fitting.sampling import in_ranges
 
 
+def _quiet(*_: object) -> None:
+    """Progress that is not shown."""
+
+
 def fit(
     record: Record | str | Path,
     scene: Scene | str | Path,
@@ -45,7 +49,7 @@ def fit(
     effective: float = 200.0,
     seed: int = 1,
     workers: int | None = None,
-    progress: Callable[[int, Sampling], None] = lambda *_: None,
+    progress: Callable[[int, Sampling], None] | None = None,
 ) -> Posterior:
     """Find the numbers of a scene that explain a record, and how well the record determines them.
 
@@ -121,7 +125,7 @@ def fit(
         return np.where(np.isfinite(result), result, -np.inf)
 
     sampling = sample(
-        evaluate, len(ranges), members=members, rounds=rounds, effective=effective, seed=seed, done=progress
+        evaluate, len(ranges), members=members, rounds=rounds, effective=effective, seed=seed, done=progress or _quiet
     )
     merged = {channel: np.concatenate([batch[channel] for batch in batches]) for channel in measured}
     return Posterior(base, ranges, in_ranges(sampling.cube, ranges), sampling, found, time, measured, merged, failed)

@@ -40,7 +40,7 @@ def apply_overrides(lines: Lines, overrides: Mapping[str, float | str]) -> None:
     replaces the elements, step and tolerance of the data.
 
     Raises:
-        SceneError: An unknown key, or a value that is not YAML.
+        SceneError: An unknown key, a value that is not YAML, or a weight on bit without a unit in field units.
     """
     if "accuracy" in overrides:
         chosen = dict.fromkeys(("numerics.elements", "numerics.step", "numerics.tolerance"), "auto")
@@ -50,6 +50,11 @@ def apply_overrides(lines: Lines, overrides: Mapping[str, float | str]) -> None:
             raise SceneError(
                 f"{lines.name}: override: wob: expected a weight on bit from 0, found {str(given)[:60]}; a bit that is "
                 "pulled is given by rig.weight_on_bit.value"
+            )
+        if key == "wob" and _is_bare(given) and overrides.get("units", lines.data.get("units")) == "field":
+            raise SceneError(
+                f'{lines.name}: override: wob: expected a weight on bit with its unit in a scene of field units, as '
+                f'"25 klbf", found "{given}", which would be in N'
             )
         if len(key) > _LONGEST_KEY:
             raise SceneError(
@@ -64,7 +69,12 @@ def _expand(key: str, given: float | str) -> tuple[str, float | str]:
         return key, given
     place, unit = SHORTHANDS[key]
     text = str(given)
-    return place, f"{text} {unit}".rstrip() if _BARE.fullmatch(text.strip()) else text
+    return place, f"{text} {unit}".rstrip() if _is_bare(text) else text
+
+
+def _is_bare(given: float | str) -> bool:
+    """True for a number in text, without a unit."""
+    return isinstance(given, str) and bool(_BARE.fullmatch(given.strip()))
 
 
 def _value(lines: Lines, key: str, text: str) -> Any:

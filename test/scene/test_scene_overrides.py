@@ -23,6 +23,12 @@ def test_short_names_take_bare_numbers_in_the_units_of_the_rig(changed):
     assert changed(overrides={"wob": "6 kN"}).rig.weight_on_bit.value == 6e3
 
 
+def test_a_bare_weight_is_refused_where_field_units_are_meant(changed):
+    assert changed(overrides={"units": "field", "wob": "0.1 klbf"}).rig.weight_on_bit.value == pytest.approx(444.8, abs=0.1)
+    with pytest.raises(SceneError, match='wob: expected a weight on bit with its unit .*"25 klbf", found "25"'):
+        changed(overrides={"units": "field", "wob": "25"})
+
+
 def test_items_of_a_list_are_named_by_number_or_name(changed):
     scene = changed(
         overrides={"string.marks.low.on": "centre", "string.marks[1].on": "wall", "string.sections[0].length": "6 m"}

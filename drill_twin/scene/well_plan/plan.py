@@ -170,7 +170,7 @@ class WellPlan(NamedTuple):
         bit = _quantity("--bit", self.bit, LENGTH) if self.bit else hole
         if bit > hole * (1.0 + 1e-9):
             raise SceneError(f"--bit: expected at most the hole ({hole:.6g} m), found {bit:.6g} m")
-        weight = _quantity("--wob", self.weight_on_bit, FORCE, 0.0, "N")
+        weight = _quantity("--wob", self.weight_on_bit, FORCE, 0.0, "" if self.units == "field" else "N")
         turn = _quantity("--rpm", self.rotation, ANGULAR_SPEED, 0.0, "rpm")
         straight = all(station["inclination"] == 0.0 for station in stations)
         axis: dict[str, Any] = {} if straight else {"survey": as_block(stations)}

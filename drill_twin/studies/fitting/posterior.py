@@ -35,7 +35,7 @@ CORRELATED = 0.9
 """Correlation above which only a combination of two numbers is determined."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Posterior:
     """Weighted draws of the free numbers and the runs behind them.
 
@@ -60,6 +60,12 @@ class Posterior:
     measured: Mapping[str, Array]
     runs: Mapping[str, Array]
     failed: int
+
+    def __repr__(self) -> str:
+        """One line: scene, runs, and the 90 % interval of each number [SI]."""
+        numbers = (f"{key} {self.quantile(key, 0.05):.4g}..{self.quantile(key, 0.95):.4g}" for key in self.keys)
+        doubt = ", the model does not explain the record" if self.unexplained else ""
+        return f"<Posterior of {self.scene.name}: {len(self.values)} runs, {', '.join(numbers)}{doubt}>"
 
     @property
     def keys(self) -> list[str]:

@@ -55,12 +55,14 @@ class Record:
         subs: Time [s] and readings (force, rates) by downhole sub, `measured/NAME` for those of a real rig, shapes
             (rows,) and (rows, 6); of a bag only, if asked for.
         instant: Channels whose samples are values at their times; those of the others are means since the last sample.
+        ends: Channels whose means have the time of their end, as in files; those of others that of their middle.
     """
 
     source: str
     series: Mapping[str, tuple[Array, Array]]
     subs: Mapping[str, tuple[Array, Array]] = field(default_factory=dict)
     instant: frozenset[str] = frozenset()
+    ends: frozenset[str] = frozenset()
 
     def at(self, channel: str, time: Array) -> Array:
         """Means over the spacing before each of equally spaced times [s], as of a run; linear in a coarser record.
@@ -81,6 +83,7 @@ class Record:
                 f"found {stamps[0]:g} s to {stamps[-1]:g} s; choose another window"
             )
         usual, middle = float(np.median(np.diff(stamps))), time - (0.0 if channel in self.instant else 0.5 * spacing)
+        stamps = stamps - 0.5 * usual if channel in self.ends else stamps
         after = np.clip(np.searchsorted(stamps, middle), 1, stamps.size - 1)
         missing = stamps[after] - stamps[after - 1] > max(GAP * usual, spacing)
         if usual > 0.5 * spacing or channel in self.instant:
@@ -150,7 +153,7 @@ def read_record(
     values = {channel: _si(found, item) for channel, item in wanted.items()}
     time = values.pop("time") - start
     series = {channel: _present(file, channel, time, column) for channel, column in values.items()}
-    return Record(str(file), series, instant=instant)
+    return Record(str(file), series, instant=instant, ends=frozenset(CHANNELS) - instant)
 
 
 def _of_bag(path: Path, items: Sequence[ChannelColumn], start: float, subs: Sequence[str]) -> Record:

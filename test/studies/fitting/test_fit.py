@@ -24,7 +24,7 @@ def record(tmp_path_factory):
         30.0, outputs=("channels",), mark_rate=10.0
     )
     noise = 0.05 * np.random.default_rng(1).standard_normal(found["time"].size)
-    rows = np.column_stack((found["time"] - 0.05, (found["bit_speed"][0] + noise) * 30.0 / np.pi))
+    rows = np.column_stack((found["time"], (found["bit_speed"][0] + noise) * 30.0 / np.pi))
     path = tmp_path_factory.mktemp("record") / "rig.csv"
     np.savetxt(path, rows, delimiter=",", header="time_s,bit speed [rpm]", comments="")
     return path
@@ -111,6 +111,18 @@ def test_a_record_that_is_dense_is_averaged_over_the_spacing():
     record = dt.Record("made up", {"torque": (stamps, stamps**2)})
     time = np.array([0.5, 1.0, 1.5])
     assert record.at("torque", time) == pytest.approx((time**3 - (time - 0.5) ** 3) / 1.5, rel=1e-5)
+
+
+def test_a_mean_in_a_file_is_that_of_the_time_before_its_stamp(tmp_path):
+    result = dt.Simulation(dt.load_scene("two_mass", OVER)).run(duration=2.0)
+    table = result.to_pandas()[["torque [N m]"]]
+    table.to_csv(tmp_path / "rig.csv")
+    record = dt.read_record(tmp_path / "rig.csv", ["torque=torque [N m]:N m"])
+    own = result.time[4:]
+    assert record.at("torque", own) == pytest.approx(table["torque [N m]"].to_numpy()[4:], rel=1e-9)
+    bag = dt.read_record(result.to_bag(tmp_path / "bag_0"), ["torque"])
+    coarse = own[4::4]
+    assert record.at("torque", coarse) == pytest.approx(bag.at("torque", coarse), rel=1e-9)
 
 
 def test_what_a_record_lacks_is_missing_and_not_a_straight_line():
