@@ -28,9 +28,9 @@ MARK_RATE = 25.0
 class Ensemble:
     """Runs of a scene that differ in numbers: values of effects, seeds, set-points, start.
 
-    >>> ensemble = Ensemble("pa6_bench", {"wall_friction.coefficient": [0.1, 0.2, 0.3], "seed": range(8)})
+    >>> ensemble = Ensemble("pa6_bench", {"wall_friction.coefficient": [0.1, 0.2, 0.3], "eccentricity.angle": range(6)})
     >>> found = ensemble.run(duration=30)
-    >>> found["onset_s"].reshape(3, 8)
+    >>> found["onset_s"].reshape(3, 6)
 
     Attributes:
         scene: The base scene, with elements and step in place of an accuracy, for all members.

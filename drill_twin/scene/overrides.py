@@ -53,7 +53,7 @@ def apply_overrides(lines: Lines, overrides: Mapping[str, float | str]) -> None:
             )
         if key == "wob" and _is_bare(given) and overrides.get("units", lines.data.get("units")) == "field":
             raise SceneError(
-                f'{lines.name}: override: wob: expected a weight on bit with its unit in a scene of field units, as '
+                f"{lines.name}: override: wob: expected a weight on bit with its unit in a scene of field units, as "
                 f'"25 klbf", found "{given}", which would be in N'
             )
         if len(key) > _LONGEST_KEY:

@@ -24,8 +24,9 @@ def test_short_names_take_bare_numbers_in_the_units_of_the_rig(changed):
 
 
 def test_a_bare_weight_is_refused_where_field_units_are_meant(changed):
-    assert changed(overrides={"units": "field", "wob": "0.1 klbf"}).rig.weight_on_bit.value == pytest.approx(444.8, abs=0.1)
-    with pytest.raises(SceneError, match='wob: expected a weight on bit with its unit .*"25 klbf", found "25"'):
+    scene = changed(overrides={"units": "field", "wob": "0.1 klbf"})
+    assert scene.rig.weight_on_bit.value == pytest.approx(444.8, abs=0.1)
+    with pytest.raises(SceneError, match=r'wob: expected a weight on bit with its unit .*"25 klbf", found "25"'):
         changed(overrides={"units": "field", "wob": "25"})
 
 
