@@ -118,7 +118,7 @@ def load(
 def topics(
     markdown: Annotated[bool, typer.Option("--markdown", help="Print the table as Markdown.")] = False,
     rig: Annotated[
-        bool, typer.Option("--rig", help="Print the table of the rig guide: quality of service, stamps and frames.")
+        bool, typer.Option("--rig", help="Print quality of service, stamps and frames, as Markdown.")
     ] = False,
     json: JsonOption = False,
 ) -> None:

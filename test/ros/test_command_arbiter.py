@@ -224,6 +224,22 @@ def test_a_source_that_sent_at_a_rate_and_is_lost_is_followed_by_the_ramp(watche
     assert watched.set_point(0.1) == Command(20.0, 0.0)  # not with the speed of who is gone
 
 
+def test_a_source_of_which_all_is_refused_is_followed_by_the_ramp_and_keeps_the_rig(watched, clock):
+    for stamp in range(3):
+        watched.both(stamp, Command(40.0, 12.0), DRIVER)
+        advance(watched, clock, 1, 0.1)
+    for stamp in range(3, 40):
+        watched.both(stamp, Command(5000.0, 12.0), DRIVER)
+        applied = advance(watched, clock, 1, 0.1)
+    assert applied == Command(10.0, 0.0)
+    assert watched.last_was_refused
+    assert (watched.commander, watched.source) == ("", DRIVER)
+    watched.both(40, Command(20.0, 12.0), OTHER)
+    assert watched.set_point(0.1) == Command(10.0, 0.0)
+    watched.both(41, Command(40.0, 12.0), DRIVER)
+    assert (watched.commander, watched.last_was_refused) == (DRIVER, False)
+
+
 def test_what_was_sent_once_or_by_hand_is_held(watched, clock):
     """As `ros2 topic pub --once`: who sends one value wants it until the next."""
     for stamp in range(4):

@@ -67,7 +67,7 @@ def test_bad_commands_are_refused_counted_and_change_nothing(bench, simulator, j
     assert _set_points(status) == (40.0, 2.0)
     assert status.values["commands_refused_not_finite"] == "3"
     assert status.values["commands_refused_out_of_range"] == "4"
-    assert status.text.startswith("commands were refused")
+    assert "refused" in status.text
     bench.until(lambda: len(state) > 50)
     for sample in joints(state):
         assert sample.effort[sample.index("bit_axial")] == 40.0
@@ -144,7 +144,7 @@ def test_messages_that_hold_no_command_are_counted_and_told(bench, simulator):
 def test_silence_is_reported_and_the_last_set_point_held(bench, simulator):
     command = bench.publisher(RIG_COMMAND)
     command.publish(CommandEncoder().command(0, Command(40.0, 12.0)))
-    status = bench.until_status("simulator", lambda status: "no command for" in status.text)
+    status = bench.until_status("simulator", lambda status: "no valid command" in status.text)
     assert status.level == 1
     assert float(status.values["command_age"]) > 0.8
     assert float(status.values["weight_on_bit"]) == 40.0
@@ -184,7 +184,8 @@ def test_the_set_point_of_a_driver_that_was_killed_does_not_stay(bench, joints):
     driver.kill()
     status = bench.until_status("simulator", lambda status: _set_points(status) == (5.0, 0.0))
     assert status.level == Level.WARN
-    assert status.text.endswith("; ramping to the safe set-point")
+    assert re.fullmatch(r"no valid command of /rig_driver for [\d.]+ s; ramping to the safe set-point", status.text)
+    assert "[simulator]: no valid command of /rig_driver for" in process.text
     driver = bench.start("rig_driver", overrides="rig.weight_on_bit.duration=0.1 s")
     bench.until_status("simulator", lambda status: _set_points(status)[0] == 40.0 and status.level == Level.OK)
     for one in (driver, process):

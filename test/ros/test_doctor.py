@@ -11,7 +11,9 @@ from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Float64
 
-from drill_twin.ros.doctor.installation import ros_installation
+from drill_twin.io.messages.diagnostics import Level, Status
+from drill_twin.ros.doctor.graph import Observed, graph_checks
+from drill_twin.ros.doctor.installation import Verdict, ros_installation
 
 
 def _doctor(bench, *arguments, **environment):
@@ -51,6 +53,16 @@ def test_a_running_twin_is_described_and_faults_are_named(bench):
     assert all(check["remedy"] for check in checks.values() if check["verdict"] == "problem")
     assert ends
     assert simulator.end() == 0
+
+
+def test_nodes_that_wait_in_a_pause_of_their_simulator_are_no_problem():
+    silent = Status("analyzer", Level.STALE, "no good sample of /marks/state for 8.0 s", {}, "drill_twin")
+    for state, verdict in (("paused", Verdict.OK), ("running", Verdict.PROBLEM)):
+        simulator = Status("simulator", Level.OK, f"{state} at t = 20 s", {"state": state}, "drill_twin")
+        statuses = {"/analyzer": silent, "/simulator": simulator}
+        found = {check.name: check for check in graph_checks(Observed(list(statuses), {}, {}, statuses, {}))}
+        assert found["/analyzer"].verdict is verdict
+        assert ("the simulator is paused" in found["/analyzer"].found) == (state == "paused")
 
 
 def test_a_domain_that_is_none_and_a_missing_profile_are_problems(bench, tmp_path):

@@ -219,6 +219,6 @@ def test_the_twin_goes_to_the_safe_set_point_when_a_gateway_in_control_is_killed
     rig.until(lambda: len(commands) > sent + 5, what="more commands: a source is one that sends at a rate")
     rig.gateway.kill()
     rig.until(lambda: _applied(joints(states[-1:])[0]) == pytest.approx((0.0, 0.0)), what="the safe set-point")
-    status = rig.until_status("simulator", lambda status: "no command for" in status.text)
+    status = rig.until_status("simulator", lambda status: "no valid command" in status.text)
     assert status.text.endswith("; ramping to the safe set-point")
     assert status.level == Level.WARN

@@ -58,8 +58,8 @@ def run_demo(options: DemoOptions, stop: StopRequest) -> None:
     make_folder(options.out / "log")
     with own_domain((options.out / "log").absolute()) as domain:
         console.print(
-            f"{scene.name}: {duration:g} s, {options.pace}; in another terminal, with ROS sourced: "
-            f"[bold]ROS_DOMAIN_ID={domain} ros2 topic list[/]"
+            f"{scene.name}: {duration:g} s, {options.pace}; in another terminal: "
+            f"[bold]ROS_DOMAIN_ID={domain} drill-twin ros doctor[/], or ros2 with ROS sourced"
         )
         environment = dict(os.environ, PYTHONUNBUFFERED="1")
         run = {"pace": options.pace, "duration": float(duration)}

@@ -127,15 +127,18 @@ def _nodes(seen: Observed) -> Iterator[Check]:
         if count > 1:
             remedy = "end one of them, or give it a namespace: -r __ns:=/rig2"
             yield Check(NODES, name, f"{count} nodes of this name", Verdict.PROBLEM, remedy)
+    paused = {status.hardware_id for status in seen.statuses.values() if status.values.get("state") == "paused"}
     for name, status in sorted(seen.statuses.items()):
+        waits = "the simulator is paused; " if status.level == Level.STALE and status.hardware_id in paused else ""
         other = status.values.get("version", "")
         if other and other != __version__:
             remedy = f"install the same version everywhere; this command is of {__version__}"
             yield Check(NODES, name, f"drill_twin {other}", Verdict.PROBLEM, remedy)
-        elif status.level == Level.OK:
-            yield Check(NODES, name, f"drill_twin {other or 'of unknown version'}: {status.text}")
+        elif status.level == Level.OK or waits:
+            yield Check(NODES, name, f"drill_twin {other or 'of unknown version'}: {waits}{status.text}")
         else:
-            yield Check(NODES, name, status.text, Verdict.PROBLEM, "see the log of the node, and docs/rig.md")
+            remedy = "see the log of the node, and docs/reference/diagnostics.md"
+            yield Check(NODES, name, status.text, Verdict.PROBLEM, remedy)
     silent = [name for name in dict.fromkeys(seen.nodes) if name not in seen.statuses]
     if silent:
         yield Check(NODES, "others", ", ".join(silent))

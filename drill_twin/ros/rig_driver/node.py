@@ -30,14 +30,14 @@ PARAMETERS = (
     Parameter(
         "weight_on_bit",
         "",
-        "weight on bit in place of the scene's, with its unit; \"\": the scene's",
+        "weight on bit in place of the scene's, with its unit; a bare number is in N; \"\": the scene's",
         live=True,
         such_as="40 N",
     ),
     Parameter(
         "rotation",
         "",
-        "top-drive speed in place of the scene's, with its unit; \"\": the scene's",
+        "top-drive speed in place of the scene's, with its unit; a bare number is in rev/min; \"\": the scene's",
         live=True,
         such_as="120 rpm",
     ),
@@ -172,9 +172,9 @@ class RigDriver(TwinNode):
 
     def on_change(self) -> None:
         """Start the transition to the new set-points."""
-        wanted = self.settings.weight_on_bit, self.settings.rotation
+        weight, speed = (text or "as in the scene" for text in (self.settings.weight_on_bit, self.settings.rotation))
         if self.configured and self._plan.change(self.settings, self._last, self._time):
-            self.get_logger().info(f"from {self._time:.2f} s: weight on bit {wanted[0]!r}, speed {wanted[1]!r}")
+            self.get_logger().info(f"from {self._time:.2f} s: weight on bit {weight}, speed {speed}")
 
     def health(self) -> Status:
         """Set-points in force, and other drivers."""

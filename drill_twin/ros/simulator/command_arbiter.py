@@ -85,8 +85,9 @@ class CommandArbiter:
         self._applied = first
         self._last_time: float | None = None
         self._in_a_row = self._frames = 0  # commands on /rig/command, and frames since the last of them
-        self._source: str | None = None  # of /rig/command, and when it was heard
-        self._source_time = -math.inf
+        self.source: str | None = None
+        """Last source of `/rig/command` that had the rig; None before the first."""
+        self._source_time = -math.inf  # when it was heard
         self.last_stamp = -1
         """Stamp [ns] of the last `/rig/command` of the commander, followed or refused; what lockstep waits for."""
         self.accepted = 0
@@ -116,8 +117,8 @@ class CommandArbiter:
         if self._belongs_to_another(source, f"a command of {source or ANONYMOUS}"):
             return
         self.last_stamp = stamp
-        if self._judge(self._with_followed_block(command), by_hand=False) or source == self._source:
-            self._source, self._source_time = source, self._clock()
+        if self._judge(self._with_followed_block(command), by_hand=False) or source == self.source:
+            self.source, self._source_time = source, self._clock()
 
     def weight_on_bit(self, value: float) -> None:
         """Receive a `/rig/wob_command` [N]."""
@@ -131,7 +132,7 @@ class CommandArbiter:
 
     def _belongs_to_another(self, source: str | None, what: str) -> bool:
         """Refuse what another than the commander sends."""
-        holder = self._source
+        holder = self.source
         if holder is None or source == holder or self._clock() - self._source_time > self._silence.timeout:
             return False
         self._refuse(
@@ -216,6 +217,11 @@ class CommandArbiter:
         return self._clock() - self._last_refusal_time < _REFUSAL_TOLD
 
     @property
+    def last_was_refused(self) -> bool:
+        """True where a command was refused after the last good one."""
+        return self._last_refusal_time > (-math.inf if self._last_time is None else self._last_time)
+
+    @property
     def applied(self) -> Command:
         """The set-point applied at present: the last good one, or a point of the ramp to the safe one."""
         return self._applied
@@ -233,7 +239,9 @@ class CommandArbiter:
     @property
     def commander(self) -> str:
         """Commander: a source of `/rig/command` that is not silent, `BY_HAND` for single values; empty: nobody."""
+        if self.ramps:
+            return ""
         if self.by_hand:
             return BY_HAND
-        heard = self._source is not None and self._clock() - self._source_time <= self._silence.timeout
-        return (self._source or ANONYMOUS) if heard else ""
+        heard = self.source is not None and self._clock() - self._source_time <= self._silence.timeout
+        return (self.source or ANONYMOUS) if heard else ""

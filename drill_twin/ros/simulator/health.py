@@ -70,13 +70,15 @@ def _verdict(settings: SimpleNamespace, simulation: SimulatorRun) -> tuple[Level
         return Level.WARN, f"waiting for the first good command; the last one was refused: {arbiter.last_refusal}"
     if waiting and not arbiter.heard:
         return Level.OK, "waiting for the first command"
-    if arbiter.refused_recently:
-        return Level.WARN, f"commands were refused; the last: {arbiter.last_refusal}"
     # Single values are sent on change: who sends one has not fallen silent, unless time or a ramp depends on it.
     if arbiter.silent and not (arbiter.by_hand and settings.on_silence != "ramp" and settings.pace != "lockstep"):
         held = "ramping to the safe set-point" if arbiter.ramps else "the last one is held"
         waits = "the lockstep waits" if settings.pace == "lockstep" else held
-        return Level.WARN, f"no command for {arbiter.age:.1f} s; {waits}"
+        whose = "" if arbiter.by_hand or not arbiter.source else f" of {arbiter.source}"
+        refused = f"; the last was refused: {arbiter.last_refusal}" if arbiter.last_was_refused else ""
+        return Level.WARN, f"no valid command{whose} for {arbiter.age:.1f} s; {waits}{refused}"
+    if arbiter.refused_recently:
+        return Level.WARN, f"commands were refused; the last: {arbiter.last_refusal}"
     if trouble:
         return Level.WARN, f"no checkpoint: {trouble}"
     if not loop.rejected_steps.last and (late := _real_lag_dropped(simulation)):
