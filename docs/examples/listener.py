@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Example of a listener: onset, whirl, rate of penetration, torque and weight on bit, and who drives, once a second."""
+"""Example of a listener: onset, motion of a mark, rate of penetration, torque and weight on bit, and who drives, once a second."""
 
 from contextlib import suppress
 
@@ -13,7 +13,7 @@ node = rclpy.create_node("listener")
 listen, seen = node.create_subscription, {}
 latched = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 listen(TimeReference, "whirl/onset", lambda m: seen.update(onset=m.time_ref.sec + 1e-9 * m.time_ref.nanosec), latched)
-listen(JointState, "whirl/state", lambda m: seen.update(whirl=int(m.position[m.name.index("mark_2/motion")])), 10)
+listen(JointState, "whirl/state", lambda m: seen.update(motion=int(m.position[m.name.index("mark_2/motion")])), 10)
 listen(JointState, "rig/state", lambda m: seen.update(rate=m.velocity[m.name.index("bit_axial")]), 10)
 listen(JointState, "rig/state", lambda m: seen.update(torque=m.effort[m.name.index("bit")]), 10)
 listen(JointState, "rig/state", lambda m: seen.update(weight=m.effort[m.name.index("bit_axial")]), 10)

@@ -64,11 +64,11 @@ def test_a_listener_of_a_stranger_learns_onset_whirl_rates_loads_and_driver_in_a
 
     bench.until(lambda: said().get("onset", 0.0) > 0.0, what="the onset")
     found = said()
-    assert set(found) == {"onset", "whirl", "rate", "torque", "weight", "driver"}
+    assert set(found) == {"onset", "motion", "rate", "torque", "weight", "driver"}
     assert found["driver"] == "/rig_driver"
     assert found["weight"] == 100.0
     assert found["rate"] == 0.0  # this bit does not drill
-    assert found["whirl"] in set(MotionCode)
+    assert found["motion"] in set(MotionCode)
     assert driver.end() == analyzer.end() == simulator.end() == listener.end() == 0
 
 
