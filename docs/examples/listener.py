@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Example of a listener: onset, motion of a mark, rate of penetration, torque and weight on bit, and who drives, once a second."""
+"""Example of a listener: onset, motion of a mark, rate of penetration, torque, weight and driver, once a second."""
 
 from contextlib import suppress
 

@@ -91,7 +91,7 @@ def criterion_text(
             coherence, unevenness = float(orbit.coherence[row, mark]), float(orbit.unevenness[row, mark])
             return f"{orbit_text}, coherence {coherence:.2f}, unevenness {unevenness:.2f}"
         case MotionState.SPIRAL:
-            return f"{orbit_text} ({sense}), a helix: planarity lately below {criteria.planar}, now {shape.planarity:.2f}"
+            return f"{orbit_text} ({sense}), a helix: planarity, now {shape.planarity:.2f}, was below {criteria.planar}"
         case MotionState.SECOND_BENDING:
             return (
                 f"{orbit_text} ({sense}), planarity {shape.planarity:.2f}, marks on both sides, "

@@ -148,8 +148,9 @@ _ROWS = (
         DIAGNOSTIC_ARRAY,
         "analyzer",
         "on change and 1 Hz",
-        "motion state of each mark, of the string and of the bit (stick-slip), with the criterion that decided, and "
-        "the onset, in words",
+        "motion state in words, as the message of the statuses `motion: string`, `motion: <mark>` and `motion: bit` "
+        "(stick-slip); values `criterion` that decided and, of the string, `onset`; the level is always OK; numbers are "
+        "on `/whirl/state` and `/twin/summary`",
         latched=True,
         depth=100,
     ),
@@ -158,7 +159,8 @@ _ROWS = (
         TIME_REFERENCE,
         "analyzer",
         "at the start and at the onset",
-        "onset of whirl: `time_ref` its time, 0 = none so far; `source` the mark; `header.stamp` when it was announced",
+        "first onset of whirl of the run, none later: `time_ref` its time, 0 = none so far, and again after a reset; "
+        "`source` the mark; `header.stamp` when it was announced",
         latched=True,
         depth=1,
     ),
