@@ -149,8 +149,8 @@ _ROWS = (
         "analyzer",
         "on change and 1 Hz",
         "motion state in words, as the message of the statuses `motion: string`, `motion: <mark>` and `motion: bit` "
-        "(stick-slip); values `criterion` that decided and, of the string, `onset`; the level is always OK; numbers are "
-        "on `/whirl/state` and `/twin/summary`",
+        "(stick-slip); values `criterion` that decided and, of the string, `onset`; the level is always OK; codes: "
+        "`/whirl/state`, `/twin/summary`",
         latched=True,
         depth=100,
     ),
