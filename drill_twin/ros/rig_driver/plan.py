@@ -7,6 +7,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from types import SimpleNamespace
 
+from drill_twin.core.errors import SceneError
+from drill_twin.ros.core.parameters import ParameterError
 from drill_twin.ros.core.scene_parameters import scene_of
 from drill_twin.scene.blocks.numerics import frame_period_ns
 from drill_twin.scene.set_points import Schedule
@@ -75,7 +77,11 @@ class SetPointPlan:
     def check(self, settings: SimpleNamespace) -> None:
         """Refuse set-points that are not valid in the scene, by raising a DrillTwinError."""
         if _planned(settings) != self._planned:
-            scene_of(settings)
+            try:
+                scene_of(settings)
+            except SceneError as error:
+                given = ", ".join(f'{name} "{getattr(settings, name)}"' for name in ("weight_on_bit", "rotation"))
+                raise ParameterError(f"{given}: refused by the scene: {error}") from error
 
     def change(self, settings: SimpleNamespace, before: Command | None, time: float) -> bool:
         """Go over to the set-points of the settings, from those in force at a time [s]; False if they are the same."""
