@@ -126,21 +126,17 @@ KILLS := 50
 # Field checks: a message refuses an int where a float belongs, which the wheels would send as rubbish.
 PYTEST := ROS_PYTHON_CHECK_FIELDS=1 $(PYTHON) -m pytest
 
-# Two workers share the files; beside them four have those of test/ros, which mostly wait for processes. The first two yield
-# the processor to the nodes (nice). Long tests of processes, which kill and load the nodes, want the machine for themselves.
-# A test of processes that fails is run once more and reported as such: a machine that others use may keep a node from its
-# processor for seconds. Files in the order of their names, not of their numbers of tests: the few that compile most are then
-# not the last. `make test` runs the tests of the package; those of the evidence (`testpaths` has both) go with the long ones.
+# Two workers share the files, those of test/ros three, in a turn of their own: they wait for processes, and a worker that compiles
+# would keep these waiting. Long ones, which kill and load the nodes, want the machine for themselves. A test of processes that
+# fails is run once more and reported as such: a machine that others use may keep a node from its processor for seconds.
+# Files in the order of their names, not of their numbers of tests: the few that compile most are then not the last.
+# `make test` runs the tests of the package; those of the evidence (`testpaths` has both) go with the long ones.
 ROS_PYTEST := $(PYTEST) --reruns 1 --reruns-delay 3 -rR
-ROS_LOG := $(STAMPS)/test_ros.log
 
 test: setup-test
 	@found=0; \
-	$(ROS_PYTEST) -n 4 --dist loadfile test/ros > $(ROS_LOG) 2>&1 & ros=$$!; \
-	trap 'kill $$ros' INT TERM; \
-	nice env $(PYTEST) -n 2 --dist loadfile --no-loadscope-reorder --ignore=test/ros test || found=$$?; \
-	wait $$ros || found=$$?; \
-	cat $(ROS_LOG); \
+	$(PYTEST) -n 2 --dist loadfile --no-loadscope-reorder --ignore=test/ros test || found=$$?; \
+	$(ROS_PYTEST) -n 3 --dist loadfile test/ros || found=$$?; \
 	exit $$found
 
 test-long: setup-test

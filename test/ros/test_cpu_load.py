@@ -27,7 +27,8 @@ def test_ctrl_c_is_one_line_and_leaves_no_node(bench):
     bench.until(lambda: len(children.read_text("utf-8").split()) == 4, what="the nodes")
     nodes = children.read_text("utf-8").split()
     assert process.end(signal.SIGINT) == 130, process.text
-    assert process.text.strip().splitlines()[-1] == "drill-twin: stopped; nothing was kept"
+    last = process.text.strip().splitlines()[-1]
+    assert last in {"drill-twin: stopped", "drill-twin: stopped; nothing was kept"}  # the first before it measures
     assert "Traceback" not in process.text
     bench.until(lambda: not any(Path(f"/proc/{node}").exists() for node in nodes), 20.0, "the end of the nodes")
 

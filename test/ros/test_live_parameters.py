@@ -35,7 +35,7 @@ def test_set_points_of_the_driver_are_live(bench, joints):
     simulator = bench.start("simulator", pace="realtime")
     states = bench.collect(RIG_STATE)
     steady = "rig.weight_on_bit.duration=0.1 s; rig.rotation.duration=0.1 s"
-    driver = bench.start("rig_driver", wait_for="simulator test", overrides=steady, change_time=0.5)
+    driver = bench.start("rig_driver", wait_for="simulator test", overrides=steady, change_time=2.0)
     bench.until(lambda: _applied(joints, states[-1:]) == [(40.0, pytest.approx(4.0 * math.pi))])
     assert bench.set_parameter("rig_driver", "weight_on_bit", "55 N").successful
     assert bench.set_parameter("rig_driver", "rotation", "60 rpm").successful
