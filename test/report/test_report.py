@@ -188,7 +188,7 @@ def test_displacement_is_that_of_the_centre_line(recording):
     figure = drawn("displacement", recording)
     assert len(figure.axes) == 3  # marks 3 and 4 are at one place
     for panel in figure.axes:
-        x = next(line.get_ydata() for line in panel.get_lines() if line.get_suptitle() == "x")
+        x = next(line.get_ydata() for line in panel.get_lines() if line.get_label() == "x")
         assert np.abs(x[:250]).max() == pytest.approx(1.0, rel=0.01)
         assert np.abs(x).max() == pytest.approx(31.0, rel=0.02)
 
