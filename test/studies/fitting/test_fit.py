@@ -164,7 +164,7 @@ def test_a_fit_says_what_the_model_does_not_explain(record):
     free = {"bit_torque_stribeck.sticking": (0.69, 0.73)}
     told = {}
     for name, scale in (("own", 1.0), ("scaled", 1.3)):
-        other = dt.Record(name, {"bit_speed": (time, scale * speed)})
+        other = dt.Record(name, {"bit_speed": (time, scale * speed)}, ends=read.ends)
         over = OVER | {"effects.bit_torque_stribeck.decay": 1.3}
         told[name] = dt.fit(
             other, "two_mass", free, overrides=over, begin=1.0, end=20.0, rate=10.0, members=16, rounds=3
