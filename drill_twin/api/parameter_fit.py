@@ -28,10 +28,6 @@ from drill_twin.studies.fitting import (
 from drill_twin.studies.fitting.sampling import in_ranges
 
 
-def _quiet(*_: object) -> None:
-    """Progress that is not shown."""
-
-
 def fit(
     record: Record | str | Path,
     scene: Scene | str | Path,
@@ -125,7 +121,7 @@ def fit(
         return np.where(np.isfinite(result), result, -np.inf)
 
     sampling = sample(
-        evaluate, len(ranges), members=members, rounds=rounds, effective=effective, seed=seed, done=progress or _quiet
+        evaluate, len(ranges), members=members, rounds=rounds, effective=effective, seed=seed, done=progress
     )
     merged = {channel: np.concatenate([batch[channel] for batch in batches]) for channel in measured}
     return Posterior(base, ranges, in_ranges(sampling.cube, ranges), sampling, found, time, measured, merged, failed)

@@ -76,7 +76,7 @@ def sample(
     rounds: int,
     effective: float,
     seed: int,
-    done: Callable[[int, Sampling], None] = lambda *_: None,
+    done: Callable[[int, Sampling], None] | None = None,
 ) -> Sampling:
     """Draw from the posterior under a uniform prior.
 
@@ -100,7 +100,8 @@ def sample(
         cube = special.ndtr(normal)
         found = likelihood(cube[-members:])
         result = _weighted(normal, cube, found, proposals, members)
-        done(number + 1, result)
+        if done is not None:
+            done(number + 1, result)
         if result.power == 1.0 and result.effective >= effective:
             break
     if result is None:
