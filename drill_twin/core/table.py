@@ -5,13 +5,14 @@ from __future__ import annotations
 
 import csv
 import io
-from collections.abc import Collection, Iterable, Sequence
+from collections.abc import Collection, Iterable, Iterator, Sequence
 from html import escape
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 from drill_twin.core.errors import printable
 
 if TYPE_CHECKING:
+    from rich.console import Console, ConsoleOptions
     from rich.table import Table as RichTable
     from rich.text import Text
 
@@ -26,7 +27,7 @@ class Column(NamedTuple):
     right: bool = False
     """Aligned to the right, as numbers are."""
     whole: bool = False
-    """Cells are not broken into lines in a narrow terminal."""
+    """Cells are not broken into lines in a narrow terminal; those to the right never are."""
 
     @property
     def title(self) -> str:
@@ -35,7 +36,7 @@ class Column(NamedTuple):
 
 
 class Table:
-    """Columns and rows; a console of rich prints it (`__rich__`).
+    """Columns and rows; a console of rich prints it (`__rich_console__`).
 
     Cells are texts, or numbers, of which `str` is shown and None is left empty; a `rich.text.Text` keeps its style in
     a terminal. A table without columns is one of names and values: two columns, without headings.
@@ -63,29 +64,56 @@ class Table:
         self.rows = [tuple(row) for row in rows]
         self.title = title
 
-    def __rich__(self) -> RichTable:
-        """For a terminal: headings above a line, or names in bold before their values."""
+    def __rich_console__(self, console: Console, options: ConsoleOptions) -> Iterator[RichTable | Text]:
+        """For a terminal: headings above a line, or names in bold before their values.
+
+        Lines are broken between words, and cells to the right never. A table that is too wide for that is printed row
+        by row, headings before their values.
+        """
         from rich import box
         from rich.table import Table as RichTable
         from rich.text import Text
 
-        if self.columns:
-            table = RichTable(
-                box=box.SIMPLE_HEAD,
-                title=Text(self.title, "table.title") if self.title else None,
-                title_justify="left",
-                padding=(0, 1),
-                pad_edge=False,
-            )
-        else:
+        title = Text(self.title, "table.title")
+        rows = [tuple(map(_in_terminal, row)) for row in self.rows]
+        if not self.columns:
             table = RichTable(show_header=False, box=None, padding=(0, 2, 0, 0))
             table.add_column(style="bold", no_wrap=True)
-        for column in self.columns:
-            justify: Any = "right" if column.right else "left"
-            table.add_column(Text(column.title), justify=justify, overflow="fold", no_wrap=column.whole)
-        for row in self.rows:
-            table.add_row(*map(_in_terminal, row))
-        return table
+        elif widths := self._widths(rows, console, options):
+            table = RichTable(box=box.SIMPLE_HEAD, title=title or None, title_justify="left", pad_edge=False)
+            for column, width in zip(self.columns, widths, strict=True):
+                table.add_column(Text(column.title), justify="right" if column.right else "left", width=width)
+        else:
+            yield title
+            for row in rows:
+                named = zip((column.title for column in self.columns), row, strict=True)
+                yield from Table((), [pair for pair in named if pair[1]]).__rich_console__(console, options)
+                yield Text()
+            return
+        for row in rows:
+            table.add_row(*row)
+        yield table
+
+    def _widths(self, rows: Sequence[Sequence[Text]], console: Console, options: ConsoleOptions) -> list[int]:
+        """Width of each column: the widest shrink, at most to their longest word; none where that is not enough."""
+        from rich.measure import Measurement
+        from rich.text import Text
+
+        least, widths = [], []
+        for number, column in enumerate(self.columns):
+            heading = Measurement.get(console, options, Text(column.title))
+            cells = [Measurement.get(console, options, row[number]) for row in rows]
+            whole = column.whole or column.right
+            least.append(max([heading.minimum, *(of.maximum if whole else of.minimum for of in cells)]))
+            widths.append(max(of.maximum for of in (heading, *cells)))
+        over = sum(widths) + 3 * len(widths) - 1 - options.max_width
+        while over > 0:
+            able = [number for number, width in enumerate(widths) if width > least[number]]
+            if not able:
+                return []
+            widths[max(able, key=widths.__getitem__)] -= 1
+            over -= 1
+        return widths
 
     def markdown(self) -> str:
         """Markdown, lines joined and not ended: a pipe in a cell is escaped."""

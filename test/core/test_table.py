@@ -28,9 +28,17 @@ def test_a_terminal_shows_headings_with_units_and_no_control_characters():
     assert lines[2].index("[mm]") + 4 == lines[4].index("36.25") + 5  # to the right
 
 
-def test_a_column_that_is_whole_is_not_broken():
-    text = "a long name of a mark"
-    assert text in printed(Table([Column("", whole=True), Column("")], [(text, "words " * 20)]), width=40)
+def test_a_line_breaks_between_words_and_never_in_a_number():
+    columns = ("name of it", Column("weight on bit", "N", right=True), Column("way", whole=True), "what decided it")
+    row = ("motion", "1.5 to 250", "to the bit", "independent of the others")
+    shown = [line.split() for line in printed(Table(columns, [row]), width=48).splitlines()]
+    assert ["name", "weight", "on", "what"] in shown
+    assert ["motion", "1.5", "to", "250", "to", "the", "bit", "independent"] in shown
+    narrow = [line.rstrip() for line in printed(Table(columns, [row]), width=36).splitlines()]
+    assert narrow == [
+        "", "name of it         motion", "weight on bit [N]  1.5 to 250", "way                to the bit",
+        "what decided it    independent of", "                   the others", "",
+    ]  # fmt: skip
 
 
 def test_names_and_values_have_no_headings():
