@@ -32,7 +32,7 @@ else
 endif
 PIP := $(CLEAN) $(PYTHON) -m pip install --disable-pip-version-check -qq -c $(STAMPS)/constraints.txt
 
-.PHONY: help setup setup-test demo docs test test-long evidence faults faults-seeded kills soak fuzz day damage random-scenes fit-coverage sub-onsets browser bench bounds bag-window map-boundary advice-loop peers check clean
+.PHONY: help setup setup-test demo docs test test-long evidence faults faults-seeded kills soak fuzz day damage random-scenes fit-coverage sub-onsets browser bench bounds map-boundary advice-loop peers check clean
 
 help:
 	@echo 'make demo       the paper'"'"'s drillstring over DDS: four nodes, a bag, a report in out/demo/'
@@ -53,7 +53,6 @@ help:
 	@echo 'make browser    the page of drill-twin watch in a headless Chromium'
 	@echo 'make bench      speed of the kernel: by effect, by elements, and against earlier runs'
 	@echo 'make bounds     the suite without ROS with the lowest and the newest versions of what setup.py asks for'
-	@echo 'make bag-window  cost of one minute out of a bag of 2 GB, MCAP and SQLite'
 	@echo 'make map-boundary  error of a map against dense grids of runs; goes on where it was broken off'
 	@echo 'make advice-loop  50 random scenes in closed loop with the advice; goes on where it was broken off'
 	@echo 'make peers      drill_twin beside PyElastica, Exudyn and MuJoCo (installs them; half an hour)'
@@ -191,9 +190,6 @@ bench: $(STAMPS)/bench-$(KIND)
 bounds:
 	@nice .ci/bounds lowest
 	@nice .ci/bounds newest
-
-bag-window: setup
-	@$(PYTHON) -m drill_twin_evidence.benchmarks.bag_window
 
 map-boundary: setup
 	@nice $(PYTHON) -m drill_twin_evidence.benchmarks.map_boundary
