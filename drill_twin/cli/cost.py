@@ -32,7 +32,7 @@ def cost(
         typer.Option(
             "--elements",
             metavar="N,N,...",
-            help="Run these options.meshes only, at the scene's step; adds hookload, torque and stick-slip.",
+            help="Run these meshes only, at the scene's step; adds hookload, torque and stick-slip.",
         ),
     ] = "",
     workers: options.WorkersOption = 0,

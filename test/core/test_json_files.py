@@ -7,26 +7,29 @@ import subprocess
 import sys
 import textwrap
 from typing import NamedTuple
+from unittest.mock import ANY
 
 import pytest
+from typing_extensions import TypedDict
 
 from drill_twin.core.errors import ArgumentError, BagError
 from drill_twin.core.files.json_files import JsonLines
 from drill_twin.studies.maps.regimes import Regime
 from drill_twin.studies.maps.runs import Key, RunRecord
-from drill_twin.studies.maps.search import Journal
+from drill_twin.studies.maps.search import open_journal
 
 SETUP = {"scene": "bench", "duration": 30.0}
 
 
+class Line(TypedDict):
+    """Result without a type of its own."""
+
+    result: int
+
+
 def opened(file, setup=SETUP, *, ordered=False):
-    found = []
-
-    def read(line):
-        found.append(line["result"])
-
-    lines = JsonLines(file, "study", setup, read, foreign="another file", other="another {}", ordered=ordered)
-    return lines, found
+    lines = JsonLines(file, Line, "study", setup, ordered=ordered)
+    return lines, [line["result"] for line in lines.results]
 
 
 def written(file, count):
@@ -115,7 +118,7 @@ def test_a_kill_loses_no_result_that_was_added(tmp_path):
         import sys
         from pathlib import Path
         from drill_twin.core.files.json_files import JsonLines
-        lines = JsonLines(Path({str(tmp_path / "a.jsonl")!r}), "study", {SETUP!r}, print, foreign="", other="")
+        lines = JsonLines(Path({str(tmp_path / "a.jsonl")!r}), dict, "study", {SETUP!r})
         for number in range(10**9):
             lines.add({{"result": number}})
             print(number, flush=True)
@@ -142,27 +145,25 @@ class Run(NamedTuple):
     b"[[1,2],0.5,7]", b"[[1.5,2],0.5]", b"[[true,2],0.5]", b"[null,0.5]", b"7",
 ])  # fmt: skip
 def test_a_line_of_the_right_shape_and_a_wrong_type_is_left_out(tmp_path, damage):
-    file, found = tmp_path / "a.jsonl", []
-
-    def opened_again():
-        return JsonLines(file, "study", SETUP, found.append, foreign="another", other="another {}", of=Run)
-
-    lines = opened_again()
+    file = tmp_path / "a.jsonl"
+    lines = JsonLines(file, Run, "study", SETUP)
     for radius in (1, float("nan"), 0.25):
-        lines.add([[1, 2], radius])
+        lines.add(Run((1, 2), radius))
     head, *rows = file.read_bytes().splitlines(keepends=True)
     file.write_bytes(head + rows[0] + damage + b"\n" + rows[1] + rows[2])
-    assert opened_again().bad == 1
-    assert [(run.place, str(run.radius)) for run in found] == [((1, 2), "1.0"), ((1, 2), "nan"), ((1, 2), "0.25")]
+    again = JsonLines(file, Run, "study", SETUP)
+    assert again.bad == 1
+    found = [(run.place, str(run.radius)) for run in again.results]
+    assert found == [((1, 2), "1.0"), ((1, 2), "nan"), ((1, 2), "0.25")]
 
 
 def test_a_run_of_a_map_with_a_wrong_number_is_left_out_and_told(tmp_path, caplog):
     file, key, record = tmp_path / "runs.jsonl", Key(1, 2, origin=(0, 3)), RunRecord(Regime.SMOOTH, radius=0.5)
-    journal = Journal(file, SETUP)
+    journal = open_journal(tmp_path, SETUP)
     for one in (key, Key(4, 4)):
-        journal.add(one, record)
-    assert Journal(file, SETUP).records.keys() == {key, Key(4, 4)}
+        journal.add((one, record))
+    assert open_journal(tmp_path, SETUP).results == [(key, ANY), (Key(4, 4), ANY)]
     file.write_bytes(file.read_bytes().replace(b'"radius":0.5', b'"radius":"0.5"', 1))
     assert not caplog.messages
-    assert Journal(file, SETUP).records.keys() == {Key(4, 4)}
+    assert open_journal(tmp_path, SETUP).results == [(Key(4, 4), ANY)]
     assert caplog.messages == [f"{file}: 1 line that is no result is left out; what it was of is computed again"]

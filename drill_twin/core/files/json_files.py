@@ -7,9 +7,10 @@ import json
 import logging
 import os
 import stat
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
+from dataclasses import asdict
 from pathlib import Path
-from typing import Any
+from typing import Any, Generic, TypeVar
 
 from pydantic import TypeAdapter
 
@@ -47,41 +48,42 @@ def _integer(digits: str) -> int | float:
 _LOG = logging.getLogger(__name__)
 LONGEST_LINE = 64_000_000
 """Bytes of a line; a longer one is a bad one."""
+T = TypeVar("T")
 _OPEN = os.O_RDWR | os.O_CREAT | os.O_APPEND | os.O_CLOEXEC | os.O_NONBLOCK  # a pipe is refused, not waited for
 
 
-class JsonLines:
+class JsonLines(Generic[T]):
     """File of results of one setup, to which each result is appended as soon as it is there.
 
     A result is in the file once `add` returns, so a kill loses only what was being computed. A line that is cut or
     damaged is left out, and its result computed again. Nothing is written to a file that is not of this setup.
 
     Attributes:
+        results: The results, in the order of the file.
         bad: Lines left out.
     """
 
     def __init__(
-        self, file: Path, key: str, setup: Mapping[str, Any], read: Callable[[Any], None], *,
-        foreign: str, other: str, of: Any = Any, ordered: bool = False,
+        self, file: Path, of: type[T], study: str, setup: Mapping[str, Any], *,
+        remedy: str = "choose another file", ordered: bool = False,
     ) -> None:  # fmt: skip
         """Open a file, begin it if it is new or empty, and read what it has.
 
         Args:
             file: The file; neither it nor its folder need exist.
-            key: Name of the setup in the first line.
-            setup: All that the results depend on, in plain types.
-            read: Takes a result, as the type `of`; raises a ValueError, TypeError or LookupError for one that is none.
-            foreign: Message if the first line is no setup.
-            other: Message if it is another one; `{}` stands for the names that differ.
             of: Type of a result, for pydantic: a line with a field that is missing or of another type is a bad one.
+            study: Name of what the results are of, which stands in the first line.
+            setup: All that the results depend on, in plain types.
+            remedy: What to do about a file of something else, for its message.
             ordered: Each result depends on those before: those behind a bad line are taken off with it.
 
         Raises:
             ArgumentError: The file is of another setup, or none of these files.
             BagError: It cannot be read or written, or is no regular file.
         """
-        self.file, self.bad, self._type = file, 0, TypeAdapter[Any](of)
-        head = (json.dumps({key: setup}) + "\n").encode()
+        self.file, self.results, self.bad = file, list[T](), 0
+        self._type, self._remedy = TypeAdapter(of), remedy
+        head = (json.dumps({study: setup}) + "\n").encode()
         try:
             file.parent.mkdir(parents=True, exist_ok=True)
             with os.fdopen(os.open(file, _OPEN, 0o666), "r+b", buffering=0) as stream:
@@ -92,8 +94,8 @@ class JsonLines:
                 if not newline and head.startswith(text):  # new, or broken off in its first line
                     stream.write(head[len(text) :])
                     return
-                self._check(first, key, setup, foreign, other)
-                kept = len(first) + 1 + self._read_lines(rest, read, ordered=ordered)
+                self._check(first, study, setup)
+                kept = len(first) + 1 + self._read_lines(rest, ordered=ordered)
                 stream.truncate(kept)
             if self.bad:
                 lines = "1 line that is no result is" if self.bad == 1 else f"{self.bad} lines that are no results are"
@@ -101,13 +103,13 @@ class JsonLines:
         except OSError as error:
             raise self._unusable(error) from error
 
-    def add(self, result: Any) -> None:
-        """Append a result, of plain types.
+    def add(self, result: T) -> None:
+        """Append a result: plain types, dataclasses and what has a method `to_dict`.
 
         Raises:
             BagError: The file cannot be written.
         """
-        line = (json.dumps(result, separators=(",", ":")) + "\n").encode()
+        line = (json.dumps(result, separators=(",", ":"), default=_plain) + "\n").encode()
         try:
             with self.file.open("ab", buffering=0) as stream:
                 end = stream.tell()
@@ -119,8 +121,9 @@ class JsonLines:
                     raise
         except OSError as error:
             raise self._unusable(error) from error
+        self.results.append(result)
 
-    def _read_lines(self, text: bytes, read: Callable[[Any], None], *, ordered: bool) -> int:
+    def _read_lines(self, text: bytes, *, ordered: bool) -> int:
         """Read the results; returns the length of the text that stays."""
         *lines, cut = text.split(b"\n")
         self.bad = int(cut != b"")
@@ -129,7 +132,7 @@ class JsonLines:
             try:
                 if len(line) > LONGEST_LINE:
                     raise ValueError("a line that is too long")
-                read(self._type.validate_json(line, strict=True))
+                self.results.append(self._type.validate_json(line, strict=True))
             except ODD_DATA:
                 self.bad += 1
                 if ordered:
@@ -137,16 +140,25 @@ class JsonLines:
             kept += len(line) + 1
         return kept
 
-    def _check(self, line: bytes, key: str, setup: Mapping[str, Any], foreign: str, other: str) -> None:
+    def _check(self, line: bytes, study: str, setup: Mapping[str, Any]) -> None:
         try:
-            found = read_json(line, largest=LONGEST_LINE)[key]
+            found = read_json(line, largest=LONGEST_LINE)[study]
             differing = [name for name, value in setup.items() if found.get(name) != json.loads(json.dumps(value))]
         except ODD_DATA:
-            raise ArgumentError(f"{self.file}: {foreign}") from None
+            raise ArgumentError(
+                f"{self.file}: expected results of `{study}`, found another file; {self._remedy}"
+            ) from None
         if differing:
-            raise ArgumentError(f"{self.file}: {other.format(' and '.join(differing))}")
+            names = " and ".join(differing)
+            raise ArgumentError(
+                f"{self.file}: expected results of this `{study}`, found those of another {names}; {self._remedy}"
+            )
 
     def _unusable(self, error: OSError) -> BagError:
         return BagError(
             f"{self.file}: expected a place to keep results, found {error.strerror or error}; choose another"
         )
+
+
+def _plain(result: Any) -> Any:
+    return result.to_dict() if hasattr(result, "to_dict") else asdict(result)

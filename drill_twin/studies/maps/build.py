@@ -19,7 +19,7 @@ from drill_twin.studies.maps.operating_map import OperatingMap, digest_of
 from drill_twin.studies.maps.plane import Plane
 from drill_twin.studies.maps.regimes import Regime
 from drill_twin.studies.maps.runs import FINER, Key, Runner
-from drill_twin.studies.maps.search import BoundarySearch, Journal, Progress
+from drill_twin.studies.maps.search import BoundarySearch, Progress, open_journal
 from drill_twin.studies.maps.window import cells_of
 
 SEED = "numerics.seed"
@@ -140,7 +140,7 @@ def build_map(
         "range of the weight on bit": list(plane.weight), "range of the speed": list(plane.speed),
         "lattice": plane.steps, "draws": [dict(draw) for draw in draws],
     }  # fmt: skip
-    journal = Journal(folder / "runs.jsonl", setup) if folder is not None else None
+    journal = open_journal(folder, setup) if folder is not None else None
     runner = Runner(scene, plane, plan.duration, plan.asked, draws, plan.executor)
     growth = growth_of(scene, plane) if plan.growth else None
     search = BoundarySearch(runner, journal, plan.runs, progress, None if growth is None else growth.lateral)

@@ -21,39 +21,23 @@ from drill_twin.studies.maps.plane import UNKNOWN, Labels, Node, Plane, nearest_
 from drill_twin.studies.maps.regimes import Regime
 from drill_twin.studies.maps.runs import HOLD, Key, Runner, RunRecord
 
-FOREIGN = "expected the runs of a map, found another file; choose another folder with --out"
-OTHER = "expected runs of this map, found those of another {}; choose another folder with --out, or --replace"
-"""Messages about the file of something else."""
+Journal = JsonLines[tuple[Key, RunRecord]]
+"""Runs of a map in the order in which they ended."""
 
 
-class Journal:
-    """File `runs.jsonl` of a folder: what the map is of, then its runs in the order in which they ended.
+def open_journal(folder: Path, setup: Mapping[str, Any]) -> Journal:
+    """Open the file `runs.jsonl` of a folder, and read what it has.
 
-    Attributes:
-        records: The runs that it has.
+    Args:
+        folder: The folder; it need not exist.
+        setup: Scene, ranges and all else that the runs depend on, in plain types.
+
+    Raises:
+        ArgumentError: The file is of another setup, or no journal.
+        BagError: It cannot be read or written.
     """
-
-    def __init__(self, file: Path, setup: Mapping[str, Any]) -> None:
-        """Open the journal, and read what it has; a line that is no run is left out.
-
-        Args:
-            file: The file; it need not exist.
-            setup: Scene, ranges and all else that the runs depend on, in plain types.
-
-        Raises:
-            ArgumentError: The journal is of another setup, or no journal.
-            BagError: It cannot be read or written.
-        """
-        self.records = dict[Key, RunRecord]()
-        self._lines = JsonLines(file, "map", setup, self._read, foreign=FOREIGN, other=OTHER, of=tuple[Key, RunRecord])
-
-    def _read(self, run: tuple[Key, RunRecord]) -> None:
-        self.records.update([run])
-
-    def add(self, key: Key, record: RunRecord) -> None:
-        """Append a run as it ends; raises BagError where the file cannot be written."""
-        self._lines.add([key, record.to_dict()])
-        self.records[key] = record
+    remedy = "choose another folder with --out, or --replace"
+    return JsonLines(folder / "runs.jsonl", tuple[Key, RunRecord], "map", setup, remedy=remedy)
 
 
 ONSET_CELLS, COARSE = 8, 16
@@ -232,14 +216,14 @@ class BoundarySearch:
             note = f"stopped at {self._budget} runs in the search for the {phase}; more with --runs"
             self.notes.extend([note] if note not in self.notes else [])
         new = new[:room]
-        known = {} if self._journal is None else self._journal.records
+        known = {} if self._journal is None else dict(self._journal.results)
         missing = [key for key in new if key not in known]
         made = dict[Key, RunRecord]()
         before, expected = len(self.records) + len(new) - len(missing), len(self.records) + len(new)
         with closing(self._runner.run(missing)) as ended:
             for key, record in ended:
                 if self._journal is not None:
-                    self._journal.add(key, record)
+                    self._journal.add((key, record))
                 made[key] = record
                 self._progress(phase, before + len(made), expected)
         self.records |= {key: made[key] if key in made else known[key] for key in new}

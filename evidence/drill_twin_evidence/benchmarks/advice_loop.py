@@ -15,7 +15,7 @@ import argparse
 import math
 from collections import Counter
 from pathlib import Path
-from typing import Any, NotRequired
+from typing import NotRequired
 
 import numpy as np
 from typing_extensions import TypedDict
@@ -38,7 +38,6 @@ DURATION = 10.0
 LONGEST, CHANGE, CALM = 120.0, 2.5, 2.0
 """Simulated time after which a driver gives up, time of a change of set-points, time without whirl at its end [s]."""
 LEFT, STAYED, NO_WHIRL = "left whirl", "whirls on", "no whirl at first"
-FOREIGN, OTHER = "expected results of this benchmark, found another file", "expected the same {}; take another --out"
 TOLD, NOT_TOLD = "told that it cannot", "not told"
 
 
@@ -60,18 +59,16 @@ def main() -> None:
     parser.add_argument("--workers", type=int, default=2)
     parser.add_argument("--out", type=Path, default=Path("out/advice_loop"))
     given = parser.parse_args()
-    known: dict[int, dict[str, Any]] = {}
-    file = JsonLines(
-        given.out / "results.jsonl", "advice loop", {"lowest": given.lowest, "duration": DURATION},
-        lambda result: known.update({int(result["scene"]): result}), foreign=FOREIGN, other=OTHER,
-        of=Found,
-    )  # fmt: skip
-    results: list[dict[str, Any]] = []
+    setup = {"lowest": given.lowest, "duration": DURATION}
+    file = JsonLines(given.out / "results.jsonl", Found, "advice loop", setup, remedy="take another --out")
+    known = {result["scene"]: result for result in file.results}
+    results: list[Found] = []
     while sum(result["end"] != NO_WHIRL for result in results) < given.scenes:
         number = len(results)
-        results.append(known.get(number) or result_of(number, given.lowest, given.out, given.workers))
         if number not in known:
-            file.add(results[-1])
+            known[number] = result_of(number, given.lowest, given.out, given.workers)
+            file.add(known[number])
+        results.append(known[number])
     counts = Counter(result["end"] for result in results)
     print("\n".join(f"{name}: {counts[name]}" for name in (LEFT, STAYED, TOLD, NOT_TOLD, NO_WHIRL)))
     if whole := counts[LEFT] + counts[STAYED]:
@@ -81,10 +78,10 @@ def main() -> None:
         print(f"{sum(len(advice) == 1 for advice in said)} by one advice, {stops} after a stop of the rotation")
 
 
-def result_of(number: int, lowest: float, out: Path, workers: int) -> dict[str, Any]:
+def result_of(number: int, lowest: float, out: Path, workers: int) -> Found:
     """Numbers and end of a scene; the runs of its map are kept."""
     numbers = drawn(number)
-    scene = dt.load_scene("pa6_bench", COARSE | numbers)
+    scene = dt.load_scene("pa6_bench", {**COARSE, **numbers})
     weight, speed = scene.rig.weight_on_bit.value, scene.rig.rotation.value
     simulation = dt.Simulation(scene)
     simulation.run(duration=DURATION)
@@ -101,7 +98,7 @@ def result_of(number: int, lowest: float, out: Path, workers: int) -> dict[str, 
     return {"scene": number, "numbers": numbers, "runs": len(found.records), "end": end, "advice": advice}
 
 
-def drawn(number: int) -> dict[str, float | str]:
+def drawn(number: int) -> dict[str, float]:
     """Numbers of a scene."""
     draw = np.random.default_rng(number).uniform
     return {

@@ -11,6 +11,7 @@ import argparse
 import json
 import sys
 import time
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -20,8 +21,8 @@ import drill_twin as dt
 from drill_twin.core.arrays import Array
 from drill_twin.runs.ensemble import Threads
 from drill_twin.studies.maps import OperatingMap, Plane, Span
-from drill_twin.studies.maps.runs import Key, Runner
-from drill_twin.studies.maps.search import Journal
+from drill_twin.studies.maps.runs import Key, Runner, RunRecord
+from drill_twin.studies.maps.search import open_journal
 
 
 def main() -> None:
@@ -94,13 +95,23 @@ def patch(
     """Map of a patch, with a run at each node of a lattice of half the step."""
     low, high = found.plane.command(corner), found.plane.command((corner[0] + cells, corner[1] + cells))
     plane = Plane(Span(low[0], high[0]), Span(low[1], high[1]), 2 * cells)
-    setup = {"scene": scene.to_yaml(), "duration": found.duration, "ranges": [list(plane.weight), list(plane.speed)]}
-    journal = Journal(folder / "runs.jsonl", setup)
     runner = Runner(scene, plane, found.duration, found.asked, (), Threads(workers))
     nodes = [Key(i, j) for i in range(plane.steps + 1) for j in range(plane.steps + 1)]
-    for key, record in runner.run([key for key in nodes if key not in journal.records]):
-        journal.add(key, record)
-    return replace(found, plane=plane, records=dict(journal.records), growth=())
+    return replace(found, plane=plane, records=kept_runs(runner, nodes, folder), growth=())
+
+
+def kept_runs(runner: Runner, keys: Sequence[Key], folder: Path) -> dict[Key, RunRecord]:
+    """Runs of a plane; those that a folder has are not made again."""
+    plane = runner.plane
+    setup = {
+        "scene": runner.scene.to_yaml(), "duration": runner.duration, "time asked": runner.asked,
+        "ranges": [list(plane.weight), list(plane.speed)],
+    }  # fmt: skip
+    journal = open_journal(folder, setup)
+    known = dict(journal.results)
+    for made in runner.run([key for key in dict.fromkeys(keys) if key not in known]):
+        journal.add(made)
+    return dict(journal.results)
 
 
 def lattice_points(found: OperatingMap, plane: Plane) -> list[tuple[float, float]]:

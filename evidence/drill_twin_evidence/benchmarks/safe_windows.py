@@ -23,11 +23,11 @@ from drill_twin.api.scenes import as_scene
 from drill_twin.core.arrays import Mask
 from drill_twin.core.table import Table, markdown_row
 from drill_twin.runs.ensemble import Threads
-from drill_twin.studies.maps import OperatingMap, Plane, Regime
+from drill_twin.studies.maps import OperatingMap, Regime
 from drill_twin.studies.maps.runs import FINER, Key, Runner, RunRecord
-from drill_twin.studies.maps.search import Journal
 from drill_twin.studies.maps.window import cells_of, proportion_interval, proportion_text
 from drill_twin_evidence.benchmarks.advice_loop import COARSE
+from drill_twin_evidence.benchmarks.map_boundary import kept_runs
 
 DURATION, ASKED = 30.0, 300.0
 """Simulated time of a run of a map, and time for which a set-point of a window must stay calm [s]."""
@@ -115,13 +115,7 @@ def long_runs(
     scene: dt.Scene, found: OperatingMap, keys: list[Key], folder: Path, workers: int
 ) -> dict[Key, RunRecord]:
     """Runs of the time asked; those of a folder are not made again."""
-    plane: Plane = found.plane
-    setup = {"scene": scene.to_yaml(), "asked": found.asked, "ranges": [list(plane.weight), list(plane.speed)]}
-    journal = Journal(folder / "runs.jsonl", setup)
-    runner = Runner(scene, plane, found.duration, found.asked, (), Threads(workers))
-    for key, record in runner.run([key for key in dict.fromkeys(keys) if key not in journal.records]):
-        journal.add(key, record)
-    return dict(journal.records)
+    return kept_runs(Runner(scene, found.plane, found.duration, found.asked, (), Threads(workers)), keys, folder)
 
 
 def scene_of(seed: int) -> tuple[dt.Scene, str, str]:

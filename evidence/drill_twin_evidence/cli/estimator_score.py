@@ -14,7 +14,6 @@ from drill_twin_evidence.cli.output import OnlyOption, chosen
 
 _SEEDS = 1_000_000
 """Seeds of truths, of which the first is drawn."""
-_FOREIGN, _OTHER = "expected results of the score, found another file", "expected the same {}; give another file"
 
 
 def estimator_score(
@@ -45,11 +44,8 @@ def estimator_score(
     from drill_twin_evidence.estimation.score import cost_lines, lines, score
 
     names = chosen(only, CASES)
-    rows: list[TruthRow] = []
-    setup = {"seconds": seconds, "imu": imu}
-    file = None
-    if journal is not None:
-        file = JsonLines(journal, "score", setup, rows.append, foreign=_FOREIGN, other=_OTHER, of=TruthRow)
+    file = None if journal is None else JsonLines(journal, TruthRow, "score", {"seconds": seconds, "imu": imu})
+    rows = [] if file is None else file.results
     done = {(row["case"], row["members"], row["truth"]): row for row in rows}
     fresh = min((row["truth"] for row in rows), default=secrets.randbelow(_SEEDS))
     start = fresh if first is None else first
@@ -65,7 +61,7 @@ def estimator_score(
                     told = ", ".join(f"{key} {error:+.1%}" for key, error in row["errors"].items())
                     remark(f"{name} {number}, {count} members: {told}")
                     if file is not None:
-                        file.add(dict(row))
+                        file.add(row)
                 runs.append(row)
             by_members[count] = score(runs)
         found[name] = by_members if len(by_members) > 1 else by_members[count]

@@ -60,10 +60,10 @@ def paper_search(
 
     on = Bench(bench(scene), seconds, joined=friction == "joined", workers=workers)
     setup = {"seed": seed, "seconds": seconds, "scene": on.scene.to_yaml(), "friction": friction}
-    kept = searching.Record(record, setup)
+    kept = searching.open_record(record, setup)
     with shown_progress("sets", sets, unit="sets", kept=f"the same command goes on from {record}") as bar:
         searching.search(on, kept, sets=sets, seed=seed, progress=lambda done: bar.show("sets", done))
-    found = exclusion_of(kept.evaluated, on)
+    found = exclusion_of(searching.evaluated(kept), on)
     habitual = habits(on) if show_habits else {}
     named = {f"set_{k}": override(on.scene, one.parameters.keys()) for k, one in enumerate(found.finalists, 1)}
     files = {"exclusion.csv": found.to_csv(), "exclusion.json": found.to_dict()}

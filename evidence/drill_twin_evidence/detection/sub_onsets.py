@@ -7,7 +7,6 @@ A line of JSON for each is kept; a campaign that was broken off goes on from the
 
 import sys
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from scipy import stats
@@ -24,7 +23,6 @@ from drill_twin_evidence.detection.sub_signals import drawn_signal
 
 FIRST = 6000
 """First number that nothing was chosen on."""
-FOREIGN, OTHER = "expected results of this campaign, found another file", "expected the same {}; give another file"
 
 
 class Row(TypedDict):
@@ -90,15 +88,13 @@ def shares(rows: list[Row]) -> list[str]:
 
 def main(count: int, journal: Path, first: int = FIRST) -> None:
     """Compute the rows that the journal lacks, and print the shares."""
-    rows: list[Any] = []
-    file = JsonLines(journal, "sub onsets", {"first": first}, rows.append, foreign=FOREIGN, other=OTHER, of=Row)
-    done = {(row["kind"], row["number"]) for row in rows}
+    file = JsonLines(journal, Row, "sub onsets", {"first": first})
+    done = {(row["kind"], row["number"]) for row in file.results}
     for number in range(first, first + count):
         for draw in (scene, motion):
             if (draw.__name__, number) not in done:
-                rows.append(draw(number))
-                file.add(rows[-1])
-    print("\n".join(shares(rows)))
+                file.add(draw(number))
+    print("\n".join(shares(file.results)))
 
 
 if __name__ == "__main__":

@@ -38,7 +38,6 @@ from drill_twin_evidence.foreign_rigs.rigs import (
 RIG = RIGS["mild exponential"]
 WAYS = {"surface": SURFACE, "with a sub": (*SURFACE, "bit_speed")}
 """Channels of the record by the way of measuring."""
-FOREIGN, OTHER = "expected results of this campaign, found another file", "expected the same {}; give another file"
 NOISE, LEVEL, STEP = 0.01, 0.9, 2.5e-3
 END = 0.1
 """Part of a range at each of its ends."""
@@ -97,13 +96,11 @@ def lines(twins: Sequence[Twin]) -> list[str]:
 
 def main(twins: int, journal: Path) -> None:
     """Fit as many twins as the journal lacks, and print the shares."""
-    done: list[Twin] = []
     setup = {"ranges": OWN_RANGES, "ways": WAYS, "noise": NOISE, "step": STEP}
-    file = JsonLines(journal, "fit coverage", setup, done.append, foreign=FOREIGN, other=OTHER, of=Twin)
-    while len(done) < twins:
-        done.append(cover(int(np.random.SeedSequence().generate_state(1, np.uint64)[0] >> 1)))
-        file.add(dict(done[-1]))
-    print("\n".join(lines(done)))
+    file = JsonLines(journal, Twin, "fit coverage", setup)
+    while len(file.results) < twins:
+        file.add(cover(int(np.random.SeedSequence().generate_state(1, np.uint64)[0] >> 1)))
+    print("\n".join(lines(file.results)))
 
 
 if __name__ == "__main__":

@@ -24,7 +24,6 @@ from drill_twin.studies.maps.window import proportion_text
 from drill_twin_evidence.foreign_rigs.own_law import own_widths
 from drill_twin_evidence.foreign_rigs.rigs import INDICATED, LOAD, LOADS, OVERRIDES, RANGES, RIGS, SCENE, SECONDS, trial
 
-FOREIGN, OTHER = "expected results of foreign rigs, found another file", "expected the same {}; give another file"
 BIT = "bit_speed"
 _SETTLED = 8.0
 """Time from which the bit's speed is counted [s]."""
@@ -142,16 +141,14 @@ def main(seeds: list[int], journal: Path, words: Sequence[str] = ()) -> None:
     ways = {"estimate": followed, "fit": fitted}
     wanted = {way: of for way, of in ways.items() if way in words} or ways
     rigs = [name for name, rig in RIGS.items() if ("development" if rig.kept else "kept") not in words]
-    rows: list[Row] = []
-    file = JsonLines(journal, "foreign rigs", {"ranges": RANGES}, rows.append, foreign=FOREIGN, other=OTHER, of=Row)
-    done = {(row["rig"], row["seed"], row["way"]) for row in rows}
+    file = JsonLines(journal, Row, "foreign rigs", {"ranges": RANGES})
+    done = {(row["rig"], row["seed"], row["way"]) for row in file.results}
     for way, of in wanted.items():
         for seed in seeds:
             for name in rigs:
                 if (name, seed, way) not in done:
-                    rows.append(of(name, seed))
-                    file.add(dict(rows[-1]))
-    print("\n".join(lines(rows)))
+                    file.add(of(name, seed))
+    print("\n".join(lines(file.results)))
 
 
 if __name__ == "__main__":

@@ -42,8 +42,8 @@ from drill_twin_evidence.whirl_compare.points import (
     ON_A_STATE,
     TWO_COMPUTED,
     Point,
-    PointsFile,
     TwoFrequencies,
+    points_file,
     setup_of,
 )
 from drill_twin_evidence.whirl_compare.two_frequency_stability import TwoFrequencyState
@@ -86,12 +86,14 @@ def compare(
     """
     equations = EquationsOfMotion(steady_scene(scene, None, ()))
     own = with_marks(equations)
-    file = PointsFile(record, setup_of(own, duration))
-    done = file.points
+    file = None if record is None else points_file(record, setup_of(own, duration))
+    done = {} if file is None else {(point.weight_on_bit, point.rotation): point for point in file.results}
     for weight in weights:
         missing = [speed for speed in speeds if (weight, speed) not in done]
         for point in _row(own, equations, weight, missing, duration, workers):
-            file.add(point)
+            done[weight, point.rotation] = point
+            if file is not None:
+                file.add(point)
             progress(len(done))
     return [done[weight, speed] for weight in weights for speed in speeds]
 

@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -21,9 +21,6 @@ AGREES = (*ON_A_STATE, TWO_COMPUTED, NO_STATE)
 """Verdicts of points where tool and simulation agree."""
 FORMAT = 4
 """Of the records."""
-FOREIGN = "expected the points of a comparison, found another file; take another with --record"
-OTHER = "expected points of this scene and duration, found those of another {}; take another file with --record"
-"""Messages about the file of something else."""
 
 
 @dataclass(frozen=True)
@@ -93,33 +90,14 @@ def setup_of(scene: Scene, duration: float) -> dict[str, Any]:
     return {"scene": scene.model_dump(mode="json", exclude_none=True), "duration": duration, "format": FORMAT}
 
 
-class PointsFile:
-    """File of the points of a comparison; without a path nothing is kept.
+def points_file(path: Path, setup: Mapping[str, Any]) -> JsonLines[Point]:
+    """File of the points of a comparison.
 
-    Attributes:
-        points: Points by load [N] and speed [rad/s].
+    Raises:
+        ArgumentError: The file holds points of another study, or something else.
+        BagError: It cannot be read or written.
     """
-
-    def __init__(self, path: Path | None, setup: Mapping[str, Any]) -> None:
-        """Open the file, begin it if it does not exist, and read its points.
-
-        Raises:
-            ArgumentError: The file holds points of another study, or something else.
-            BagError: It cannot be read or written.
-        """
-        self.points: dict[tuple[float, float], Point] = {}
-        self._lines = None
-        if path is not None:
-            self._lines = JsonLines(path, "whirl comparison", setup, self._read, foreign=FOREIGN, other=OTHER, of=Point)
-
-    def _read(self, point: Point) -> None:
-        self.points[point.weight_on_bit, point.rotation] = point
-
-    def add(self, point: Point) -> None:
-        """Add a point."""
-        self.points[point.weight_on_bit, point.rotation] = point
-        if self._lines is not None:
-            self._lines.add(asdict(point))
+    return JsonLines(path, Point, "whirl comparison", setup, remedy="take another file with --record")
 
 
 def sentences(points: Sequence[Point]) -> list[str]:

@@ -12,7 +12,7 @@ from drill_twin_evidence.estimation.cases import CASES, JUMP
 from drill_twin_evidence.estimation.hidden_truth import follow
 from drill_twin_evidence.estimation.score import _warnings, lines, rate_interval, score
 
-SMALL = ["study", "estimator-score", "--only=stick_slip", "--truths=1", "--duration=16", "--members=4"]
+SMALL = ["study", "estimator-score", "--only=stick_slip", "--truths=1", "--first=1", "--duration=16", "--members=4"]
 
 
 def test_score_tells_numbers_bands_and_virtual_sensors():

@@ -64,10 +64,8 @@ def test_an_interval_stands_in_place_of_an_irregular_whirl(monkeypatch):
     assert (value.low, value.high) == pytest.approx((0.2, 0.6), abs=0.01)
     assert best.steady < best.met
     one = set_of(bench.scene)
-    record = type(
-        "Record", (), {"evaluated": [Evaluated(list(one.fractions), list(one.choices), evaluated(bench).runs)]}
-    )
-    shown = next(table for table in tables(exclusion_of(record.evaluated, bench)) if table.title == "Numbers of set 1")
+    own = Evaluated(list(one.fractions), list(one.choices), evaluated(bench).runs)
+    shown = next(table for table in tables(exclusion_of([own], bench)) if table.title == "Numbers of set 1")
     assert f"irregular: {value.low:.2g} to {value.high:.2g} over windows" in [cells[-1] for cells in shown.rows]
 
 
@@ -173,7 +171,7 @@ def small(monkeypatch):
 def searched(file, sets, workers=1):
     bench = Bench(load_scene(BENCH), SECONDS, workers=workers)
     setup = {"seed": 5, "seconds": SECONDS, "scene": load_scene(BENCH).to_yaml(), "friction": "falling"}
-    record = module.Record(file, setup)
+    record = module.open_record(file, setup)
     archive = module.search(bench, record, sets=sets, seed=5)
     return bench, record, archive
 
@@ -182,16 +180,17 @@ def searched(file, sets, workers=1):
 def test_a_search_goes_on_where_it_was_and_prints_what_excludes_what(tmp_path):
     whole, halves = tmp_path / "whole.jsonl", tmp_path / "halves.jsonl"
     bench, record, archive = searched(whole, 30, workers=2)
-    assert len(record.evaluated) >= 30
+    assert len(module.evaluated(record)) >= 30
     searched(halves, 1)
     halves.write_bytes(halves.read_bytes() + b'[{"fractions":[0.1')  # a line that was cut off
     _, again, _ = searched(halves, 30)
     assert halves.read_bytes() == whole.read_bytes()
-    assert len(again.evaluated) == len(record.evaluated)
-    with pytest.raises(ArgumentError, match="one of another seed"):
-        module.Record(whole, {"seed": 6})
+    assert len(module.evaluated(again)) == len(module.evaluated(record))
+    with pytest.raises(ArgumentError, match="those of another seed"):
+        module.open_record(whole, {"seed": 6})
 
-    found = exclusion_of(record.evaluated, bench)
+    sets = module.evaluated(record)
+    found = exclusion_of(sets, bench)
     assert np.array_equal(found.least, archive.least)
     assert (found.least[LOOSE] <= found.least[STRICT]).all()
     assert (found.least[1:LOOSE] <= found.least[STRICT]).all()
@@ -206,16 +205,16 @@ def test_a_search_goes_on_where_it_was_and_prints_what_excludes_what(tmp_path):
         env={"COLUMNS": "200"},
     )
     assert done.exit_code == 0, done.output
-    assert f"{len(record.evaluated)} sets by {found.runs} runs" in done.output
+    assert f"{len(sets)} sets by {found.runs} runs" in done.output
     assert "Pairs of numbers that no set meets" in done.output
     data = json.loads((tmp_path / "exclusion.json").read_text())
-    assert data["runs"] == sum(len(one.runs) for one in record.evaluated)
+    assert data["runs"] == sum(len(one.runs) for one in sets)
     table = (tmp_path / "exclusion.csv").read_text().splitlines()
     assert len(table) == 1 + 105
     assert table[0].startswith("first,second,all kept,R may be the diameter")
     best = load_scene(str(tmp_path / "set_1.yaml"))
     assert best.effects.stretch is not None
-    assert data["finalists"][0]["met"] == max(score(one.results, any_reading=True)[0] for one in record.evaluated)
+    assert data["finalists"][0]["met"] == max(score(one.results, any_reading=True)[0] for one in sets)
     assert (tmp_path / "paper_exclusion.png").stat().st_size > 10_000
 
 

@@ -47,8 +47,6 @@ TOLERANCES = ("auto", 1e-7, 1e-9)
 HALVINGS = 3
 """A scene whose energy balance does not close to a tenth of the energy in motion, or to which a dissipative effect adds
 energy, runs again with these tolerances of Newton's method, and then with the step halved, at most so often."""
-FOREIGN = "expected results of this campaign, found another file; give another by --results"
-OTHER = "expected results of the same {}, found others; remove the file, or give another by --results"
 ROUND = 1000
 """Scenes of a round: all sets take their turn in each, so that a part of the campaign holds every set."""
 REASONS = {
@@ -159,18 +157,13 @@ def order(scenes: int) -> Iterator[int]:
 
 def run(scenes: int, path: Path) -> list[Result]:
     """Run what the file does not hold yet; returns all results by number."""
-    known: dict[int, Result] = {}
-
-    def read(result: Result) -> None:
-        known[result.number] = result
-
-    file = JsonLines(
-        path, "campaign", {"physics": physics(), "sets": len(SETS)}, read, foreign=FOREIGN, other=OTHER, of=Result
-    )
+    setup = {"physics": physics(), "sets": len(SETS)}
+    file = JsonLines(path, Result, "campaign", setup, remedy="remove it, or give another by --results")
+    known = {result.number: result for result in file.results}
     for number in order(scenes):
         if number not in known:
             known[number] = result_of(number)
-            file.add(list(known[number]))
+            file.add(known[number])
     return [known[number] for number in sorted(known) if number < scenes]
 
 

@@ -82,7 +82,7 @@ def test_a_point_of_the_comparison_and_its_record(bench, tmp_path, monkeypatch):
     assert min(abs(point.ratio / ratio - 1.0) for ratio in point.stable) < 2e-3
     monkeypatch.setattr(comparison, "Ensemble", None)
     assert comparison.compare(bench, weights, speeds, duration=30.0, record=record) == [point]
-    with pytest.raises(ArgumentError, match="expected points of this scene and duration"):
+    with pytest.raises(ArgumentError, match="found those of another duration"):
         comparison.compare(bench, weights, speeds, duration=20.0, record=record)
 
 
@@ -91,17 +91,17 @@ def test_a_record_that_was_broken_off_goes_on(bench, tmp_path):
     record, setup = tmp_path / "points.jsonl", points.setup_of(bench, 30.0)
     one = points.Point(40.0, 6.0, "steady whirl", 0.8, None, 0.01, ((0.8, -1.0, 2.0),), (0.8,), "a stable state",
                        two=points.TwoFrequencies(0.8, 0.4, -1.0, 1e-9), held=((0.5, True),))  # fmt: skip
-    file = points.PointsFile(record, setup)
-    assert file.points == {}
+    file = points.points_file(record, setup)
+    assert file.results == []
     file.add(one)
     whole = record.read_bytes()
     record.write_bytes(whole + b'{"motion": 1}\n' + whole.splitlines()[1][:40])
-    assert points.PointsFile(record, setup).points == {(40.0, 6.0): one}
-    with pytest.raises(ArgumentError, match=r"expected points of this scene and duration, found those of another dur"):
-        points.PointsFile(record, points.setup_of(bench, 20.0))
+    assert points.points_file(record, setup).results == [one]
+    with pytest.raises(ArgumentError, match="found those of another duration"):
+        points.points_file(record, points.setup_of(bench, 20.0))
     record.write_bytes(b"[]\n")
-    with pytest.raises(ArgumentError, match="expected the points of a comparison, found another file"):
-        points.PointsFile(record, setup)
+    with pytest.raises(ArgumentError, match="expected results of `whirl comparison`, found another file"):
+        points.points_file(record, setup)
 
 
 def test_a_motion_that_is_no_state_found_is_missed(bench):

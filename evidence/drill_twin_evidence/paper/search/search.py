@@ -10,7 +10,6 @@ any number of workers.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
@@ -45,50 +44,31 @@ WHOLE = 0.5
 """Share of the sets whose goal is the whole table."""
 UNDER = (0.3, *(0.05 for _ in ASSUMPTIONS[1:-1]), 0.35)
 """Chance of each of the assumptions as those of a goal."""
-FOREIGN = "expected the record of a search, found another file; choose another with --record"
-OTHER = "expected a record of this search, found one of another {}; choose another with --record"
-"""Messages about the file of something else."""
-
 Job = tuple[ParameterSet, Goal]
 
 
-class Record:
-    """File of a search: what it searches, then its generations.
+Record = JsonLines[list[Evaluated]]
+"""Generations of a search."""
 
-    Attributes:
-        generations: The generations that it has.
+
+def open_record(file: Path, setup: dict[str, Any]) -> Record:
+    """Open the record of a search, and read what it has, up to a line that is no generation.
+
+    Args:
+        file: The file; it need not exist.
+        setup: All that the search depends on, in plain types.
+
+    Raises:
+        ArgumentError: It is of another search, or no record.
+        BagError: It cannot be read or written.
     """
+    remedy = "choose another with --record"
+    return JsonLines(file, list[Evaluated], "paper search", setup, remedy=remedy, ordered=True)
 
-    def __init__(self, file: Path, setup: dict[str, Any]) -> None:
-        """Open a record, and read what it has, up to a line that is no generation.
 
-        Args:
-            file: The file; it need not exist.
-            setup: All that the search depends on, in plain types.
-
-        Raises:
-            ArgumentError: It is of another search, or no record.
-            BagError: It cannot be read or written.
-        """
-        self.generations = list[list[Evaluated]]()
-        self._lines = JsonLines(
-            file, "paper search", setup, self.generations.append, foreign=FOREIGN, other=OTHER, of=list[Evaluated],
-            ordered=True,
-        )  # fmt: skip
-
-    def add(self, generation: list[Evaluated]) -> None:
-        """Append a generation.
-
-        Raises:
-            BagError: The file cannot be written.
-        """
-        self._lines.add([asdict(one) for one in generation])
-        self.generations.append(generation)
-
-    @property
-    def evaluated(self) -> list[Evaluated]:
-        """All sets, in order."""
-        return [one for generation in self.generations for one in generation]
+def evaluated(record: Record) -> list[Evaluated]:
+    """All sets of a record, in order."""
+    return [one for generation in record.results for one in generation]
 
 
 def search(
@@ -107,16 +87,16 @@ def search(
         BagError: The record cannot be written.
     """
     archive = Archive()
-    for one in record.evaluated:
+    for one in evaluated(record):
         archive.add(one)
-    while len(record.evaluated) < sets:
-        number = len(record.generations)
+    while (done := len(evaluated(record))) < sets:
+        number = len(record.results)
         random = np.random.default_rng((seed, number))
         jobs = _proposals(bench, archive, random) if number else _first(bench, random)
         record.add(_evaluate(bench, archive, jobs))
-        for one in record.generations[-1]:
+        for one in record.results[-1]:
             archive.add(one)
-        progress(len(record.evaluated))
+        progress(done + len(record.results[-1]))
     return archive
 
 
