@@ -76,7 +76,10 @@ def _run_command(arguments: Sequence[str]) -> int:
             raise
         context = getattr(error, "ctx", None)
         command = context.command_path if context else "drill-twin"
-        return _fail(f"{_shaped(error.format_message(), arguments)}; see `{command} --help`")
+        message, name = _shaped(error.format_message(), arguments), getattr(error, "option_name", "")
+        if context and name in ("--wob", "--rpm") and any("--set" in known.opts for known in context.command.params):
+            message = f'expected another option, found {name}; did you mean --set "{name[2:]}=..."?'
+        return _fail(f"{message}; see `{command} --help`")
     return int(code or 0)
 
 

@@ -9,9 +9,10 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from drill_twin.cli import options
-from drill_twin.cli.emit import emit, folder_name, new_folder
+from drill_twin.cli.emit import emit, folder_name
 from drill_twin.cli.show import shown_progress
-from drill_twin.core.table import Column, Table
+from drill_twin.core.files.output import make_folder
+from drill_twin.core.table import Table
 
 if TYPE_CHECKING:
     from drill_twin.studies.accuracy.ablation import Ablation, Change
@@ -39,13 +40,15 @@ def effects(
     duration: options.DurationOption = "",
     change: options.SetOption = [],  # noqa: B006  typer makes a new list of it
     workers: options.WorkersOption = 0,
-    out: Annotated[Path | None, options.folder_option("New folder of the result.", "out/effects_SCENE")] = None,
-    replace: options.ReplaceOption = False,
+    out: Annotated[
+        Path | None, options.folder_option("Folder of the result; an interrupted study continues.", "out/effects_SCENE")
+    ] = None,
     json: options.JsonOption = False,
 ) -> None:
     """Leave out each effect of a scene in turn: its cost, what it changes, and the effects that the scene needs.
 
-    Each set of effects is compiled once and then cached. Writes effects.json and effects.png.
+    Each set of effects is compiled once and then cached. An interrupted study continues. Writes effects.json and
+    effects.png.
     """
     from drill_twin.scene import load_scene
     from drill_twin.studies.accuracy.ablation import ablate, groups
@@ -54,15 +57,16 @@ def effects(
     changes = options.overrides(change, duration=duration)
     described = load_scene(scene, overrides=changes)
     folder = out or Path("out") / f"effects_{folder_name(described.name)}"
-    new_folder(folder, replace=replace)
-    with shown_progress("running", len(groups(tuple(described.effect_names))) + 2) as bar:
+    make_folder(folder / "runs")
+    runs = replicas * (len(groups(tuple(described.effect_names))) + 2)
+    with shown_progress("running", runs, kept=f"the same command goes on from {folder / 'runs'}") as bar:
         ablation = ablate(
-            scene, changes, tolerance=tolerance, replicas=replicas, workers=workers,
+            scene, changes, folder / "runs", tolerance=tolerance, replicas=replicas, workers=workers,
             progress=lambda left_out: bar.step(f"done without {left_out}"),
         )  # fmt: skip
     data = ablation.to_dict()
     files = {"effects.json": data, "effects.png": lambda: ablation_figure(ablation)}
-    emit(data, (part(ablation) for part in (_table, _verdict)), json=json, folder=folder, files=files)
+    emit(data, (part(ablation) for part in (_table, _verdict)), json=json, folder=folder, files=files, also=["runs"])
 
 
 def _table(ablation: Ablation) -> Table:
@@ -72,11 +76,9 @@ def _table(ablation: Ablation) -> Table:
     runs = ablation.replicas
     first = ("nothing", "", "", *(_value(key, known[key].before, known[key].runs_before, runs) for key in NAMES))
     title = f"{ablation.scene}, {runs} runs each; * = beyond the tolerance and beyond chance, ? = too few runs to tell"
-    columns = [
-        Column("left out", whole=True),
-        *(Column(one, right=True) for one in ("step time", "run time", *NAMES.values())),
-    ]
-    return Table(columns, [first, *(_row(change, runs) for change in ablation.changes)], title=title)
+    columns = ("left out", "step time", "run time", *NAMES.values())
+    rows = [first, *(_row(change, runs) for change in ablation.changes)]
+    return Table(columns, rows, title=title, right=range(1, len(columns)))
 
 
 def _row(change: Change, runs: int) -> tuple[str, ...]:

@@ -67,6 +67,7 @@ def field(inside, bench_run):
         (["cost", "pa6_bench", "--out", "text.mcap"], "text.mcap/runs: expected a place to write the result"),
         (["run", "pa6_bench", "--accuracy", "1 %", "--set", "numerics.tolerance=1e-6"], "which chooses it"),
         (["run"], "expected SCENE, found nothing; see `drill-twin run --help`"),
+        (["effects", "pa6_bench", "--wob", "40 N"], 'found --wob; did you mean --set "wob=..."?'),
         (["run", "pa6_bench", "--bogus"], "expected another option, found --bogus"),
         (["frobnicate"], 'expected a command, found "frobnicate"'),
         (["analyze", "missing"], "missing: expected a bag folder or file, found nothing there"),

@@ -5,12 +5,14 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass, field
+from pathlib import Path
 from typing import Any
 
-from drill_twin.core.errors import RunError, SceneError
+from drill_twin.core.errors import RunError
 from drill_twin.physics.effects import EFFECTS
 from drill_twin.scene import load_scene
-from drill_twin.studies.accuracy.trial import AblationQuantity, Trial, differences, run_trial, worst
+from drill_twin.studies.accuracy.motion_run import Motion, cached_run
+from drill_twin.studies.accuracy.trial import AblationQuantity, Trial, differences, trial_of, worst
 from drill_twin.studies.pool import run_jobs
 
 TOGETHER = ("stretch", "torsion")
@@ -91,6 +93,7 @@ def groups(effects: tuple[str, ...]) -> list[tuple[str, ...]]:
 def ablate(
     scene: str,
     overrides: Mapping[str, str],
+    folder: Path,
     *,
     tolerance: float,
     replicas: int,
@@ -102,10 +105,11 @@ def ablate(
     Args:
         scene: Name or file of the scene.
         overrides: Changes to it.
+        folder: Cache of runs, so that an interrupted study continues.
         tolerance: Change that counts, as a share of the value (of the clearance for the radius).
         replicas: Runs per set of effects, which differ by a small random velocity; at least 2.
         workers: Processes.
-        progress: Called with the effects left out as each set of runs ends.
+        progress: Called with the effects left out as each run ends.
 
     Raises:
         SceneError: The scene is invalid.
@@ -114,8 +118,14 @@ def ablate(
     effects = tuple(load_scene(scene, overrides=dict(overrides)).effect_names)
 
     def run(left_out: list[Group], name: str = "") -> dict[Group, tuple[Trial, ...] | str]:
-        jobs = {group: (scene, {**overrides, **_off(group)}, replicas) for group in left_out}
-        return run_jobs(_runs, jobs, workers, done=lambda group, _: progress(name + (", ".join(group) or "nothing")))
+        keys = [
+            (group, seed) for seed in range(replicas) for group in left_out
+        ]  # each kernel is compiled by one worker
+        jobs = {(group, seed): (scene, {**overrides, **_off(group)}, seed, folder) for group, seed in keys}
+        done = run_jobs(
+            cached_run, jobs, workers, done=lambda key, _: progress(name + (", ".join(key[0]) or "nothing"))
+        )
+        return {group: _trials([done[group, seed] for seed in range(replicas)]) for group in left_out}
 
     results = run([(), *groups(effects)])
     baseline = results.pop(())
@@ -137,13 +147,10 @@ def _off(group: Group) -> dict[str, str]:
     return {f"effects.{key}": "off" for key in group}
 
 
-def _runs(scene: str, overrides: dict[str, str], replicas: int) -> tuple[Trial, ...] | str:
-    """Runs of one set of effects, or the message of the error; called in a worker process."""
-    try:
-        described = load_scene(scene, overrides=overrides)
-        return tuple(run_trial(described, seed) for seed in range(replicas))
-    except (RunError, SceneError) as error:
-        return str(error)
+def _trials(runs: list[Motion | str]) -> tuple[Trial, ...] | str:
+    """Results of the runs of one set of effects, or the message of the first that failed."""
+    failures = [run for run in runs if isinstance(run, str)]
+    return failures[0] if failures else tuple(trial_of(run) for run in runs if isinstance(run, Motion))
 
 
 def _change(

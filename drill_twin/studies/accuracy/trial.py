@@ -11,9 +11,8 @@ import numpy as np
 from scipy import stats
 
 from drill_twin.core.arrays import number_or_none
-from drill_twin.scene import Scene
 from drill_twin.studies.accuracy.errors import statistics
-from drill_twin.studies.accuracy.motion_run import run_motion
+from drill_twin.studies.accuracy.motion_run import Motion
 
 
 @dataclass(frozen=True)
@@ -38,17 +37,8 @@ class Trial:
         return asdict(self)
 
 
-def run_trial(scene: Scene, seed: int | None = None) -> Trial:
-    """Run a scene to its end.
-
-    Args:
-        scene: The scene; its kernel is compiled first, outside the cost.
-        seed: Seed of a small random lateral velocity at time zero; None: start as the scene says.
-
-    Raises:
-        RunError: The motion could not be followed.
-    """
-    motion = run_motion(scene, seed)
+def trial_of(motion: Motion) -> Trial:
+    """Scalar results of a run."""
     return Trial(
         number_or_none(motion.onset),
         number_or_none(motion.frequency),

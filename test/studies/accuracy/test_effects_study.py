@@ -89,6 +89,11 @@ def study(tmp_path, monkeypatch, changes: dict[str, str], duration: str, replica
     found = json.loads(made.stdout)
     assert json.loads((tmp_path / "made" / "effects.json").read_text("utf-8")) == found
     assert (tmp_path / "made" / "effects.png").stat().st_size > 10_000
+    kept = {run: run.stat().st_mtime_ns for run in (tmp_path / "made" / "runs").iterdir()}
+    assert len(kept) >= int(replicas) * (len(found["changes"]) + 1)
+    again = CliRunner().invoke(app, command)
+    assert again.stdout == made.stdout
+    assert kept == {run: run.stat().st_mtime_ns for run in (tmp_path / "made" / "runs").iterdir()}  # nothing ran anew
     return found
 
 
