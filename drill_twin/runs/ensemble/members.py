@@ -13,9 +13,11 @@ from typing import Any
 import numpy as np
 
 from drill_twin.core.errors import ArgumentError, SceneError
+from drill_twin.core.units.registry import si_factor, tidy
 from drill_twin.dynamics.twin.dynamics import kernel_of
 from drill_twin.scene import Scene, load
 from drill_twin.scene.overrides import SHORTHANDS
+from drill_twin.scene.schema import number_at
 
 LARGEST = 1_000_000
 """Largest number of members."""
@@ -68,6 +70,22 @@ class Members:
         rows = zip(*columns, strict=True) if self.zipped else itertools.product(*columns)
         for number, row in enumerate(rows):
             yield Member(number, dict(zip(self.vary, row, strict=True)))
+
+    def numbers(self, key: str) -> list[Value]:
+        """Values of a key, a text with a unit as the number in SI (of `rpm` in rev/min); as given if one is no number.
+
+        Raises:
+            SceneError: The values of a member do not fit.
+        """
+        place, unit = SHORTHANDS.get(key) or (_key(self.base, key), "")
+        found = list(self.vary[key])
+        for index, value in enumerate(found):
+            if isinstance(value, str):
+                number = number_at(self.scene(next(one for one in self if one.values[key] == value)), place)
+                if number is None:
+                    return list(self.vary[key])
+                found[index] = tidy(number / (si_factor(unit)[0] if unit else 1.0))
+        return found
 
     def scene(self, member: Member) -> Scene:
         """Scene of a member.

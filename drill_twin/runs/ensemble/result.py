@@ -62,8 +62,10 @@ class EnsembleResult:
 
     @cached_property
     def coordinates(self) -> Mapping[str, Any]:
-        """Values of the members by key, each of shape (M,): numbers, or texts as they were given."""
-        return {key: np.array([member.values[key] for member in self.members]) for key in self._members.vary}
+        """Values of the members by key, each of shape (M,): numbers in SI (of `rpm` in rev/min), or texts."""
+        values = [self._members.numbers(key) for key in self._members.vary]
+        columns = values if self._members.zipped else [axis.ravel() for axis in np.meshgrid(*values, indexing="ij")]
+        return dict(zip(self._members.vary, map(np.array, columns), strict=True))
 
     @property
     def summaries(self) -> list[Summary | None]:
@@ -114,8 +116,7 @@ class EnsembleResult:
         shape = members.shape
         keys = ("member",) if members.zipped else tuple(members.vary)
         coordinates: dict[str, Any] = {
-            key: ("member", self.coordinates[key]) if members.zipped else list(values)
-            for key, values in members.vary.items()
+            key: ("member", self.coordinates[key]) if members.zipped else members.numbers(key) for key in members.vary
         }
         coordinates["mark"] = self.marks
         variables: dict[str, Any] = {
@@ -132,3 +133,20 @@ class EnsembleResult:
             coordinates["axis"] = ["x", "y"]
         result: xarray.Dataset = labelled.Dataset(variables, coordinates, {"scene": members.base.name})
         return result
+
+    def to_pandas(self) -> Any:
+        """DataFrame with a row for each member: its values by key, `failed`, and each output that is a single value.
+
+        Columns are named as `onset_s [s]`, and those of marks `mark_1/radius_max [m]`; series and spectra are left out.
+
+        Raises:
+            ArgumentError: pandas is not installed.
+        """
+        columns = {**self.coordinates, "failed": [bool(run.failure) for run in self.runs]}
+        for name in self._names:
+            heading = f"{name} [{self.units[name]}]" if self.units[name] else name
+            if not self.dimensions[name]:
+                columns[heading] = self[name]
+            elif self.dimensions[name] == ("mark",):
+                columns |= {f"{mark}/{heading}": of for mark, of in zip(self.marks, self[name].T, strict=True)}
+        return import_extra("pandas").DataFrame(columns)

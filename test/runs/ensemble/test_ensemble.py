@@ -121,7 +121,20 @@ def test_a_dataset_has_the_values_as_coordinates(found):
     zipped = dt.Ensemble("pa6_bench", {"seed": [1, 2], "wob": ["10 N", "20 N"]}, zipped=True, overrides=COARSE)
     data = zipped.run(0.1).to_xarray()
     assert data["radius_max"].dims == ("member", "mark")
-    assert data["wob"].to_numpy().tolist() == ["10 N", "20 N"]
+    assert data["wob"].to_numpy().tolist() == [10.0, 20.0]
+
+
+def test_a_table_has_a_row_for_each_member():
+    pytest.importorskip("pandas")
+    vary = {"wob": [10, "20 N"], "rpm": ["2 rev/s", 60]}
+    table = (
+        dt.Ensemble("pa6_bench", vary, overrides=COARSE).run(0.1, outputs=("findings", "extremes", "marks")).to_pandas()
+    )
+    assert table["wob"].tolist() == [10, 10, 20, 20]
+    assert table["rpm"].tolist() == [120, 60, 120, 60]
+    assert table["motion"].tolist() == ["unknown"] * 4
+    assert {"failed", "onset_s [s]", "mark_1/radius_max [m]"} < set(table)
+    assert not [name for name in table if name.startswith(("centre", "time"))]
 
 
 def test_the_loop_leaves_python_free_while_it_runs():

@@ -7,7 +7,8 @@ from collections.abc import Iterator
 
 from drill_twin.core.arrays import number_or_nan
 from drill_twin.scene import load_scene
-from drill_twin.studies.accuracy.trial import Trial, run_trial
+from drill_twin.studies.accuracy.motion_run import run_motion
+from drill_twin.studies.accuracy.trial import Trial, trial_of
 from drill_twin_evidence.verify.case import case
 from drill_twin_evidence.verify.row import TWIN, Row
 
@@ -34,4 +35,4 @@ def the_bench() -> Iterator[Row]:
 
 
 def _bench(changes: dict[str, str]) -> Trial:
-    return run_trial(load_scene("pa6_bench", overrides=changes))
+    return trial_of(run_motion(load_scene("pa6_bench", overrides=changes)))
