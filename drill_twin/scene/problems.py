@@ -60,7 +60,12 @@ def _explanation(detail: ErrorDetails, place: Path, model: type[BaseModel]) -> s
     if kind == "extra_forbidden":
         known = _keys(model, place[:-1])
         key = str(place[-1])
-        return f'expected one of the keys {", ".join(known)}, found "{key}"{nearest(key, known)}'
+        effects = _keys(model, ("effects",)) if len(place) == 1 else []
+        within = [f"effects.{one}" for one in effects if one == key]
+        within += [f"effects.{one}.{key}" for one in effects if key in _keys(model, ("effects", one))]
+        near = nearest(key, [*known, *(f"effects.{one}" for one in effects)])
+        hint = f", did you mean {' or '.join(within)}?" if within else near
+        return f'expected one of the keys {", ".join(known)}, found "{key}"{hint}'
     if kind == "missing":
         return f"expected {_expected(model, place)}, found nothing (the key is required)"
     if kind == "literal_error":

@@ -63,10 +63,14 @@ class Goodness:
         return self.residual / self.noise if self.noise > 0.0 else math.nan
 
     @property
+    def lasting(self) -> bool:
+        """True if the residual goes on from sample to sample as noise does not."""
+        return self.correlation_limit is not None and self.correlation * self.chi_square > self.correlation_limit
+
+    @property
     def explained(self) -> bool:
         """True if chance explains the residual, or if there is none."""
-        lasting = self.correlation_limit is not None and self.correlation * self.chi_square > self.correlation_limit
-        return not (self.chi_square > self.limit or lasting)
+        return not (self.chi_square > self.limit or self.lasting)
 
     def to_dict(self) -> dict[str, Any]:
         """Plain types for JSON."""
@@ -114,8 +118,10 @@ def goodness(
 def sentence(found: Mapping[str, Goodness]) -> str:
     """Sentence on the channels, by name, that the model does not explain; empty if it explains all."""
     parts = [
-        f"{name.replace('_', ' ')} (residual {one.ratio:.3g} times the noise, {one.correlation:+.2f} from sample to "
-        f"sample, {one.inside:.0%} of the samples in the band of {BAND:.0%})"
+        f"{name.replace('_', ' ')} (residual {one.ratio:.3g} times the noise"
+        + f", {one.inside:.0%} of the samples in the band of {BAND:.0%}" * (one.chi_square > one.limit)
+        + f", but it lasts: {one.correlation:+.2f} from sample to sample, where noise has 0" * one.lasting
+        + ")"
         for name, one in found.items()
         if not one.explained
     ]

@@ -60,6 +60,8 @@ def test_a_residual_that_lasts_is_told_though_it_is_no_larger_than_the_noise():
     found = goodness(SWING + lasting, SWING, 0.0, 1.1, 1.1, 1.5, correlation_limit(TIME.size))
     assert found.chi_square < 1.5
     assert not found.explained
+    assert "times the noise, but it lasts: +0.3" in sentence({"torque": found})
+    assert "in the band" not in sentence({"torque": found})
 
 
 def test_what_a_model_leaves_out_is_told():

@@ -7,7 +7,6 @@ import itertools
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from difflib import get_close_matches
 from typing import Any
 
 import numpy as np
@@ -16,7 +15,7 @@ from drill_twin.core.errors import ArgumentError, SceneError
 from drill_twin.core.units.registry import si_factor, tidy
 from drill_twin.dynamics.twin.dynamics import kernel_of
 from drill_twin.scene import Scene, load
-from drill_twin.scene.overrides import SHORTHANDS
+from drill_twin.scene.overrides import SHORTHANDS, full_key
 from drill_twin.scene.schema import number_at
 
 LARGEST = 1_000_000
@@ -100,8 +99,7 @@ def scene_of(base: Scene, member: Member) -> Scene:
     """Scene of a member of a base scene.
 
     Raises:
-        ArgumentError: A key is none of the scene.
-        SceneError: Its values do not fit; the message begins with the member.
+        SceneError: A key is none of the scene, or its values do not fit; the message begins with the member.
     """
     overrides = {_key(base, key): value for key, value in member.values.items()}
     data = base.model_dump(mode="json", exclude_none=True)
@@ -112,17 +110,10 @@ def scene_of(base: Scene, member: Member) -> Scene:
 
 
 def _key(base: Scene, key: str) -> str:
-    """Full key of a scene; an effect needs no `effects.` before it."""
+    """Key of an override of a scene."""
     if key == SEED:
         return "numerics.seed"
-    head = key.partition(".")[0]
-    if head in base.effect_names:
-        return f"effects.{key}"
-    if head in Scene.model_fields or key in SHORTHANDS:
-        return key
-    near = get_close_matches(head, (*base.effect_names, *Scene.model_fields, *SHORTHANDS, SEED), n=1)
-    hint = f"did you mean {near[0]}?" if near else f"its effects are {', '.join(base.effect_names)}"
-    raise ArgumentError(f"{key}: expected a key of the scene, or an effect that it has, found {head!r}; {hint}")
+    return key if key in SHORTHANDS else full_key(key, base)
 
 
 def expand(base: Scene, vary: Mapping[str, Any], *, zipped: bool = False) -> Members:
