@@ -100,10 +100,14 @@ class Assembly:
 
     @cached_property
     def part(self) -> Numbers:
-        """Numbers of the m unknowns: those of the nodes below the cut but for the spin, which the drive holds."""
+        """Numbers of the m unknowns: those of the nodes below the cut.
+
+        The spin is one of them: it is counted from a frame that turns where an inclined string moves sideways, so that
+        a spin held at zero would twist the string.
+        """
         equations, top = self.equations, self.equations.scene.length
         below = equations.model.rod.arc < (self.extent.cut - 1e-6 if self.extent.cut < top else math.inf)
-        return np.flatnonzero((below[:, None] & (equations.columns != SPIN))[equations.free])
+        return np.flatnonzero(np.broadcast_to(below[:, None], equations.free.shape)[equations.free])
 
     def absorption(self, fastest: float) -> Array:
         """Rate at which motion above the assembly is absorbed [1/s], by unknown, shape (m,)."""
