@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -77,7 +78,7 @@ def cost(
         curve = measure(
             scene, changes, resolutions, folder / "runs", replicas=replicas, workers=workers, progress=bar.step
         )
-    data = curve.to_dict()
+    data = asdict(curve)
     tables = (_meshes,) if elements else (_markdown,) if markdown else (_table, _tolerances)
     emit(
         data, (table(curve) for table in tables), json=json, folder=folder, also=["runs"],

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -64,7 +65,7 @@ def effects(
             scene, changes, folder / "runs", tolerance=tolerance, replicas=replicas, workers=workers,
             progress=lambda left_out: bar.step(f"done without {left_out}"),
         )  # fmt: skip
-    data = ablation.to_dict()
+    data = asdict(ablation)
     files = {"effects.json": data, "effects.png": lambda: ablation_figure(ablation)}
     emit(data, (part(ablation) for part in (_table, _verdict)), json=json, folder=folder, files=files, also=["runs"])
 

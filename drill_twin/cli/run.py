@@ -5,6 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -118,7 +119,7 @@ def _checked(plan: AccuracyPlan, recording: Recording, motion_seconds: float, *,
         f"processor time of the motion: {result.actual_seconds:.2g} s, expected {result.expected_seconds:.2g} s"
         f"{f'; of the check: {result.check_seconds:.2g} s' if rerun else ''}"
     )
-    return result.to_dict()
+    return asdict(result)
 
 
 def _compiled(scene: Scene, schedule: Schedule) -> Session:

@@ -10,14 +10,14 @@ from pathlib import Path
 
 import pytest
 
-from drill_twin.ros.demo.cpu_load import _processor_time
+from drill_twin.core.process import processor_time
 
 
 def test_processor_time_is_that_of_the_process():
-    before, own = _processor_time(os.getpid()), time.process_time()
+    before, own = processor_time(os.getpid()), time.process_time()
     while time.process_time() - own < 0.3:
         pass
-    assert _processor_time(os.getpid()) - before == pytest.approx(time.process_time() - own, abs=0.05)
+    assert processor_time(os.getpid()) - before == pytest.approx(time.process_time() - own, abs=0.05)
 
 
 def test_ctrl_c_is_one_line_and_leaves_no_node(bench):

@@ -17,6 +17,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from drill_twin.core.process import processor_time
 from drill_twin.ros.core.stop_request import StopRequest
 from drill_twin.ros.demo.processes import Child, processes, twin_commands
 
@@ -86,20 +87,14 @@ def _observe_until(reached: Callable[[DemoObserver], bool], children: Mapping[st
 
 def _measure(children: Mapping[str, Child], seconds: float) -> list[NodeLoad]:
     begun = time.monotonic()
-    before = {node: _processor_time(child.pid) for node, child in children.items()}
+    before = {node: processor_time(child.pid) for node, child in children.items()}
     while (left := begun + seconds - time.monotonic()) > 0.0:
         time.sleep(min(left, 0.2))
     passed = time.monotonic() - begun
     return [
-        NodeLoad(node, (_processor_time(child.pid) - before[node]) / passed, _memory(child.pid))
+        NodeLoad(node, (processor_time(child.pid) - before[node]) / passed, _memory(child.pid))
         for node, child in children.items()
     ]
-
-
-def _processor_time(pid: int) -> float:
-    """User and system time of a process [s]."""
-    fields = Path(f"/proc/{pid}/stat").read_text("utf-8").rpartition(")")[2].split()
-    return (int(fields[11]) + int(fields[12])) / float(os.sysconf("SC_CLK_TCK"))
 
 
 def _memory(pid: int) -> int:

@@ -4,9 +4,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import asdict, dataclass, field
+from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
 
 from drill_twin.core.errors import RunError
 from drill_twin.physics.effects import EFFECTS
@@ -67,10 +66,6 @@ class Ablation:
     """Effects that the scene needs at this tolerance, or of which too few runs do not tell."""
     reduced: Change
     """Change without all the others."""
-
-    def to_dict(self) -> dict[str, Any]:
-        """Plain types for JSON (`drill_twin.core.files.plain_json`)."""
-        return asdict(self)
 
 
 def groups(effects: tuple[str, ...]) -> list[tuple[str, ...]]:

@@ -6,8 +6,7 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Callable
-from dataclasses import asdict, dataclass
-from typing import Any
+from dataclasses import dataclass
 
 import numpy as np
 from scipy.stats import t as student
@@ -62,10 +61,6 @@ class AccuracyResult:
     """Orbit radius over the clearance, mean of the marks [-]; None without whirl."""
     precession_hz: ErrorInterval | None
     """Precession frequency of the mark with the largest orbit [Hz], positive = forward."""
-
-    def to_dict(self) -> dict[str, Any]:
-        """Plain types for JSON."""
-        return asdict(self)
 
 
 def check(

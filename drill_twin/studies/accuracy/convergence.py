@@ -5,9 +5,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
 
 from drill_twin.core import __version__
 from drill_twin.core.errors import RunError, SceneError
@@ -88,10 +87,6 @@ class Curve:
     runs: tuple[MeasuredRun, ...]
     failures: tuple[str, ...] = ()
     """Resolutions that could not be run, and why."""
-
-    def to_dict(self) -> dict[str, Any]:
-        """Plain types for JSON (`drill_twin.core.files.plain_json`)."""
-        return asdict(self)
 
     @property
     def front(self) -> list[MeasuredRun]:

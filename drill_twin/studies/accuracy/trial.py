@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 
 import numpy as np
 from scipy import stats
@@ -31,10 +31,6 @@ class Trial:
     """Processor time of the physics per simulated second [s/s]."""
     iteration_cost: float
     """Processor time per Newton iteration and element [s]; independent of how many iterations the motion takes."""
-
-    def to_dict(self) -> dict[str, float | None]:
-        """Plain numbers for JSON."""
-        return asdict(self)
 
 
 def trial_of(motion: Motion) -> Trial:

@@ -23,6 +23,7 @@ from pathlib import Path
 import numpy as np
 
 import drill_twin as dt
+from drill_twin.core.process import processor_time
 from drill_twin.core.table import Table
 from drill_twin.runs.ensemble import dask_workers
 
@@ -84,9 +85,9 @@ def start(folder: str, kind: str, *words: str) -> subprocess.Popen[bytes]:
 
 def idle_share(processes: tuple[int, ...]) -> list[float]:
     """Share of a core that each process takes while it waits."""
-    before = [spent(process) for process in processes]
+    before = [processor_time(process) for process in processes]
     time.sleep(IDLE)
-    return [(spent(process) - then) / IDLE for process, then in zip(processes, before, strict=True)]
+    return [(processor_time(process) - then) / IDLE for process, then in zip(processes, before, strict=True)]
 
 
 def measured(
@@ -94,18 +95,14 @@ def measured(
 ) -> tuple[list[float], float]:
     """Processor time of each process for an ensemble, without that of waiting [s], and bytes of a member's result."""
     scene, side = dt.load_scene("pa6_bench", RESOLUTION), math.isqrt(members)
-    before, began = [spent(process) for process in processes], time.monotonic()
+    before, began = [processor_time(process) for process in processes], time.monotonic()
     ensemble = dt.Ensemble(scene, {"wob": np.linspace(20.0, 50.0, side).tolist(), "seed": range(side)})
     found = ensemble.run(duration, dask=address)
     wall = time.monotonic() - began
-    costs = [spent(one) - then - wall * share for one, then, share in zip(processes, before, idle, strict=True)]
+    costs = [
+        processor_time(one) - then - wall * share for one, then, share in zip(processes, before, idle, strict=True)
+    ]
     return costs, len(pickle.dumps(found.runs)) / len(found.runs)
-
-
-def spent(process: int) -> float:
-    """Processor time of a process [s]."""
-    fields = Path(f"/proc/{process}/stat").read_text("utf-8").rpartition(")")[2].split()
-    return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
 
 
 if __name__ == "__main__":

@@ -18,49 +18,48 @@ import tempfile
 import threading
 import time
 from contextlib import ExitStack
+from pathlib import Path
 from typing import Any
 
 from websockets.exceptions import ConnectionClosed
 from websockets.sync.client import ClientConnection, connect
 from websockets.typing import Subprotocol
 
-from drill_twin_evidence.benchmarks.gateway import node, processor_time
+from drill_twin_evidence.benchmarks.gateway import core_share
 
 _PROTOCOL = Subprotocol("foxglove.sdk.v1")
 
 
 def main(seconds: float = 15.0) -> None:
     """Measure, and print the result."""
-    from drill_twin.ros.deployment import DomainClaim, prepare
+    from drill_twin.ros.demo.processes import processes
+    from drill_twin.ros.deployment import own_domain
 
-    claim = DomainClaim()
-    os.environ["ROS_DOMAIN_ID"] = str(claim.domain)
-    prepare()
-    rate = ["-p", "overrides:='numerics.frame_rate=200 Hz'"]
-    with tempfile.TemporaryDirectory() as folder:
-        os.environ["ROS_LOG_DIR"] = folder
+    rate = {"overrides": "numerics.frame_rate=200 Hz"}
+    nodes = {"analyzer": {}, "simulator": rate, "rig_driver": rate}
+    with (
+        tempfile.TemporaryDirectory() as name,
+        own_domain(Path(name)),
+        processes(nodes, dict(os.environ), Path(name)),
+    ):
         words = [sys.executable, "-m", "drill_twin.cli", "watch", "--no-browser", "--port", "0", "--foxglove", "0"]
         page = subprocess.Popen(words, stdout=subprocess.PIPE, text=True)
-        children: list[subprocess.Popen[Any]] = [node("analyzer"), node("simulator", *rate), node("rig_driver", *rate)]
         try:
             lines = iter(page.stdout.readline, "") if page.stdout else iter(())
             url = next(found[1] for line in lines if (found := re.search(r"for Foxglove: (\S+)", line)))
             time.sleep(20.0)
-            alone = _share(page.pid, seconds)
+            alone = core_share(page.pid, seconds)
             received, socket = _subscribe(url)
             time.sleep(1.0)
             begun, before = time.monotonic(), received[0]
-            with_client = _share(page.pid, seconds)
+            with_client = core_share(page.pid, seconds)
             frames = (received[0] - before) / (time.monotonic() - begun)
             socket.close()
             print(f"without a client {alone:.1%}, with one {with_client:.1%} of a core")
             print(f"messages to the client: {frames:.0f} a second")
         finally:
-            children.append(page)
-            for child in children:
-                child.terminate()
-                child.wait()
-            claim.release()
+            page.terminate()
+            page.wait()
 
 
 def _subscribe(url: str) -> tuple[list[int], ClientConnection]:
@@ -82,12 +81,6 @@ def _subscribe(url: str) -> tuple[list[int], ClientConnection]:
 
     threading.Thread(target=count, daemon=True).start()
     return received, socket
-
-
-def _share(pid: int, seconds: float) -> float:
-    begun, before = time.monotonic(), processor_time(pid)
-    time.sleep(seconds)
-    return (processor_time(pid) - before) / (time.monotonic() - begun)
 
 
 if __name__ == "__main__":

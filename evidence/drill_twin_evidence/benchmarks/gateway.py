@@ -19,8 +19,10 @@ import subprocess
 import sys
 import tempfile
 import time
+from collections.abc import Callable
 from pathlib import Path
-from typing import Any
+
+from drill_twin.core.process import processor_time
 
 SIGNALS = 20
 _PERIOD, _WRITE_PERIOD = 100, 0.2  # ms, s
@@ -31,34 +33,20 @@ _PASSWORD = "bench and bench"  # noqa: S105 - of this benchmark only
 def main(seconds: float = 20.0) -> None:
     """Measure, and print the result."""
     from drill_twin.gateway.opc_ua.keys import CERTIFICATE, TRUSTED, make_keys
-    from drill_twin.ros.deployment import DomainClaim, prepare
+    from drill_twin.ros.demo.processes import processes
+    from drill_twin.ros.deployment import own_domain
 
-    claim = DomainClaim()
-    os.environ["ROS_DOMAIN_ID"] = str(claim.domain)
-    prepare()
-    with tempfile.TemporaryDirectory() as name, socket.socket() as free:
+    with tempfile.TemporaryDirectory() as name, own_domain(Path(name)), socket.socket() as free:
         folder = Path(name)
-        os.environ["ROS_LOG_DIR"] = name
         free.bind(("127.0.0.1", 0))
         port = free.getsockname()[1]
         free.close()
         make_keys(folder, "urn:drill_twin:gateway", "localhost", {_USER: _PASSWORD})
         (folder / TRUSTED / "own.der").write_bytes((folder / CERTIFICATE).read_bytes())
-        given = ["-p", f"port:={port}", "-p", f"keys:={folder}", "-p", "grant:=always"]
-        children = [node("simulator"), node("analyzer"), node("gateway", *given)]
-        try:
-            _measure(children[-1].pid, f"opc.tcp://127.0.0.1:{port}/drill_twin", folder, seconds)
-        finally:
-            for child in children:
-                child.terminate()
-                child.wait()
-            claim.release()
-
-
-def node(name: str, *given: str) -> subprocess.Popen[bytes]:
-    """Start a node as a process."""
-    words = [sys.executable, "-m", "drill_twin.ros", name, "--ros-args", *given]
-    return subprocess.Popen(words, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        gateway = {"port": port, "keys": str(folder), "grant": "always"}
+        nodes = {"simulator": {}, "analyzer": {}, "gateway": gateway}
+        with processes(nodes, dict(os.environ), folder) as children:
+            _measure(children["gateway"].pid, f"opc.tcp://127.0.0.1:{port}/drill_twin", folder, seconds)
 
 
 def _measure(gateway: int, url: str, folder: Path, seconds: float) -> None:
@@ -89,7 +77,7 @@ def _measure(gateway: int, url: str, folder: Path, seconds: float) -> None:
             taken.spin_once(0.1)
         publisher.publish(Float64(data=value))
     time.sleep(2.0)
-    alone = _share(gateway, seconds, lambda: taken.spin_once(0.1))
+    alone = core_share(gateway, seconds, taken.spin_once)
     client = subprocess.Popen(
         [sys.executable, "-m", "drill_twin_evidence.benchmarks.gateway", "client", url, str(folder),
          str(seconds + 4.0)],
@@ -98,7 +86,7 @@ def _measure(gateway: int, url: str, folder: Path, seconds: float) -> None:
     end = time.monotonic() + 3.0
     while time.monotonic() < end:
         taken.spin_once(0.1)
-    with_client = _share(gateway, seconds, lambda: taken.spin_once(0.1))
+    with_client = core_share(gateway, seconds, taken.spin_once)
     while client.poll() is None:
         taken.spin_once(0.05)
     found = json.loads(client.communicate()[0])
@@ -114,17 +102,12 @@ def _measure(gateway: int, url: str, folder: Path, seconds: float) -> None:
             print(f"{text}: median {statistics.median(values):.2f} ms, 95 % {late:.2f} ms, of {len(values)}")
 
 
-def _share(pid: int, seconds: float, turn: Any) -> float:
+def core_share(pid: int, seconds: float, turn: Callable[[float], object] = time.sleep) -> float:
+    """Share of a core that a process takes over a time [s]; `turn` passes a tenth of a second of it."""
     begun, before = time.monotonic(), processor_time(pid)
     while time.monotonic() - begun < seconds:
-        turn()
+        turn(0.1)
     return (processor_time(pid) - before) / (time.monotonic() - begun)
-
-
-def processor_time(pid: int) -> float:
-    """User and system time of a process [s]."""
-    fields = Path(f"/proc/{pid}/stat").read_text("utf-8").rpartition(")")[2].split()
-    return (int(fields[11]) + int(fields[12])) / float(os.sysconf("SC_CLK_TCK"))
 
 
 class _Counter:

@@ -31,9 +31,9 @@ def analyzer_score(
 
     Prints the tables of evidence/docs/detection.md; all of it takes a quarter of an hour on two processors.
     """
-    from drill_twin.cli.emit import check_new, write_file
-    from drill_twin.cli.show import print_json, shown_progress
-    from drill_twin.core.files.plain_json import json_text
+    from drill_twin.cli.emit import check_new, emit
+    from drill_twin.cli.show import shown_progress
+    from drill_twin_evidence.detection.figure import confusion_figure
     from drill_twin_evidence.detection.measure import QUICK, Plan, measure
     from drill_twin_evidence.detection.text import markdown
 
@@ -43,10 +43,7 @@ def analyzer_score(
 
         sizes = (4, 4, 1) if quick else (len(BENCH), Plan().drawn, 5)
         found = one_sub.measure_sub(*sizes, noise / 3600.0)
-        if json:
-            print_json(found)
-        else:
-            print(one_sub.markdown(found), end="")
+        emit(found, (one_sub.markdown(found).rstrip(),), json=json)
         return
     names = ("analyzer_score.md", "analyzer_score.json", "confusion.png")
     if out is not None:
@@ -56,14 +53,5 @@ def analyzer_score(
         result = measure(QUICK if quick else Plan(), workers=workers, progress=bar.show)
     plain = result.to_dict()
     text = markdown(plain)
-    if out is not None:
-        from drill_twin_evidence.detection.figure import confusion_figure
-
-        out.mkdir(parents=True, exist_ok=True)
-        write_file(out / names[0], text)
-        write_file(out / names[1], json_text(plain))
-        confusion_figure(result, out / names[2])
-    if json:
-        print_json(plain)
-    else:
-        print(text, end="")
+    files = dict(zip(names, (text, plain, lambda: confusion_figure(result)), strict=True))
+    emit(plain, (text.rstrip(),), json=json, folder=out, files=files)

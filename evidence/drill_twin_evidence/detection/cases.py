@@ -66,17 +66,8 @@ BOUNCING = {
 """A strongly bent, unbalanced string that bounces between elastic walls from the start."""
 
 
-def bench(number: int) -> Run:
-    """One of the `BENCH` runs."""
-    return _bench(number, subs=False)
-
-
-def bench_with_subs(number: int) -> Run:
-    """One of the `BENCH` runs, with the readings of subs."""
-    return _bench(number, subs=True)
-
-
-def _bench(number: int, *, subs: bool) -> Run:
+def bench(number: int, *, subs: bool = False) -> Run:
+    """One of the `BENCH` runs, with the readings of subs where asked for."""
     changes = BENCH[number]
     label = ", ".join(f"{key.rpartition('.')[2]} {value}" for key, value in changes.items())
     return simulate(f"bench: {label}", {"string.marks": _marks(), **changes}, subs=subs)

@@ -13,7 +13,7 @@ from drill_twin.core.table import Table
 from drill_twin.whirl import MarkInfo, Summary
 from drill_twin.whirl.downhole import SubAnalyzer
 from drill_twin.whirl.downhole.motion import SLOWEST
-from drill_twin_evidence.detection.cases import bench_with_subs, simulated
+from drill_twin_evidence.detection.cases import bench, simulated
 from drill_twin_evidence.detection.ground_truth import asynchronous, revolutions_of, truth_of
 from drill_twin_evidence.detection.runs import SENSOR_RADIUS, Run
 from drill_twin_evidence.detection.sub_events import EventScore, measure_events
@@ -72,18 +72,17 @@ class SubScore:
                 self.senses.append((found.mode_ratio > 0.0) == (_swept(run, true) > 0.0))
 
 
-def measure_sub(bench: int, drawn: int, events: int, hours: float) -> dict[str, Any]:
+def measure_sub(benches: int, drawn: int, events: int, hours: float) -> dict[str, Any]:
     """Score a sub over bench runs, random runs, runs with impacts and stick-slip, and hours of noise; plain types."""
-    sets = {"bench": SubScore(), "drawn": SubScore()}
-    for number in range(bench):
-        run = bench_with_subs(number)
-        sets["bench"].add(run, analyser_of(run, number).summary())
-    for number in range(drawn):
-        run = simulated(number, subs=True)
-        sets["drawn"].add(run, analyser_of(run, number).summary())
+    counts, runs = {"bench": benches, "drawn": drawn}, {"bench": bench, "drawn": simulated}
+    sets = {name: SubScore() for name in counts}
+    for name, count in counts.items():
+        for number in range(count):
+            run = runs[name](number, subs=True)
+            sets[name].add(run, analyser_of(run, number).summary())
     scored: EventScore = measure_events(events)
     return {
-        "runs": {"bench": bench, "drawn": drawn},
+        "runs": counts,
         "sets": {name: score.to_dict() for name, score in sets.items()},
         "events": scored.to_dict(),
         "hours": hours,

@@ -3,13 +3,12 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from drill_twin.report.figures.style import INK, laid_out, save, styled
+from drill_twin.report.figures.style import INK, laid_out, styled
 from drill_twin_evidence.detection.measure import Result
 from drill_twin_evidence.detection.scoring import STATES, macro_f1
 
@@ -24,8 +23,8 @@ _SHORT = {
 }
 
 
-def confusion_figure(result: Result, path: Path) -> None:
-    """Write the confusion matrices of the states of the string as PNG, each row normalised: kinematic and simulated."""
+def confusion_figure(result: Result) -> Figure:
+    """Confusion matrices of the states of the string, each row normalised: kinematic and simulated."""
     with styled():
         figure = laid_out(5.2, "True against found motion states")
         panels = figure.subplots(1, 2)
@@ -34,7 +33,7 @@ def confusion_figure(result: Result, path: Path) -> None:
         ):
             _matrix(panel, score.string, f"{name}: macro-F1 {macro_f1(score.string):.3f}")
         panels[1].set_ylabel("")
-        save(figure, path)
+        return figure
 
 
 def _matrix(panel: Axes, confusion: NDArray[np.int64], title: str) -> None:

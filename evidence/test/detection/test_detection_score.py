@@ -6,6 +6,7 @@ import json
 import numpy as np
 import pytest
 
+from drill_twin.report.figures.style import save
 from drill_twin_evidence.detection.cases import BENCH, bench, recorded, simulated
 from drill_twin_evidence.detection.figure import confusion_figure
 from drill_twin_evidence.detection.ground_truth import truth_of
@@ -86,7 +87,7 @@ def test_measurement_from_end_to_end(tmp_path):
     text = markdown(plain)
     assert "| kinematic signals | 3 | 2 | 2 of 2 (95 % interval 15.8 to 100 %)" in text
     assert "0 onsets (0 asked for)" in text
-    confusion_figure(result, tmp_path / "confusion.png")
+    save(confusion_figure(result), tmp_path / "confusion.png")
     assert (tmp_path / "confusion.png").stat().st_size > 20_000
 
 

@@ -33,13 +33,24 @@ _LARGEST = 20_000  # characters of QoS profiles; one has 400
 class BagFile(ABC):
     """Reader of one file of a bag, complete or damaged."""
 
-    def __init__(self, path: Path, name: Path | None, *, compressed_messages: bool) -> None:
-        """Begin without topics.
+    def __init__(
+        self,
+        path: Path,
+        name: Path | None = None,
+        *,
+        compressed_messages: bool = False,
+        window: tuple[float, float] | None = None,
+    ) -> None:
+        """Open a file and find its topics.
 
         Args:
             path: The file.
             name: Its name in messages, if it was decompressed from another.
             compressed_messages: True if rosbag2 compressed each message.
+            window: Header stamps [s] between which messages are wanted; others may come with them. None: all.
+
+        Raises:
+            BagError: It is no such file, or a damaged one of SQLite.
         """
         self.path, self.title, self._compressed = path, name or path, compressed_messages
         self.topics: dict[str, RecordedTopic] = {}
@@ -52,6 +63,11 @@ class BagFile(ABC):
         """Sentences on missing or damaged parts; empty for a complete file."""
         self.temporary: object = None
         """Temporary file that `path` names, removed with this reader."""
+        self._open(window)
+
+    @abstractmethod
+    def _open(self, window: tuple[float, float] | None) -> None:
+        """Find topics and times of recording, and what holds the messages of a window."""
 
     @abstractmethod
     def messages(self, topics: Collection[str] | None = None) -> Iterator[tuple[str, int, bytes]]:

@@ -82,9 +82,8 @@ def open_files(path: Path, window: Window = None) -> tuple[list[BagFile], list[s
 def _open_file(path: Path, window: Window, *, compressed_messages: bool = False) -> BagFile:
     if path.suffix == ".zstd":
         return _open_compressed(path, compressed_messages=compressed_messages)
-    if path.suffix == ".db3":
-        return SqliteFile(path, compressed_messages=compressed_messages, window=window)
-    return McapFile(path, compressed_messages=compressed_messages, window=window)
+    kind = SqliteFile if path.suffix == ".db3" else McapFile
+    return kind(path, compressed_messages=compressed_messages, window=window)
 
 
 def _open_compressed(path: Path, *, compressed_messages: bool) -> BagFile:

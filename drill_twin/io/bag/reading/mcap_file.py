@@ -9,7 +9,6 @@ from __future__ import annotations
 import struct
 from collections.abc import Collection, Iterator
 from io import BytesIO
-from pathlib import Path
 
 from mcap.data_stream import ReadDataStream
 from mcap.exceptions import EndOfFile
@@ -37,26 +36,7 @@ _MOST_NOTES = 10
 class McapFile(BagFile):
     """Contents of one MCAP file, found in one pass."""
 
-    def __init__(
-        self,
-        path: Path,
-        name: Path | None = None,
-        *,
-        compressed_messages: bool = False,
-        window: tuple[float, float] | None = None,
-    ) -> None:
-        """Open a file; arguments as of `BagFile`.
-
-        Args:
-            path: The file.
-            name: Its name in messages.
-            compressed_messages: True if rosbag2 compressed each message.
-            window: Header stamps [s] between which messages are wanted; others may come with them. None: all.
-
-        Raises:
-            BagError: It is no such file.
-        """
-        super().__init__(path, name, compressed_messages=compressed_messages)
+    def _open(self, window: tuple[float, float] | None) -> None:
         self._channels: dict[int, str | None] = {}
         self._schemas: dict[int, Schema] = {}
         self._notes = 0

@@ -6,7 +6,6 @@ from __future__ import annotations
 import sqlite3
 from collections.abc import Collection, Generator, Iterator
 from contextlib import closing, contextmanager
-from pathlib import Path
 from typing import Any
 
 from drill_twin.core.errors import BagError
@@ -30,16 +29,7 @@ _OF_A_KIND = (
 class SqliteFile(BagFile):
     """Single `.db3` file."""
 
-    def __init__(
-        self,
-        path: Path,
-        name: Path | None = None,
-        *,
-        compressed_messages: bool = False,
-        window: tuple[float, float] | None = None,
-    ) -> None:
-        """As `McapFile`; BagError for a damaged file too."""
-        super().__init__(path, name, compressed_messages=compressed_messages)
+    def _open(self, window: tuple[float, float] | None) -> None:
         self._names: dict[int, str] = {}
         self._between: tuple[int, int] | None = None  # times of recording [ns], the second excluded
         with self._opened() as database:

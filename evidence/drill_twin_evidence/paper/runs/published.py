@@ -10,6 +10,7 @@ from typing import Any
 from drill_twin.core.errors import SceneError
 from drill_twin.core.files.yaml_reader import YamlError, plain_yaml
 from drill_twin_evidence import CONFIG
+from drill_twin_evidence.paper.runs.cases import Case
 
 CRITICAL_TIME, FREQUENCY, RATIO, DISPLACEMENT = (
     "critical time", "whirl frequency", "whirl ratio", "largest displacement",
@@ -43,6 +44,11 @@ class Number:
         """Unique name, as `critical time, 20 N, 2 rev/s`."""
         mark = f" {self.mark}" if self.mark else ""
         return f"{self.what}{mark}, {self.weight_on_bit:g} N, {self.speed:g} rev/s"
+
+    @property
+    def case(self) -> Case:
+        """Run that it is of."""
+        return Case(self.weight_on_bit, self.speed)
 
     def shown(self, value: float) -> str:
         """A value of this quantity with its unit."""

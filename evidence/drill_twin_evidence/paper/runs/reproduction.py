@@ -126,14 +126,7 @@ def _variant(variant: Variant, runs: dict[Key, Run], measured: dict[Case, Measur
         known = {case: measured[case] for case in VARIANT_CASES}
     else:
         known = {case: measure(runs[variant.name, case]) for case in VARIANT_CASES}
-    return VariantResult(variant, [row for row in rows(known) if row.number.weight_on_bit in _LOADS and _ran(row)])
-
-
-_LOADS = {case.weight_on_bit for case in VARIANT_CASES}
-
-
-def _ran(row: Row) -> bool:
-    return Case(row.number.weight_on_bit, row.number.speed) in VARIANT_CASES
+    return VariantResult(variant, [row for row in rows(known) if row.number.case in VARIANT_CASES])
 
 
 def _disorder(scenes: dict[Case, Scene], runs: dict[Case, Run], processes: int) -> list[Disorder]:

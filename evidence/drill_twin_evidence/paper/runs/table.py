@@ -61,7 +61,7 @@ def rows(results: Results) -> list[Row]:
     """Published numbers of the bench and those of the twin, for the runs available."""
     found = []
     for number in published().bench:
-        ours = ours_for(number, results.get(Case(number.weight_on_bit, number.speed)))
+        ours = ours_for(number, results.get(number.case))
         found.append(Row(number, ours, deviation(ours, number.value)))
     return found
 

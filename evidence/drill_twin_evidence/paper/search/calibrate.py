@@ -169,7 +169,7 @@ def loss(results: dict[Case, Readings]) -> Loss:
     """Loss in the readings of `BASE`."""
     deviations = {}
     for number in FITTED:
-        run = results.get(Case(number.weight_on_bit, number.speed))
+        run = results.get(number.case)
         ours = math.nan if run is None else values_of(number, run)[BASE[KINDS[number.what]]]
         deviations[number.name] = deviation(ours, number.value)
     return Loss(sum(math.log1p(e * e) for e in deviations.values()), deviations)

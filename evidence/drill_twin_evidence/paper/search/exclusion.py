@@ -13,7 +13,6 @@ import numpy as np
 
 from drill_twin.core.arrays import Array
 from drill_twin.core.table import Table
-from drill_twin_evidence.paper.runs.cases import Case
 from drill_twin_evidence.paper.runs.published import RATIO, Number
 from drill_twin_evidence.paper.search.bench import Bench
 from drill_twin_evidence.paper.search.goals import ASSUMPTIONS, LOOSE, PAIRS, STRICT, Archive, Evaluated
@@ -150,33 +149,29 @@ def score(results: Results, *, any_reading: bool) -> tuple[int, dict[str, str]]:
         every = (misfits(results, kind, any_reading=True) <= NEAR).sum(axis=0)
         if any_reading and every.max() > near:
             near = int(every.max())
-            of_kind = next(number for number in NUMBERS if KINDS[number.what] == kind and _case(number) in results)
-            names[kind] = list(values_of(of_kind, results[_case(of_kind)]))[int(np.argmax(every))]
+            of_kind = next(number for number in NUMBERS if KINDS[number.what] == kind and number.case in results)
+            names[kind] = list(values_of(of_kind, results[of_kind.case]))[int(np.argmax(every))]
         count += near
     return count, names
 
 
-def _case(number: Number) -> Case:
-    return Case(number.weight_on_bit, number.speed)
-
-
 def _value(results: Results, number: Number, reading: str) -> Value:
-    if _case(number) not in results:
+    if number.case not in results:
         return Value(number, np.nan, np.nan)
-    ours = values_of(number, results[_case(number)])[reading]
+    ours = values_of(number, results[number.case])[reading]
     return Value(number, ours, float(misfit(number, np.array(ours))))
 
 
 def _irregular(results: Results, number: Number) -> bool:
     """True where the whirl is irregular, so that one value of it is a matter of the window."""
-    run = results.get(_case(number))
+    run = results.get(number.case)
     return KINDS[number.what] == "whirl" and run is not None and run.spread > IRREGULAR
 
 
 def _with_interval(bench: Bench, one: Evaluated, value: Value) -> Value:
     """The value with the interval of an irregular whirl, by a run."""
     number = value.number
-    (motion,) = bench.motions([(one.parameters, _case(number))]) if _irregular(one.results, number) else (None,)
+    (motion,) = bench.motions([(one.parameters, number.case)]) if _irregular(one.results, number) else (None,)
     if motion is None:
         return value
     rates = motion.window_rates()[:, 1] / (number.speed if number.what == RATIO else 1.0)

@@ -175,7 +175,7 @@ def misfits(results: Results, kind: str, *, any_reading: bool) -> Array:
     """
     rows = []
     for number in of_kind(kind):
-        found = results.get(Case(number.weight_on_bit, number.speed))
+        found = results.get(number.case)
         given = values_of(number, found) if found else {}
         chosen = list(given) if any_reading else [BASE[kind]]
         rows.append(misfit(number, np.array([given[name] for name in chosen])) if given else np.array([np.inf]))

@@ -102,7 +102,10 @@ def search(
 
 def _evaluate(bench: Bench, archive: Archive, jobs: list[Job]) -> list[Evaluated]:
     """Runs of all sets in rounds: the next of a set only if it may still improve on its goal."""
-    left = [list(ORDER) if goal.pair is None else _cases(goal.pair) for _, goal in jobs]
+    left = [
+        list(ORDER) if goal.pair is None else list(dict.fromkeys(NUMBERS[k].case for k in goal.pair))
+        for _, goal in jobs
+    ]
     found: list[Results] = [{} for _ in jobs]
     while going := [
         k for k, (_, goal) in enumerate(jobs) if left[k] and (not found[k] or archive.promising(goal, found[k]))
@@ -114,10 +117,6 @@ def _evaluate(bench: Bench, archive: Archive, jobs: list[Job]) -> list[Evaluated
         Evaluated(list(one.fractions), list(one.choices), list(results.values()))
         for (one, _), results in zip(jobs, found, strict=True)
     ]
-
-
-def _cases(pair: tuple[int, int]) -> list[Case]:
-    return list(dict.fromkeys(Case(NUMBERS[k].weight_on_bit, NUMBERS[k].speed) for k in pair))
 
 
 def _first(bench: Bench, random: np.random.Generator) -> list[Job]:
