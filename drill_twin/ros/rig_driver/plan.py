@@ -80,8 +80,10 @@ class SetPointPlan:
             try:
                 scene_of(settings)
             except SceneError as error:
-                given = ", ".join(f'{name} "{getattr(settings, name)}"' for name in ("weight_on_bit", "rotation"))
-                raise ParameterError(f"{given}: refused by the scene: {error}") from error
+                pairs = zip(("weight_on_bit", "rotation"), _planned(settings), self._planned, strict=True)
+                names = ", ".join(name for name, wanted, planned in pairs if wanted != planned)
+                told = str(error)  # begins with the scene and the key, which are not what was set
+                raise ParameterError(f"{names}: {told[max(told.find('expected'), 0) :]}") from error
 
     def change(self, settings: SimpleNamespace, before: Command | None, time: float) -> bool:
         """Go over to the set-points of the settings, from those in force at a time [s]; False if they are the same."""
