@@ -101,9 +101,15 @@ def _set_points(scene: Scene) -> tuple[str, str]:
 
 
 def _lines(scene: Scene) -> Iterator[tuple[str, str]]:
+    from drill_twin.core.units.dimension import GRAVITY
+
     force, turn = _set_points(scene)
     string, units = scene.string, scene.unit_system
     yield "string", f"{units.text(scene.length, 'length')}, {len(string.sections)} sections, bit end {string.bit_end}"
+    heavy = [section for section in string.sections if section.adjusted_mass is not None]
+    if heavy:
+        weights = (units.text(of.mass_per_length * GRAVITY, "force_per_length") for of in heavy)
+        yield "weight in air", ", ".join(f"{of.name} {weight}" for of, weight in zip(heavy, weights, strict=True))
     yield "marks", ", ".join(f"{mark.name} ({units.text(mark.distance_from_bit, 'length')})" for mark in string.marks)
     tilt = math.degrees(scene.hole.top_inclination)
     yield "hole", f"radius {units.text(scene.hole.radius, 'offset')}, inclined by {tilt:g} degrees at the top"

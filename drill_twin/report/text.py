@@ -214,7 +214,7 @@ def _onset(summary: Summary) -> str:
     if not summary.get("onset_dated", True):
         known += ", not dated within a revolution"
     end = summary["whirl_end_s"]
-    ended = f"; a transient: no whirl since {end:.2f} s (seen live some revolutions later)" if transient(summary) else ""
+    ended = f"; a transient: no whirl since {end:.2f} s (seen live revolutions later)" if transient(summary) else ""
     return (
         f"{summary['onset_s']:.2f} s{known}, first at {summary['onset_mark']} "
         f"(confidence {summary['onset_confidence']:.2f}){ended}"

@@ -33,7 +33,8 @@ def parse(text: str, dimension: Dimension) -> float:
     factor, found = _factor_or_raise(unit, text, dimension)
     if found not in (accepted := _accepted(dimension)):
         what = dimension_name(found)
-        raise UnitError(f'expected {dimension.expected}, found "{short(text)}" ({what if unit else "no unit"})')
+        near = f', did you mean "{unit}f"?' if f"{unit}f" in _simple_units(dimension, short_names()) else ""
+        raise UnitError(f'expected {dimension.expected}, found "{short(text)}" ({what if unit else "no unit"}){near}')
     factor *= accepted[found]
     result = value if factor == 1.0 else tidy(value * factor)
     if not math.isfinite(result):

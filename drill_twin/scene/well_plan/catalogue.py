@@ -22,6 +22,8 @@ COLLAR_YIELD, LARGE_COLLAR_YIELD = COLLAR.yield_strength, LARGE_COLLAR.yield_str
 LARGEST_COLLAR = 7.0 * INCH
 """Outer diameter of collars from which their steel is that of large ones [m]."""
 HEAVY_WEIGHT_YIELD = HEAVY_WEIGHT_STEEL.yield_strength
+DENSITY = 7850.0
+"""Density of steel, the default of a scene [kg/m^3]."""
 ALUMINIUM = {"youngs_modulus": "69 GPa", "poisson_ratio": 0.33, "density": "2700 kg/m^3"}
 MATERIALS: dict[str, dict[str, Any]] = {"": {}, "steel": {}, "aluminium": ALUMINIUM, "aluminum": ALUMINIUM}
 """Keys of a section by material; steel is the default of a scene."""
@@ -95,7 +97,7 @@ def casing_size(diameter: float) -> str:
 
 
 def named_sizes() -> str:
-    """Drill pipe of the catalogue as text, for messages."""
+    """Drill pipe as text, for messages."""
     return ", ".join(f"{outer:g} in {weight:g} lb/ft" for outer, weight in DRILL_PIPE)
 
 

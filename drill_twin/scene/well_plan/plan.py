@@ -185,7 +185,8 @@ class WellPlan(NamedTuple):
             "name": self.name,
             **({"units": shown} if shown else {}),
             "description": f"Well plan: {long_text} of string, survey {self.survey.name}, tally {self.tally.name}.",
-            "provenance": "Plan. Adjusted weight and make-up torque after the catalogue; torque law of the bit, "
+            "provenance": "Plan. Adjusted weight and make-up torque after API 5DP and RP 7G (drill pipe) and makers' "
+            "tables (heavy-weight); torque law of the bit, "
             "specific energy of the rock, friction, eccentricity, wall and damping are stand-ins.",
             "string": {
                 "sections": [piece.section for piece in pieces],

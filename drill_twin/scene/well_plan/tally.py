@@ -13,6 +13,7 @@ from drill_twin.core.units import parse
 from drill_twin.core.units.dimension import LENGTH
 from drill_twin.scene.well_plan.catalogue import (
     COLLAR_YIELD,
+    DENSITY,
     HEAVY_WEIGHT_YIELD,
     INCH,
     LARGE_COLLAR_YIELD,
@@ -151,7 +152,7 @@ def _drill_pipe(row: Row, outer: float) -> dict[str, Any]:
     pipe = drill_pipe(outer, mass)
     if pipe is None:
         raise SceneError(
-            f"{row.place}: expected drill pipe of the catalogue ({named_sizes()}), found od {row.text('od')}, weight "
+            f"{row.place}: expected drill pipe of API 5DP ({named_sizes()}), found od {row.text('od')}, weight "
             f"{row.text('weight')}; the weight is the nominal one. For another pipe edit the scene"
         )
     return _tube(outer, pipe.inner_diameter, _grade(row)) | {
@@ -182,6 +183,16 @@ def _plain(row: Row, outer: float) -> dict[str, Any]:
 
 
 def _bore(row: Row, outer: float) -> float:
+    """Bore of a row, or that which a steel tube of its weight has, as a motor's is seldom told."""
+    if not row.text("id"):
+        if not row.text("weight"):
+            raise SceneError(
+                f"{row.place}, id: expected the bore, or in `weight` that of which it follows, found neither"
+            )
+        square = outer**2 - _positive(row, "weight", "mass") / (0.25 * math.pi * DENSITY)
+        if not square > 0.0:
+            raise SceneError(f"{row.place}, weight: expected less than that of a bar, found {row.text('weight')}")
+        return math.sqrt(square)
     inner = _positive(row, "id", "diameter")
     if inner >= outer:
         raise SceneError(f"{row.place}, id: expected less than the od ({row.text('od')}), found {row.text('id')}")

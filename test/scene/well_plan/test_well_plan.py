@@ -69,6 +69,14 @@ def test_the_catalogue_gives_bore_weight_grade_and_joints(tmp_path: Path) -> Non
     assert stabiliser.contact_diameter == pytest.approx(12.125 * INCH)
 
 
+def test_a_motor_has_the_bore_that_follows_from_its_weight(tmp_path: Path) -> None:
+    """8 in. with a bore of 2 13/16 in. weighs 150 lb/ft."""
+    tally = TALLY.replace("collar,97.5,8,2 13/16,", "motor,9,8,,149.8")
+    motor = made(tmp_path, tally=tally).string.sections[2]
+    assert motor.inner_diameter == pytest.approx(2.8125 * INCH, rel=0.01)
+    assert motor.adjusted_mass is None
+
+
 def test_field_and_si_tables_give_one_scene(tmp_path: Path) -> None:
     survey = "MD,INC,AZI\n" + "".join(
         f"{depth / FOOT!r},{angle},{way}\n"
@@ -119,6 +127,8 @@ MISTAKES = {
     "size": ({"tally": TALLY.replace("19.5", "18.0")}, r"tally.csv, line 6: .*5 in 19.5 lb/ft.*weight 18.0"),
     "kind": ({"tally": TALLY.replace("hwdp", "wire")}, r'tally.csv, line 5, kind: .*found "wire"'),
     "bore": ({"tally": TALLY.replace("97.5,8,2 13/16", "97.5,8,9")}, r"tally.csv, line 4, id: .*less than the od"),
+    "no bore": ({"tally": TALLY.replace("97.5,8,2 13/16", "97.5,8,")}, r"line 4, id: .*the bore, or in `weight`"),
+    "a bar": ({"tally": TALLY.replace("97.5,8,2 13/16,", "97.5,8,,200")}, r"line 4, weight: .*that of a bar"),
     "depth": ({"depth": "1600 m"}, r"--depth: .*within the survey \(1500 m\), found 1600 m"),
     "bit": ({"bit": "13 in"}, r"--bit: expected at most the hole"),
     "casing": ({"casing": ("13 in to 500 m", "13 in to 400 m")}, r"--casing .*expected a shoe below 500 m"),
