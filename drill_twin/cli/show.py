@@ -58,7 +58,7 @@ def findings_shown(summary: Mapping[str, Any]) -> Iterator[Table]:
     if marks := list(_marks(summary)):
         yield Table(("mark", "largest radius", "over the threshold", "motion at the end"), marks, right=(2,))
     if found := summary["acceleration"]:
-        yield _accelerations(found, summary["acceleration_rate_hz"])
+        yield _accelerations(found, summary)
     if periods := [_period(period) for period in summary["motion"]]:
         yield Table(("from", "to", "motion of the string", "what decided it"), periods, right=(0, 1))
     for trouble in limitations(summary):
@@ -94,7 +94,7 @@ def _marks(summary: Mapping[str, Any]) -> Iterable[tuple[str, str, str, str]]:
         )
 
 
-def _accelerations(found: Mapping[str, Any], rate: float) -> Table:
+def _accelerations(found: Mapping[str, Any], summary: Mapping[str, Any]) -> Table:
     """Acceleration of the marks in g, and the level of each."""
     from drill_twin.core.units.dimension import GRAVITY
 
@@ -103,7 +103,10 @@ def _accelerations(found: Mapping[str, Any], rate: float) -> Table:
         (mark, *(f"{of[key]}" if key.endswith("level") else f"{of[key] / GRAVITY:.2g}" for key in keys))
         for mark, of in found.items()
     ]
-    title = f"acceleration in g, second half, and level (0 to 7); no shocks shorter than {2e3 / rate:.3g} ms are in it"
+    since, shortest = summary["settled_s"], 2e3 / summary["acceleration_rate_hz"]
+    title = (
+        f"acceleration in g from {since:.1f} s on, and level (0 to 7), without shocks shorter than {shortest:.3g} ms"
+    )
     return Table(
         ("mark", "lateral rms", "peak", "level", "axial rms", "peak", "level"), rows, title=title, right=range(1, 7)
     )

@@ -30,7 +30,7 @@ def load_rows(summary: Summary) -> Iterator[Row]:
         if found := summary["loads"].get(key):
             mean, *ends = (sign * found[of] + 0.0 for of in ("mean", "min", "max"))  # never -0
             over = units.span(min(ends), max(ends), quantity)
-            yield name, f"{units.text(mean, quantity)} on average, {over}"
+            yield name, f"{units.text(mean, quantity)} on average from {summary['settled_s']:.1f} s on, {over} in all"
 
 
 def severity_rows(summary: Summary) -> Iterator[Row]:
@@ -44,10 +44,11 @@ def severity_rows(summary: Summary) -> Iterator[Row]:
             yield f"{name} acceleration", f"{rms} rms, {peak} peak at {mark}: level {at} of 7 ({WORDS[at]})"
     if (at := summary["stick_slip_level"]) is not None:
         yield "stick-slip severity", f"level {at} of 7 ({WORDS[at]})"
+    assumed = ": it follows from the rock that the scene assumes" if summary["version"] else ""
     if summary["rate_of_penetration_m_s"] is not None:
-        yield "rate of penetration", units.text(summary["rate_of_penetration_m_s"], "rate", ".3g")
+        yield "rate of penetration", f"{units.text(summary['rate_of_penetration_m_s'], 'rate', '.3g')}{assumed}"
     if summary["specific_energy_pa"] is not None:
-        yield "specific energy", f"{units.text(summary['specific_energy_pa'], 'stress', '.3g')} (Teale)"
+        yield "specific energy", f"{units.text(summary['specific_energy_pa'], 'stress', '.3g')} (Teale){assumed}"
 
 
 def surface_rows(summary: Summary) -> Iterator[Row]:
@@ -91,7 +92,7 @@ def fatigue_rows(summary: Summary) -> Iterator[Row]:
             f"damage at {name}",
             f"{found['damage']:.3g}; "
             + (
-                "none in the second half of the run"
+                f"none from {summary['settled_s']:.1f} s on"
                 if life is None
                 else f"1 after {duration_text(life)} of such motion"
             ),

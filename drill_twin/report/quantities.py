@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from drill_twin.core.arrays import Array
+from drill_twin.core.arrays import Array, Mask
 from drill_twin.core.compile.jit import as_python
 from drill_twin.core.errors import DrillTwinError
 from drill_twin.core.units.system import UnitSystem
@@ -26,19 +26,30 @@ from drill_twin.scene.set_points import extremes
 from drill_twin.whirl.spectrum import WINDOW, centre_line, precession_record
 
 
+def settled_from(bag: Recording) -> float:
+    """Time from which means are taken [s]: the middle, or the end of the scene's ramps where a quarter follows it."""
+    time = bag.rig.time if len(bag.rig) else bag.marks.time
+    if not len(time):
+        return 0.0
+    middle = 0.5 * float(time[0] + time[-1])
+    rig = bag.scene.rig if bag.scene_known else None
+    ramps = max(point.start + point.duration for point in (rig.weight_on_bit, rig.rotation)) if rig else 0.0
+    return ramps if middle < ramps <= 0.5 * (middle + float(time[-1])) else middle
+
+
 def fatigue(bag: Recording) -> dict[str, dict[str, float | None]] | None:
     """By section: stress, cycles and damage of the run; None without the effect.
 
-    Keys: `distance_from_bit_m`, `largest_stress_pa` and its `share_of_yield`, `largest_moment_nm`, `axial_force_n`
-    (mean, positive = tension), `cycles`, `damage`; and for the second half of the run, where the motion has settled,
-    `cycles_per_second` and `seconds_to_damage_1`: the whole life at its rate of damage, None without any.
+    Keys: `distance_from_bit_m`, `largest_stress_pa` and its `share_of_yield`, `largest_moment_nm`, `cycles`, `damage`;
+    and from `settled_from` on `axial_force_n` (mean, positive = tension), `cycles_per_second` and
+    `seconds_to_damage_1`: the whole life at its rate of damage, None without any.
     """
     block = bag.scene.effects.fatigue if bag.scene_known else None
     if block is None or not len(bag.stress):
         return None
     found, strengths = bag.stress, block.yield_strengths(bag.scene)
     places = {section.name: section.distance(bag.scene.length) for section in block.sections}
-    middle = int(np.searchsorted(found.time, 0.5 * (found.time[0] + found.time[-1])))
+    middle = min(int(np.searchsorted(found.time, settled_from(bag))), len(found.time) - 1)
     seconds = float(found.time[-1] - found.time[middle])
     moment = np.hypot(found.moment_x, found.moment_y).max(axis=0)
     rows = {}
@@ -51,7 +62,7 @@ def fatigue(bag: Recording) -> dict[str, dict[str, float | None]] | None:
             "largest_stress_pa": largest,
             "share_of_yield": largest / strengths[name],
             "largest_moment_nm": float(moment[number]),
-            "axial_force_n": float(found.axial_force[:, number].mean()),
+            "axial_force_n": float(found.axial_force[middle:, number].mean()),
             "cycles": float(cycles[-1]),
             "damage": float(damage[-1]),
             "cycles_per_second": float(cycles[-1] - cycles[middle]) / seconds if seconds > 0.0 else None,
@@ -64,7 +75,7 @@ KEYS = ("weight_on_bit_n", "hookload_n", "top_drive_torque_nm", "bit_torque_nm",
 
 
 def loads(bag: Recording) -> dict[str, dict[str, float] | None]:
-    """Statistics over the whole recording, None for what the bag does not hold.
+    """Mean from `settled_from` on, least and largest of the whole recording; None for what the bag does not hold.
 
     Keys: `weight_on_bit_n`, `hookload_n`, `top_drive_torque_nm`, `bit_torque_nm` (of the rock on the bit, negative with
     right-handed rotation), as on `/rig/state`, and `drag_n`: hookload plus weight on bit less the weight of the string
@@ -76,15 +87,14 @@ def loads(bag: Recording) -> dict[str, dict[str, float] | None]:
     weight = string_weight(bag.scene) if bag.scene_known else np.nan
     drag = rig.hookload + rig.bit_force - weight
     series = (rig.bit_force, rig.hookload, rig.top_drive_torque, rig.bit_torque, drag)
-    return {key: _statistics(values) for key, values in zip(KEYS, series, strict=True)}
+    late = rig.time >= settled_from(bag)
+    return {key: _statistics(values, late) for key, values in zip(KEYS, series, strict=True)}
 
 
 def applied(bag: Recording) -> dict[str, dict[str, float] | None]:
-    """Statistics of weight on bit [N] and rotation of the top drive [rad/s] over the second half of the recording."""
+    """Statistics of weight on bit [N] and rotation of the top drive [rad/s] from `settled_from` on."""
     rig = bag.rig
-    if not len(rig):
-        return {"weight_on_bit_n": None, "rotation_rad_s": None}
-    late = rig.time >= 0.5 * (rig.time[0] + rig.time[-1])
+    late = rig.time >= settled_from(bag)
     return {
         "weight_on_bit_n": _statistics(rig.bit_force[late]),
         "rotation_rad_s": _statistics(rig.top_drive_speed[late]),
@@ -96,11 +106,12 @@ def string_weight(scene: Scene) -> float:
     return float(axial_weight(scene, discretise(scene, build_rod(tubes_of(scene), MOST))).sum())
 
 
-def _statistics(values: Array) -> dict[str, float] | None:
+def _statistics(values: Array, averaged: Mask | bool = True) -> dict[str, float] | None:
     known = values[np.isfinite(values)]
     if not known.size:
         return None
-    return {"mean": float(known.mean()), "min": float(known.min()), "max": float(known.max())}
+    late = values[np.isfinite(values) & averaged]
+    return {"mean": float((late if late.size else known).mean()), "min": float(known.min()), "max": float(known.max())}
 
 
 def precession(recording: Recording) -> dict[str, Any]:
@@ -144,12 +155,14 @@ def precession(recording: Recording) -> dict[str, Any]:
 
 SOFT = 0.1
 """Penetration over the clearance above which the motion depends on the stiffness of the wall."""
+FALLEN = 2.0
+"""Time at which a string that starts on the axis of an inclined hole has come to rest on the wall [s]."""
 FRACTIONS = np.array([0.0, 0.5 - np.sqrt(1.0 / 12.0), 0.5 + np.sqrt(1.0 / 12.0)])
 """Node and Gauss points of an element; the wall acts at the latter."""
 
 
 def wall_depth(bag: Recording) -> dict[str, Any] | None:
-    """Deepest Gauss point of the string in the wall, over the recorded poses; None without a wall or poses.
+    """Deepest Gauss point of the string in the wall, over the poses from `FALLEN` on; None without a wall or poses.
 
     Keys: `deepest_m` (0 without contact), its `distance_from_bit_m` and `time_s`, `clearance_m` there, and `static_m`:
     the depth under the largest weight on bit at rest (`state_judge.static_depth`); None for a record without its file.
@@ -166,6 +179,7 @@ def wall_depth(bag: Recording) -> dict[str, Any] | None:
     clearance = np.array([scene.clearance_at(float(place)) for place in up])
     depth = np.hypot(curves[..., 0], curves[..., 1]) - clearance
     depth[:, :: FRACTIONS.size] = -np.inf  # nodes, which the wall does not act on
+    depth[poses.time < min(FALLEN, poses.time[-1])] = -np.inf
     instant, place = np.unravel_index(np.argmax(depth), depth.shape)
     return {
         "deepest_m": max(float(depth[instant, place]), 0.0),

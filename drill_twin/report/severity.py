@@ -15,6 +15,7 @@ import numpy as np
 
 from drill_twin.core.arrays import Array
 from drill_twin.core.units.dimension import GRAVITY
+from drill_twin.report.quantities import settled_from
 from drill_twin.report.recording import Recording
 
 ACCELERATION = (0.5, 1.0, 2.0, 3.0, 5.0, 8.0, 15.0)
@@ -30,7 +31,7 @@ _BACKWARDS = 0.05
 
 
 def severity(bag: Recording) -> dict[str, Any]:
-    """Keys of the summary, over the second half of the recording; None for what it does not hold.
+    """Keys of the summary, from `settled_from` on; None for what it does not hold.
 
     * `acceleration`: by mark `lateral_rms_m_s2`, `lateral_peak_m_s2`, `axial_rms_m_s2`, `axial_peak_m_s2`, and their
       levels `lateral_level` and `axial_level`; of the centre line, without gravity, from positions at the rate
@@ -56,7 +57,7 @@ def level(value: float, bounds: tuple[float, ...]) -> int:
 def accelerations(bag: Recording) -> tuple[float | None, dict[str, dict[str, float | int]]]:
     """Rate of the samples [Hz] and, by mark, `acceleration` of `severity`; empty without marks or of a sub."""
     time = bag.marks.time
-    late = time >= 0.5 * (time[0] + time[-1]) if len(time) else np.zeros(0, bool)
+    late = time >= settled_from(bag)
     if late.sum() < 3 or bag.sub or not bag.places:
         return None, {}
     steps = np.diff(time[late])
@@ -90,7 +91,7 @@ def _stick_slip_level(bag: Recording) -> int | None:
 
 def _drilling(bag: Recording) -> dict[str, float | None]:
     rig = bag.rig
-    late = rig.time >= 0.5 * (rig.time[0] + rig.time[-1]) if len(rig) else np.zeros(0, bool)
+    late = rig.time >= settled_from(bag)
     depth, time = (rig.drilled[late], rig.time[late]) if late.sum() > 1 else (np.zeros(2), np.zeros(2))
     drilled = float(depth[-1] - depth[0])
     if not drilled > 0.0:

@@ -13,7 +13,7 @@ import numpy as np
 from drill_twin.core.files.plain_json import plain
 from drill_twin.dynamics.twin.frame import COUNTS
 from drill_twin.io.bag.reader import Bag
-from drill_twin.report.quantities import applied, fatigue, loads, precession, soft_wall, wall_depth
+from drill_twin.report.quantities import applied, fatigue, loads, precession, settled_from, soft_wall, wall_depth
 from drill_twin.report.recording import Recording, read_recording
 from drill_twin.report.severity import severity
 from drill_twin.report.surface import surface
@@ -51,18 +51,19 @@ def summarise(bag: Recording | Bag | str | Path) -> dict[str, Any]:
           the last 20 s and the largest; `stick_slip`: stretches of stick-slip; `bit_spectral_peak_hz`: the highest line
           in the spectrum of the bit's speed.
         * `sub`: from a downhole sub, impacts and stick-slip (`drill_twin.whirl.findings.SubFindings`); None for marks.
-        * `applied`: `mean`, `min` and `max` of weight on bit [N] and rotation of the top drive [rad/s] over the second
-          half; `load_at`: where the scene has the weight applied, `bit`, `top` or `block`.
-        * `loads`: `mean`, `min` and `max` of weight on bit, hookload and drag [N] and of the torques of top drive and
-          bit [N m] (`drill_twin.report.quantities`).
+        * `settled_s`: time from which means are taken, the middle of the recording or the end of the scene's ramps.
+          `applied`: `mean`, `min` and `max` from then on of weight on bit [N] and rotation of the top drive [rad/s];
+          `load_at`: where the scene has the weight applied, `bit`, `top` or `block`.
+        * `loads`: `mean` from `settled_s` on, `min` and `max` in all, of weight on bit, hookload and drag [N] and of
+          the torques of top drive and bit [N m] (`drill_twin.report.quantities`).
         * `acceleration`, `acceleration_rate_hz`, `stick_slip_level`, `rate_of_penetration_m_s`, `specific_energy_pa`:
           `drill_twin.report.severity`.
         * `surface`: of a recording without marks, gaps and spikes of the channels of the rig, swing of the torque, and
           the stick-slip index that it means for the string of the scene (`drill_twin.report.surface`).
         * `fatigue`: by section of the effect `fatigue`, stress, cycles, damage and time to a damage of 1
           (`drill_twin.report.quantities`); None without it.
-        * `wall`: the largest penetration of the wall, its place and time, and that at rest under the largest weight on
-          bit (`drill_twin.report.quantities`).
+        * `wall`: the largest penetration of the wall, its place and time, after the fall from the axis at the start,
+          and that at rest under the largest weight on bit (`drill_twin.report.quantities`).
         * `realtime_factor`: simulated over wall time; `physics_speed`: simulated time over the time spent computing
           the motion. None where not recorded.
         * `steps`, `cut_steps`, `steps_above_tolerance`: time steps taken, how often one was halved, and how many were
@@ -114,6 +115,7 @@ def summarise(bag: Recording | Bag | str | Path) -> dict[str, Any]:
         "stick_slip": [{**asdict(period), "frequency_hz": period.frequency_hz} for period in found.stick_slip],
         "bit_spectral_peak_hz": bit_peak(bag),
         "sub": None if found.sub is None else asdict(found.sub),
+        "settled_s": settled_from(bag),
         "applied": applied(bag),
         "load_at": bag.scene.rig.weight_on_bit.at if bag.scene_known else None,
         "loads": loads(bag),

@@ -57,8 +57,7 @@ def applied(summary: Summary) -> str:
         parts.append(f"weight on bit {_over_time(summary, weight, 'force')}{_at_top(summary)}")
     if speed is not None:
         parts.append(f"top drive at {_over_time(summary, speed, 'rotation')}")
-    of = "run" if summary["version"] else "recording"
-    return f"Second half of the {of}: {', '.join(parts) or 'no weight and no speed were recorded'}."
+    return f"From {summary['settled_s']:.1f} s on: {', '.join(parts) or 'no weight and no speed were recorded'}."
 
 
 def _over_time(summary: Summary, found: Mapping[str, float], quantity: str) -> str:
@@ -271,7 +270,7 @@ def _ratio(summary: Summary) -> str:
 
 
 def rotation(summary: Summary, units: UnitSystem) -> str:
-    """Rotation as text: that of the top drive in the second half, as `applied`; without it, the mean of the string."""
+    """Rotation as text: that of the top drive as `applied`; without it, the mean of the string."""
     applied_speed, found = summary["applied"]["rotation_rad_s"], summary["rotation_rev_s"]
     if applied_speed is not None:
         return units.text(applied_speed["mean"], "rotation")

@@ -8,6 +8,7 @@ import shutil
 import numpy as np
 import pytest
 
+from drill_twin.api.scenes import override
 from drill_twin.core.errors import BagError
 from drill_twin.dynamics.twin.twin import Twin
 from drill_twin.io.bag.reader import Bag
@@ -15,6 +16,7 @@ from drill_twin.io.messages.cdr import JointStateTemplate
 from drill_twin.io.messages.encode import MARK_AXES, encode_string
 from drill_twin.io.messages.topics import MARKS_STATE, RIG_STATE, STRING_POSES, TWIN_SCENE, WHIRL_STATE
 from drill_twin.report import read_recording, summarise
+from drill_twin.report.quantities import settled_from
 from drill_twin.report.summary import timeline
 from drill_twin.report.text import findings, provenance
 from drill_twin.runs import Session
@@ -41,18 +43,26 @@ def test_holds_the_promised_keys(summary):
 def test_hookload_torque_and_drag_of_a_run(bench_run):
     """Before contact the string's weight is carried by hook and bit alone, so friction stays a small share of it."""
     recording = read_recording(bench_run.bag)
-    rig, found = recording.rig, summarise(recording)["loads"]
+    rig, whole = recording.rig, summarise(recording)
+    found, late = whole["loads"], rig.time >= whole["settled_s"]
+    assert whole["settled_s"] == pytest.approx(rig.time[[0, -1]].mean())
     for key, series in (
         ("hookload_n", rig.hookload), ("weight_on_bit_n", rig.bit_force),
         ("top_drive_torque_nm", rig.top_drive_torque), ("bit_torque_nm", rig.bit_torque),
     ):  # fmt: skip
-        assert found[key] == {"mean": series.mean(), "min": series.min(), "max": series.max()}
+        assert found[key] == {"mean": series[late].mean(), "min": series.min(), "max": series.max()}
     weight = sum(s.mass_per_length * s.length for s in recording.scene.string.sections) * 9.81
-    assert found["drag_n"]["mean"] == pytest.approx(np.mean(rig.hookload + rig.bit_force) - weight, abs=1e-6)
+    assert found["drag_n"]["mean"] == pytest.approx(np.mean((rig.hookload + rig.bit_force)[late]) - weight, abs=1e-6)
     assert abs(found["drag_n"]["mean"]) < 0.2 * weight
-    rows = dict(findings(summarise(recording)))
+    rows = dict(findings(whole))
     assert {"hookload", "drag", "torque of the top drive", "torque on the bit"} <= set(rows)
-    assert rows["hookload"].endswith(" N")
+    assert rows["hookload"].endswith(" N in all")
+
+
+@pytest.mark.parametrize(("ramp", "settled"), [(1.0, 1.505), (2.0, 2.0), (2.5, 1.505)])
+def test_means_begin_after_the_ramps_where_a_quarter_follows(bench_run, bench_scene, ramp, settled):
+    changes = {"rig.weight_on_bit.duration": ramp, "rig.rotation.duration": 0.5}
+    assert settled_from(read_recording(bench_run.bag, override(bench_scene, changes))) == pytest.approx(settled)
 
 
 SOFT = {
