@@ -45,7 +45,7 @@ class Cause:
         return asdict(self) | {"trials": [trial._asdict() for trial in self.trials]}
 
 
-def why(result: Result, *, progress: Callable[[str], None] | None = None) -> Cause:
+def why(result: Result, *, progress: Callable[[str, float, float], None] | None = None) -> Cause:
     """Find why a run whirled.
 
     The lateral modes under the set-points at the end of the run say whether the string leaves its balance by itself.
@@ -58,7 +58,7 @@ def why(result: Result, *, progress: Callable[[str], None] | None = None) -> Cau
 
     Args:
         result: A run, or the bag of one.
-        progress: Takes the name of each repeat before it begins.
+        progress: Takes the name of each repeat before it begins, how many are done, and how many there are at most.
 
     Raises:
         BagError: It is the record of a rig, its scene is not known, or it has no rig states.
@@ -66,13 +66,15 @@ def why(result: Result, *, progress: Callable[[str], None] | None = None) -> Cau
     return cause_of(result.recording, result.summary, progress=progress)
 
 
-def cause_of(recording: Recording, summary: Summary, *, progress: Callable[[str], None] | None = None) -> Cause:
+def cause_of(
+    recording: Recording, summary: Summary, *, progress: Callable[[str, float, float], None] | None = None
+) -> Cause:
     """As `why`, from a recording and its summary."""
     if isinstance(recording.bag, RecordBag) or not recording.scene_known:
         raise BagError(
             f"{recording.path}: expected the bag of a run with its scene, found none; give the scene with --scene"
         )
-    return _Search(recording, summary, progress or (lambda _: None)).cause()
+    return _Search(recording, summary, progress or (lambda *_: None)).cause()
 
 
 class _Search(Repeats):
@@ -80,7 +82,7 @@ class _Search(Repeats):
 
     def cause(self) -> Cause:
         """Sentences, from the modes and all repeats."""
-        self.progress("modes")
+        self.progress("modes", 0, len(self.plans()))
         table = self.modes(self.scene, self.command)
         fastest = table.fastest(LATERAL) if table else None
         if self.onset is None:
@@ -108,7 +110,9 @@ class _Search(Repeats):
         motion = lasting(self.summary)
         index, where = self.summary["stick_slip_index"], self.summary["onset_mark"]
         bit = f", with a stick-slip index of {index:.2f}" if index is not None and index >= SWINGS else ""
-        return f"Whirl from {self.onset:.2f} s at {where}: {motion}{pace}{until}, at {self.point}{bit}."
+        then = "" if self.at_onset == self.point else f", with {self.at_onset} then"
+        last = " at the end" if then else ""
+        return f"Whirl from {self.onset:.2f} s at {where}{then}: {motion}{pace}{until}, at {self.point}{last}{bit}."
 
     def mode_text(self, table: ModeTable | None, fastest: Mode | None) -> str:
         """The mode that grows fastest and the one nearest to the whirl."""

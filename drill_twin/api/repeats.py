@@ -28,6 +28,8 @@ from drill_twin.whirl import MotionState
 
 AFTER_ONSET = 30.0
 """Simulated time after the onset at which repeats end, where the run is longer [s]."""
+BEFORE = 1.0
+"""Time before the onset over which weight and speed there are averaged [s]."""
 LESS = (0.7, 0.5)
 """Shares of weight, speed or wall friction in repeats with less of it; the second where the first does not end it."""
 BESIDE = (0.98, 1.02)
@@ -40,11 +42,13 @@ SMALL = 0.1
 """Share of bow and eccentricity that is left. Not zero: a perfect string never leaves the axis of a vertical hole."""
 
 BACKWARD = (MotionState.BACKWARD_WHIRL.value, MotionState.ROLLING.value)
+CALM = (MotionState.FIXED_AXIS.value, MotionState.AT_REST.value)
 FORWARD = (MotionState.FORWARD_WHIRL.value, MotionState.SYNCHRONOUS_WHIRL.value)
 
+_FRICTION = ("wall_friction.coefficient", "wall_friction.sliding")
 _EFFECTS = {
     "without internal damping": {"internal_damping.bending_time": 0.0},
-    "without wall friction": {"wall_friction.coefficient": 0.0, "wall_friction.sliding": 0.0},
+    "without wall friction": dict.fromkeys(_FRICTION, 0.0),
     "without friction at the bit": {"bit_friction.coefficient": 0.0},
     "without the random force": {"random_force.rms": 0.0},
     "without shaking of the top": {"top_shake.amplitude": 0.0},
@@ -75,10 +79,21 @@ class Trial(NamedTuple):
     """Growth of the lateral mode that grows fastest, with this change; None: not known, or the repeat whirls."""
 
 
+class _Plan(NamedTuple):
+    """A repeat that is to be run."""
+
+    less: str
+    """Set-point or friction of which it has less; empty for an effect that is taken back."""
+    change: str
+    scene: Scene
+    weight: float = 1.0
+    speed: float = 1.0
+
+
 class Repeats:
     """Repeats and modes of one run."""
 
-    def __init__(self, recording: Recording, summary: Summary, progress: Callable[[str], None]) -> None:
+    def __init__(self, recording: Recording, summary: Summary, progress: Callable[[str, float, float], None]) -> None:
         self.progress, self.summary, self.units = progress, summary, units_of(summary)
         scene = recording.scene
         recorded = recorded_commands(recording.bag, planned(scene), block=scene.rig.moves_block)
@@ -90,12 +105,21 @@ class Repeats:
             frames = min(frames, math.ceil((self.onset + AFTER_ONSET) / self.period))
         self.commands = recorded.commands[:frames]
         self.moving = self.motion(recording)
+        self.rig = recording.rig
         self.unknown_modes = ""
 
     @property
     def point(self) -> str:
         """Weight and speed at the end."""
         return self.units.set_point(self.command.weight_on_bit, self.command.rotation)
+
+    @property
+    def at_onset(self) -> str:
+        """Weight on the bit and speed of the top drive at the onset, means of `BEFORE`."""
+        time, last = self.rig.time, self.onset or 0.0
+        before = (time > last - BEFORE) & (time <= last)
+        weight, speed = (float(np.nanmean(of[before])) for of in (self.rig.bit_force, self.rig.top_drive_speed))
+        return self.units.set_point(weight, speed)
 
     def modes(self, scene: Scene, command: Command) -> ModeTable | None:
         """Modes under a command; None where they cannot be computed, and `unknown_modes` says why."""
@@ -105,26 +129,30 @@ class Repeats:
             self.unknown_modes = str(error)
             return None
 
-    def trials(self) -> Iterator[Trial]:
-        """Repeats: each effect of the scene, then less of weight, speed and wall friction."""
-        for change, shares in _EFFECTS.items():
-            if scene := self.scaled(shares):
-                yield self.trial(change, scene, 1.0, 1.0, of_effects=True)
-        friction = tuple(_EFFECTS["without wall friction"])
+    def plans(self) -> list[_Plan]:
+        """Each effect of the scene, then less of weight, speed and wall friction."""
+        found = [_Plan("", change, scene) for change, of in _EFFECTS.items() if (scene := self.scaled(of))]
         for name in ("weight", "speed", "wall friction"):
-            for less in LESS:
+            held = {"weight": self.command.weight_on_bit, "speed": self.command.rotation}.get(name, 1.0)
+            for less in LESS if held else ():
                 weight, speed = (less if name == of else 1.0 for of in ("weight", "speed"))
                 of_friction = name == "wall friction"
-                scene = self.scaled(dict.fromkeys(friction, less)) if of_friction else self.scene
-                held = {"weight": self.command.weight_on_bit, "speed": self.command.rotation}.get(name, 1.0)
-                if scene is None or not held:
-                    break
+                scene = self.scaled(dict.fromkeys(_FRICTION, less)) if of_friction else self.scene
                 told = self.units.set_point(weight * self.command.weight_on_bit, speed * self.command.rotation)
-                change = f"at {less:g} of the {name}{'' if of_friction else f' ({told})'}"
-                trial = self.trial(change, scene, weight, speed, of_effects=False)
-                yield trial
-                if trial.ends_whirl:
-                    break
+                if scene:
+                    change = f"at {less:g} of the {name}{'' if of_friction else f' ({told})'}"
+                    found.append(_Plan(name, change, scene, weight, speed))
+        return found
+
+    def trials(self) -> Iterator[Trial]:
+        """Repeats after `plans`; the second share only where the first does not end the whirl."""
+        plans, ended = self.plans(), set()
+        for done, plan in enumerate(plans):
+            if plan.less not in ended:
+                self.progress(f"repeat {plan.change}", done, len(plans))
+                yield (trial := self.trial(plan))
+                if plan.less and trial.ends_whirl:
+                    ended.add(plan.less)
 
     def scaled(self, shares: Mapping[str, float]) -> Scene | None:
         """The scene with shares of numbers of its effects; None where it has none of them."""
@@ -136,9 +164,9 @@ class Repeats:
         }
         return override(self.scene, values) if values else None
 
-    def trial(self, change: str, scene: Scene, weight: float, speed: float, *, of_effects: bool) -> Trial:
+    def trial(self, plan: _Plan) -> Trial:
         """A repeat with shares of weight and speed, and further ones beside it where it ends the whirl."""
-        self.progress(f"repeat {change}")
+        less, change, scene, weight, speed = plan
         try:
             played = self.played(scene, weight, speed)
             growth, found = None, played.summary
@@ -155,8 +183,8 @@ class Repeats:
                 shares = ", ".join(f"{share:g}" for share in self.whirls_beside)
                 outcome += f" ({sum(beside)} of {len(beside)} at {shares} of the speed)" if beside else " (one repeat)"
         except RunError as error:
-            return Trial(change, of_effects, False, f"could not be followed: {error}", "", None, None)
-        return Trial(change, of_effects, ends, outcome, found["lasting_motion"], found["whirl_frequency_hz"], growth)
+            return Trial(change, not less, False, f"could not be followed: {error}", "", None, None)
+        return Trial(change, not less, ends, outcome, found["lasting_motion"], found["whirl_frequency_hz"], growth)
 
     def played(self, scene: Scene, weight: float, speed: float) -> Result:
         """Run of a scene under shares of the recorded weight and speed.
@@ -171,7 +199,6 @@ class Repeats:
     @cached_property
     def whirls_beside(self) -> tuple[float, ...]:
         """Shares of the speed, of `BESIDE`, at which the run itself whirls."""
-        self.progress("repeats at other speeds")
         return tuple(share for share in BESIDE if self.played(self.scene, 1.0, share).summary["onset_s"] is not None)
 
     def motion(self, recording: Recording) -> float:
@@ -199,6 +226,8 @@ class Repeats:
             return not left > LEFT, told if growth is None else f"{told}; the slowest mode {rate(growth)}"
         if end is not None and self.summary["whirl_end_s"] is None:
             return True, f"the whirl ends at {end:.2f} s"
+        if motion in CALM:
+            return False, f"whirls from {found['onset_s']:.2f} s, for a part of the time"
         told = motion if frequency is None else f"{motion} at {frequency:.2f} Hz"
         if self.summary["lasting_motion"] in BACKWARD and motion in FORWARD:
             return True, f"no backward whirl, but {told}"

@@ -79,7 +79,7 @@ def analyze(
     if out is not None:
         make_folder(out)
         check_new(out / SUMMARY, replace=replace)
-    with shown_progress("analysing the bag") as bar:
+    with shown_progress("analysing the bag"):
         selection = _selection(marks, begin, end, topics, clearance, outer_radius, namespace, sub, units)
         recording = _recording(bag, scene, selection)
         summary = summarise(recording)
@@ -87,13 +87,14 @@ def analyze(
             from drill_twin.report.near_states import near_states
 
             summary["whirl_states"] = near_states(recording, summary)
-        if why:
-            from drill_twin.api.cause import cause_of
+    if why:
+        from drill_twin.api.cause import cause_of
 
+        with shown_progress("modes", unit="repeats") as bar:
             cause = cause_of(recording, summary, progress=bar.show)
-            summary["cause"] = cause.as_data()
+        summary["cause"] = cause.as_data()
     emit(
-        summary, chain(findings_shown(summary), marks_shown(summary), cause.shown() if why else ()), json=json,
+        summary, chain(cause.shown() if why else (), findings_shown(summary), marks_shown(summary)), json=json,
         folder=out, files={SUMMARY: summary},
     )  # fmt: skip
 

@@ -44,7 +44,7 @@ def severity_rows(summary: Summary) -> Iterator[Row]:
             yield f"{name} acceleration", f"{rms} rms, {peak} peak at {mark}: level {at} of 7 ({WORDS[at]})"
     if (at := summary["stick_slip_level"]) is not None:
         yield "stick-slip severity", f"level {at} of 7 ({WORDS[at]})"
-    assumed = ": it follows from the rock that the scene assumes" if summary["version"] else ""
+    assumed = ", of the rock that the scene assumes" if summary["version"] else ""
     if summary["rate_of_penetration_m_s"] is not None:
         yield "rate of penetration", f"{units.text(summary['rate_of_penetration_m_s'], 'rate', '.3g')}{assumed}"
     if summary["specific_energy_pa"] is not None:
@@ -109,7 +109,8 @@ def duration_text(seconds: float) -> str:
 
 def bit_rows(summary: Summary) -> Iterator[Row]:
     """Rows on the rotation of the bit."""
-    yield "bit at the end", summary["bit"]
+    before = f"; stick-slip until {summary['stick_slip'][-1]['end_s']:.2f} s" if summary["stick_slip"] else ""
+    yield "bit at the end", f"{summary['bit']}{before}"
     if summary["largest_stick_slip_index"] is not None:
         last, most = (number_text(summary[key], "{:.2f}") for key in ("stick_slip_index", "largest_stick_slip_index"))
         yield "stick-slip index", f"{last} over the last {TIME_BASE} s, {most} at most"

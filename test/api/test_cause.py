@@ -8,6 +8,7 @@ from rod_scenes import ROLLING, WALLED, quiet_scene
 from typer.testing import CliRunner
 
 import drill_twin as dt
+from drill_twin.api.repeats import Repeats
 from drill_twin.cli.app import app
 
 SOON = {"wob": 5, "rig.weight_on_bit.duration": 2, "rig.rotation.duration": 2}
@@ -35,6 +36,18 @@ def test_the_record_of_a_rig_cannot_be_repeated(tmp_path):
     record.write_text("time [s],wob [N],rpm [rpm]\n" + "".join(f"{k * 0.1},100,120\n" for k in range(50)))
     with pytest.raises(dt.BagError, match="expected the bag of a run with its scene"):
         dt.why(dt.read_bag(record))
+
+
+def test_weight_and_speed_at_the_onset_are_those_of_the_ramp():
+    run = dt.Simulation("pa6_bench", {"wob": 10, "rpm": 390, "effects.bow.amplitude": "2 mm"}).run(duration=8)
+    repeats = Repeats(run.recording, run.summary, lambda *_: None)
+    before = (run.rig.time > repeats.onset - 1.0) & (run.rig.time <= repeats.onset)
+    turns = float(run.rig.top_drive_speed[before].mean())
+    assert repeats.at_onset.endswith(f"at {repeats.units.text(turns, 'rotation')}")
+    assert turns < 0.9 * repeats.command.rotation
+    plans = [plan.change.split(" (")[0] for plan in repeats.plans()]
+    assert plans[:2] == ["without internal damping", "without wall friction"]
+    assert plans[-1] == "at 0.5 of the wall friction"
 
 
 @pytest.mark.long
