@@ -22,8 +22,7 @@ if TYPE_CHECKING:
 
 SUMMARY = "summary.json"
 StatesOption = Annotated[
-    bool,
-    typer.Option("--states", help="Search the steady whirl near each finding, and its growth; takes up to 30 s."),
+    bool, typer.Option("--states", help="Search the steady whirl near each finding, and its growth; takes up to 30 s.")
 ]
 
 
@@ -74,13 +73,25 @@ def analyze(
     The analysis is that of the analyzer node; findings that the node recorded live are compared byte for byte. A bag
     whose recorder was killed is read up to its last complete message.
     """
+    from drill_twin.api.scenes import in_si
+    from drill_twin.core.units.dimension import LENGTH
+    from drill_twin.io.bag.reader import parse_remappings
+    from drill_twin.report.selection import Selection
     from drill_twin.report.summary import summarise
 
     if out is not None:
         make_folder(out)
         check_new(out / SUMMARY, replace=replace)
+    if sub == "":
+        raise BagError("--sub: expected a downhole sub, found no name; leave the option out to analyse the marks")
+    if sub and marks:
+        raise BagError(f"--marks: expected none beside --sub, which is analysed instead of marks, found {marks[0]}")
     with shown_progress("analysing the bag"):
-        selection = _selection(marks, begin, end, topics, clearance, outer_radius, namespace, sub, units)
+        chosen = tuple(name.strip() for text in marks for name in text.split(",") if name.strip())
+        room = in_si("--clearance", clearance, LENGTH) if clearance else None
+        rim = in_si("--rim", outer_radius, LENGTH) if outer_radius else 0.0
+        names = parse_remappings(topics, "--remap")
+        selection = Selection(chosen, begin, end, names, namespace or None, room, rim, sub or "", units)
         recording = _recording(bag, scene, selection)
         summary = summarise(recording)
         if states:
@@ -112,12 +123,15 @@ def report(
     units: options.UnitsOption = "",
 ) -> None:
     """Draw the report of a bag: report.html, which needs no network, and its figures as PNG."""
+    from drill_twin.report.selection import Selection
+
     folder = out or default_folder(bag)
     existing = folder / "report.html"
     if existing.exists() and not replace:
         raise BagError(f"{existing}: expected none yet, found one; choose another folder with --out, or --replace")
     with shown_progress("analysing the bag"):
-        recording = _recording(bag, scene, _selection([], begin, end, [], "", "", namespace, None, units))
+        selection = Selection(begin=begin, end=end, namespace=namespace or None, units=units)
+        recording = _recording(bag, scene, selection)
     files = draw(recording, folder, states=states)
     figures = {name: str(path) for name, path in files.figures.items()}
     data = {"report": str(files.page), "summary": str(files.summary), "figures": figures}
@@ -143,7 +157,7 @@ def default_folder(bag: Path) -> Path:
     return found.parent if found.name == "bag_0" else found.with_name(f"{found.name}_report")
 
 
-def _recording(bag: Path, scene: str, selection: Selection | None = None) -> Recording:
+def _recording(bag: Path, scene: str, selection: Selection) -> Recording:
     from drill_twin.io.bag.virtual_bags import RecordBag
     from drill_twin.report.recording import read_recording
     from drill_twin.scene import load_scene
@@ -152,40 +166,3 @@ def _recording(bag: Path, scene: str, selection: Selection | None = None) -> Rec
     if isinstance(found.bag, RecordBag):
         remark(found.bag.read)
     return found
-
-
-def _selection(
-    marks: list[str],
-    begin: float,
-    end: float,
-    topics: list[str],
-    clearance: str,
-    outer_radius: str,
-    namespace: str,
-    sub: str | None = None,
-    units: str = "",
-) -> Selection:
-    """The part of a bag that the options name.
-
-    Raises:
-        ArgumentError, BagError: The value of an option is invalid.
-    """
-    from drill_twin.api.scenes import in_si
-    from drill_twin.core.units.dimension import LENGTH
-    from drill_twin.io.bag.reader import parse_remappings
-    from drill_twin.report.selection import Selection
-
-    if sub == "":
-        raise BagError(
-            '--sub: expected the name of a downhole sub, found ""; leave the option out to analyse the marks'
-        )
-    if sub and marks:
-        raise BagError(f"--marks: expected none beside --sub, which is analysed instead of marks, found {marks[0]}")
-    names = parse_remappings(topics, "--remap")
-    lengths = [
-        in_si(option, text, LENGTH) if text else None
-        for option, text in (("--clearance", clearance), ("--rim", outer_radius))
-    ]
-    chosen = tuple(name.strip() for text in marks for name in text.split(",") if name.strip())
-    whose = namespace or None
-    return Selection(chosen, begin, end, names, whose, lengths[0], lengths[1] or 0.0, sub or "", units)

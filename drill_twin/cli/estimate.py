@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from drill_twin.cli import options
 from drill_twin.cli.emit import emit
-from drill_twin.cli.options import JsonOption, SetOption, UnitsOption, folder_option, overrides, ranges_of, time_option
 from drill_twin.cli.show import remark, shown_progress
 from drill_twin.core.errors import ArgumentError, RunError
 from drill_twin.core.table import Table
@@ -25,24 +25,10 @@ FILES = ("estimate.json", "estimate.png")
 
 
 def estimate(
-    record: Annotated[Path, typer.Argument(metavar="RECORD", help="A CSV, MAT, LAS or WITSML file, or a bag.")],
-    scene: Annotated[str, typer.Option("--scene", metavar="SCENE", help="Installed scene or scene file.")],
-    free: Annotated[
-        list[str],
-        typer.Option(
-            "--free",
-            metavar="KEY=LO..HI",
-            help='Number to estimate and its range; "load_factor=0.8..1.2" is that of the load; repeatable.',
-        ),
-    ],
-    channel: Annotated[
-        list[str],
-        typer.Option(
-            "--channel",
-            metavar="NAME=COLUMN:UNIT",
-            help='Column, as "torque=Torque:N m"; of a bag NAME. weight_on_bit and rotation are the set-points.',
-        ),
-    ],
+    record: options.FittedArgument,
+    scene: options.FittedOption,
+    free: options.FreeOption,
+    channel: options.ChannelOption,
     sub: Annotated[
         list[str],
         typer.Option(
@@ -51,20 +37,20 @@ def estimate(
             help="Correct with this downhole sub of the bag and the scene, or measured/NAME of a rig; repeatable.",
         ),
     ] = [],  # noqa: B006
-    change: SetOption = [],  # noqa: B006  typer makes a new list of it
+    change: options.SetOption = [],  # noqa: B006  typer makes a new list of it
     members: Annotated[int, typer.Option("--members", min=4, help="Number of members of the ensemble.")] = 64,
-    window: Annotated[float, time_option("--window", "Time from estimate to estimate", 0.05)] = 1.0,
+    window: Annotated[float, options.time_option("--window", "Time from estimate to estimate", 0.05)] = 1.0,
     error: Annotated[
         float,
         typer.Option("--error", min=1e-6, help="Error of a sample, as a share of the largest value of its channel."),
     ] = 0.02,
     horizon: Annotated[
-        float, time_option("--horizon", "Time ahead for which the chance of whirl is computed", 0.0)
+        float, options.time_option("--horizon", "Time ahead for which the chance of whirl is computed", 0.0)
     ] = 4.0,
-    seed: Annotated[int, typer.Option("--seed", min=0, help="Seed of the draws.")] = 1,
-    out: Annotated[Path | None, folder_option("Write estimate.json and estimate.png to this folder.")] = None,
-    units: UnitsOption = "",
-    json: JsonOption = False,
+    seed: options.SeedOption = 1,
+    out: Annotated[Path | None, options.folder_option("Write estimate.json and estimate.png to this folder.")] = None,
+    units: options.UnitsOption = "",
+    json: options.JsonOption = False,
 ) -> None:
     """Estimate numbers, loads and the chance of whirl along a record, as the node `estimator` does along a rig."""
     import drill_twin as dt
@@ -74,8 +60,8 @@ def estimate(
     from drill_twin.studies.fitting.posterior import of_law
     from drill_twin.studies.fitting.record import channel_column
 
-    options = dt.EstimatorOptions(members=members, window=window, error=error, horizon=horizon, seed=seed)
-    ranges = ranges_of("--free", free)
+    settings = dt.EstimatorOptions(members=members, window=window, error=error, horizon=horizon, seed=seed)
+    ranges = options.ranges_of("--free", free)
     names = [channel_column(text).channel for text in channel]
     measured = [name for name in names if name not in {"time", *SET_POINTS}]
     if not measured and not sub:
@@ -84,7 +70,7 @@ def estimate(
             "set-points are only played"
         )
     estimator = dt.Estimator(
-        scene, ranges, channels=measured, subs=sub, overrides=overrides(change, units=units), options=options
+        scene, ranges, channels=measured, subs=sub, overrides=options.overrides(change, units=units), options=settings
     )
     over_time: list[Estimate] = []
     alarm = ""

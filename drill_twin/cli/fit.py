@@ -22,26 +22,10 @@ if TYPE_CHECKING:
 
 
 def fit(
-    record: Annotated[
-        Path, typer.Argument(metavar="RECORD", help="A CSV, MAT, LAS or WITSML file, or a bag of a twin.")
-    ],
-    scene: Annotated[str, typer.Option("--scene", metavar="SCENE", help="Installed scene or scene file.")],
-    free: Annotated[
-        list[str],
-        typer.Option(
-            "--free",
-            metavar="KEY=LO..HI",
-            help='Number to find and its range, as "wall_friction.coefficient=0.05..0.5"; repeatable.',
-        ),
-    ],
-    channel: Annotated[
-        list[str],
-        typer.Option(
-            "--channel",
-            metavar="NAME=COLUMN:UNIT",
-            help='Channel to compare and its column, as "bit_speed=Bit_Speed:rpm"; of a bag NAME; repeatable.',
-        ),
-    ],
+    record: options.FittedArgument,
+    scene: options.FittedOption,
+    free: options.FreeOption,
+    channel: options.ChannelOption,
     change: options.SetOption = [],  # noqa: B006  typer makes a new list of it
     likelihood: Annotated[
         str, typer.Option("--likelihood", help="What is compared: the series, or features of windows (features).")
@@ -56,7 +40,7 @@ def fit(
     ] = 5.0,
     members: Annotated[int, typer.Option("--members", min=8, help="Number of runs in a round.")] = 64,
     rounds: Annotated[int, typer.Option("--rounds", min=1, help="Most rounds.")] = 24,
-    seed: Annotated[int, typer.Option("--seed", min=0, help="Seed of the draws.")] = 1,
+    seed: options.SeedOption = 1,
     workers: options.WorkersOption = 0,
     out: Annotated[
         Path | None, options.folder_option("Write fit.json, fitted.yaml and fit.png to this folder.")

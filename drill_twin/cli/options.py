@@ -37,8 +37,7 @@ def time_option(name: str, text: str, least: float = -math.inf, most: float = ma
 
 
 SceneArgument = Annotated[
-    str,
-    typer.Argument(metavar="SCENE", help="Name of an installed scene (`drill-twin scene list`), or a scene file."),
+    str, typer.Argument(metavar="SCENE", help="Name of an installed scene (`drill-twin scene list`), or a scene file.")
 ]
 BagArgument = Annotated[
     Path,
@@ -47,8 +46,7 @@ BagArgument = Annotated[
     ),
 ]
 RecordedArgument = Annotated[
-    Path,
-    typer.Argument(metavar="BAG", help="Bag, folder of a run, or record of a rig (CSV, MAT, LAS, WITSML)."),
+    Path, typer.Argument(metavar="BAG", help="Bag, folder of a run, or record of a rig (CSV, MAT, LAS, WITSML).")
 ]
 SetOption = Annotated[
     list[str],
@@ -78,6 +76,29 @@ UnitsOption = Annotated[
 DurationOption = Annotated[
     str, typer.Option("--duration", metavar="TIME", help='Simulated time, as "30 s"; a bare number is in s.')
 ]
+FittedArgument = Annotated[
+    Path, typer.Argument(metavar="RECORD", help="A CSV, MAT, LAS or WITSML file, or a bag of a twin.")
+]
+FittedOption = Annotated[str, typer.Option("--scene", metavar="SCENE", help="Installed scene or scene file.")]
+FreeOption = Annotated[
+    list[str],
+    typer.Option(
+        "--free",
+        metavar="KEY=LO..HI",
+        help='Number to find and its range, as "wall_friction.coefficient=0.05..0.5"; of `estimate` also '
+        '"load_factor=0.8..1.2", that of the load; repeatable.',
+    ),
+]
+ChannelOption = Annotated[
+    list[str],
+    typer.Option(
+        "--channel",
+        metavar="NAME=COLUMN:UNIT",
+        help='Channel and its column, as "bit_speed=Bit_Speed:rpm"; of a bag NAME; weight_on_bit and rotation are the '
+        "set-points; repeatable.",
+    ),
+]
+SeedOption = Annotated[int, typer.Option("--seed", min=0, help="Seed of the draws.")]
 SceneOption = Annotated[
     str, typer.Option("--scene", metavar="SCENE", help="Scene of the record, or of a bag that contains none.")
 ]

@@ -20,8 +20,6 @@ from drill_twin.core.errors import RunStopped
 if TYPE_CHECKING:
     from drill_twin.report.recording import Recording
     from drill_twin.runs import Outcome, Session
-    from drill_twin.scene import Scene
-    from drill_twin.scene.set_points import Schedule
     from drill_twin.studies.accuracy import AccuracyPlan
 
 
@@ -66,9 +64,16 @@ def run(
     plan = None
     if described.numerics.accuracy is not None:
         with _stoppable("reading the cost curve") as show:
-            plan = _planned(described, show)
+            from drill_twin.studies.accuracy import resolve
+            from drill_twin.studies.accuracy.measure import in_words
+
+            plan = resolve(described, progress=in_words(show), compiling=show)
+        remark(plan.sentence)
         described = plan.scene
-    session = _compiled(described, schedule)
+    with _stoppable("loading the effects of the scene") as show:
+        from drill_twin.runs import Session
+
+        session = Session(described, schedule, show)
     if schedule.record is not None:
         remark(schedule.record.report)
     outcome, stopped_by = _drill(session, folder / "bag_0")
@@ -96,16 +101,6 @@ def run(
     )  # fmt: skip
 
 
-def _planned(scene: Scene, show: Callable[[str], None]) -> AccuracyPlan:
-    """Choose the resolution and print the expected error; `show` takes the progress in words."""
-    from drill_twin.studies.accuracy import resolve
-    from drill_twin.studies.accuracy.measure import in_words
-
-    plan = resolve(scene, progress=in_words(show), compiling=show)
-    remark(plan.sentence)
-    return plan
-
-
 def _checked(plan: AccuracyPlan, recording: Recording, motion_seconds: float, *, rerun: bool) -> dict[str, Any]:
     """Compare a run with its plan, print the result, and return it for the summary."""
     from drill_twin.studies.accuracy import check
@@ -120,14 +115,6 @@ def _checked(plan: AccuracyPlan, recording: Recording, motion_seconds: float, *,
         f"{f'; of the check: {result.check_seconds:.2g} s' if rerun else ''}"
     )
     return asdict(result)
-
-
-def _compiled(scene: Scene, schedule: Schedule) -> Session:
-    """Compile with progress."""
-    with _stoppable("loading the effects of the scene") as show:
-        from drill_twin.runs import Session
-
-        return Session(scene, schedule, show)
 
 
 @contextmanager

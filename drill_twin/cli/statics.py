@@ -75,15 +75,12 @@ def statics(
         raise SceneError("--measured: expected --friction beside it, found none; as --friction 0.15..0.35:5")
     if out is not None:
         make_folder(out)
+    changes = options.overrides(change, wob=wob, rpm=rpm, units=units)
     if friction:
-        changes = options.overrides(change, wob=wob, rpm=rpm, units=units)
         _over_depth(scene, changes, without, friction, measured, out, json=json)
         return
     with shown_progress("computing"):
-        found = computed(
-            scene, options.overrides(change, wob=wob, rpm=rpm, units=units), without=without,
-            trip_speed=speeds["--trip-speed"], feed=speeds["--rop"],
-        )  # fmt: skip
+        found = computed(scene, changes, without=without, trip_speed=speeds["--trip-speed"], feed=speeds["--rop"])
     shown, data = found.scene.unit_system, statics_data(found)
     emit(
         data, _shown(found, shown), json=json, folder=out,

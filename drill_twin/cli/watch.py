@@ -23,8 +23,7 @@ def watch(
     ] = None,
     port: Annotated[int, typer.Option(min=0, max=65535, help="Port of the page; 0: any free one.")] = 8000,
     host: Annotated[
-        str,
-        typer.Option(help="Address on which the page is served. Commands need the token in the printed address."),
+        str, typer.Option(help="Address on which the page is served. Commands need the token in the printed address.")
     ] = ("127.0.0.1"),
     allow_host: Annotated[
         list[str],

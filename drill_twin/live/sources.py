@@ -109,11 +109,7 @@ _INSTEAD: dict[str, tuple[str, Callable[[str], dict[str, Any]], tuple[str, ...]]
         ("orbit", "precession", "motion"),
     ),
     "advisor": ("advice", lambda text: {"advice": {"text": text, "level": int(Level.STALE)}}, ()),
-    "estimator": (
-        "estimates",
-        lambda text: {"estimates": {"level": int(Level.STALE), "text": text, "rows": []}},
-        (),
-    ),
+    "estimator": ("estimates", lambda text: {"estimates": {"level": int(Level.STALE), "text": text, "rows": []}}, ()),
 }
 """By source: its values in words, the picture once they are gone, with a sentence, and its values of each mark."""
 

@@ -72,15 +72,7 @@ class RunLoop:
         rejected_steps: Frames that the step guard rejected, and why the run was stopped.
     """
 
-    def __init__(
-        self,
-        scene: Scene,
-        period: float,
-        sink: Sink,
-        *,
-        pace: str = "fast",
-        frame_prefix: str = "",
-    ) -> None:
+    def __init__(self, scene: Scene, period: float, sink: Sink, *, pace: str = "fast", frame_prefix: str = "") -> None:
         """Build the twin; compiles its kernel where `drill_twin.runs.compile_kernel` has not.
 
         Args:

@@ -22,9 +22,7 @@ from drill_twin.dynamics.solver.slices import checked
 from drill_twin.dynamics.twin.checkpoint import save_failure
 from drill_twin.io.bag.writer import BagWriter
 from drill_twin.io.messages.stamps import NANOSECONDS, seconds
-from drill_twin.io.messages.topics import (
-    OF_EVERY_RUN,
-)
+from drill_twin.io.messages.topics import OF_EVERY_RUN
 from drill_twin.runs.compilation import compile_kernel
 from drill_twin.runs.loop import topics_of
 from drill_twin.runs.session_run import SessionRun
@@ -69,10 +67,7 @@ class Session:
     """A scene made ready to run: the schedule is read and the kernel compiled, nothing is written yet."""
 
     def __init__(
-        self,
-        scene: Scene,
-        schedule: Schedule | None = None,
-        compiling: Callable[[str], None] | None = None,
+        self, scene: Scene, schedule: Schedule | None = None, compiling: Callable[[str], None] | None = None
     ) -> None:
         """Compile the effects of the scene, which takes a minute or two the first time.
 

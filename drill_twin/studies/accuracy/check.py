@@ -103,11 +103,7 @@ def check(
 
 
 def _actual(
-    plan: AccuracyPlan,
-    time: Array,
-    line: ComplexArray,
-    onset: float | None,
-    progress: Callable[[float], None],
+    plan: AccuracyPlan, time: Array, line: ComplexArray, onset: float | None, progress: Callable[[float], None]
 ) -> float:
     numerics = plan.scene.numerics
     finer = at(plan.scene, 2 * int(numerics.elements), 0.5 * float(numerics.step), 0.1 * plan.scene.tolerance)
