@@ -110,8 +110,8 @@ def estimate_orbit(
     due[0], due[1] = revolutions + INTERVAL_REV - 0.25 / BINS, time + INTERVAL_S
     fit_orbit(orbit, history, criteria, averaged.noise.level)
     judge(carrier, orbit.seen, orbit.numbers[ROTATION], rolling_ratio, criteria)
-    crossed = watch_synchronous(synchronous, history, orbit, criteria)
-    ended = ends(onsets, averaged, orbit, history, criteria)
+    crossed = watch_synchronous(synchronous, history, orbit, criteria, onsets.swing)
+    ended = ends(onsets, averaged, orbit, history, criteria, separation.arm)
     return DECIDE_FIRST if crossed or ended else ESTIMATE
 
 

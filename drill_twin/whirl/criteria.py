@@ -21,7 +21,7 @@ from typing import NamedTuple, Self
 
 
 class MotionState(Enum):
-    """Motion of a mark or of the string: the seven states of the paper's Fig. 7, rest, and not observable.
+    """Motion of a mark or of the string: the seven states of the paper's Fig. 7, the swing, rest, and not observable.
 
     The first that applies holds, after the hysteresis of `Criteria`; each docstring is the criterion.
     """
@@ -35,6 +35,9 @@ class MotionState(Enum):
     FIXED_AXIS = "rotation about a fixed axis"
     """No whirl: the asynchronous part is below `onset_radius` or stands (`standing_ratio`), and there is no synchronous
     onset. A bowed string that spins about its bent shape has this state, whether centred or lying on one side."""
+    LOW_SIDE_SWING = "swinging on the low side"
+    """In an inclined hole, no whirl: the mark moves to and fro on one side of the hole, with an rms radius above
+    `onset_radius` (`onset.low_side_swing`)."""
     SYNCHRONOUS_WHIRL = "synchronous whirl"
     """Forced, not self-excited: the part that turns with the string (1x, of unbalance or bow) has grown, by a
     synchronous onset, and there is no asynchronous whirl. Its phase to the string is steady, or turns by half a turn in
@@ -114,6 +117,9 @@ class Criteria(NamedTuple):
     falling_time: float = 2.0
     """Onset: duration from the first rotation during which a string in an inclined hole may fall to its low side
     [rev]."""
+    rotary: float = 0.5
+    """Low side: smallest rotary coefficient of a whirl on one side of an inclined hole, over `sweep_window` or since it
+    crossed; a swing is below."""
     sweep_window: float = 6.0
     """Onset: duration within which that angle is swept; otherwise offset or bow have changed, and are estimated anew. A
     whirl that has not swept it in this duration has ended [rev]."""
@@ -128,6 +134,9 @@ class Criteria(NamedTuple):
     """Synchronous onset: smallest ratio of that radius to its smallest value so far."""
     synchronous_share: float = 0.8
     """Synchronous onset: smallest share of the synchronous part in the rms radius of the motion about the offset."""
+    synchronous_share_low_side: float = 0.9
+    """The same for a mark on one side of an inclined hole: a swing at the pace of the rotation has up to 0.71, and more
+    by chance."""
     separation_memory: float = 6.0
     """Memory of offset and synchronous part [rev]."""
     separation_memory_in_whirl: float = 24.0
@@ -180,18 +189,19 @@ class Criteria(NamedTuple):
 
 
 class MotionCode(IntEnum):
-    """Code of each `MotionState`: from 3 on the string whirls."""
+    """Code of each `MotionState`: from 4 on the string whirls."""
 
     NOT_OBSERVABLE = 0
     AT_REST = 1
     FIXED_AXIS = 2
-    SYNCHRONOUS_WHIRL = 3
-    FORWARD_WHIRL = 4
-    BACKWARD_WHIRL = 5
-    ROLLING = 6
-    SECOND_BENDING = 7
-    SPIRAL = 8
-    IRREGULAR = 9
+    LOW_SIDE_SWING = 3
+    SYNCHRONOUS_WHIRL = 4
+    FORWARD_WHIRL = 5
+    BACKWARD_WHIRL = 6
+    ROLLING = 7
+    SECOND_BENDING = 8
+    SPIRAL = 9
+    IRREGULAR = 10
 
     @classmethod
     def of(cls, state: MotionState) -> Self:

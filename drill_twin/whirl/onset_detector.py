@@ -13,6 +13,7 @@ from drill_twin.core.compile.jit import as_python
 from drill_twin.whirl.analyzer_state import AnalyzerState
 from drill_twin.whirl.history import ASYNCHRONOUS, History
 from drill_twin.whirl.onset.asynchronous_onset import INTERVAL, update_candidate, width_for
+from drill_twin.whirl.onset.low_side_swing import keeps_to_one_side, rotary_coefficient, swing_radius
 from drill_twin.whirl.onset.threshold_crossing import (
     Crossing,
     Detection,
@@ -78,8 +79,11 @@ class OnsetDetector:
         """End the whirl of marks whose orbit has become small or constant; return them."""
         onsets, history = self._onsets, self._history
         constant = onsets.constant.copy()
+        bins = history.bins_in(self._criteria.sweep_window)
         for mark in np.flatnonzero(onsets.active & constant & ~onsets.small).tolist():
-            constant[mark] = not self._swept(mark, history.bins_in(self._criteria.sweep_window)).steady
+            swept = self._swept(mark, bins)
+            stands = swept.smallest < self._criteria.least_swept_angle and not swept.steady
+            constant[mark] = stands or self._swings(mark, bins)
         marks: list[int] = np.flatnonzero(onsets.active & (onsets.small | constant)).tolist()
         onsets.active[marks] = onsets.displaced[marks] = False
         onsets.began[marks] = onsets.time[marks] = math.nan
@@ -118,6 +122,9 @@ class OnsetDetector:
         candidate = int(onsets.bin[mark]), begun, float(onsets.noise[mark])
         if self._whirls(swept, mark, since):
             return _Displacement(*candidate, *position, valid_from)
+        if elapsed > criteria.sweep_window and self._swings(mark, since):
+            onsets.time[mark] = math.nan
+            return None
         turns = swept.smallest >= criteria.least_swept_angle  # as yet too slowly
         if elapsed > (criteria.longest_sweep_window if turns else criteria.sweep_window):
             if not early and mark not in self._displaced:
@@ -168,7 +175,10 @@ class OnsetDetector:
             arm=complex(self._separation.arm[mark]) if self._early(whirl.revolutions) else None,
         )
         since, rate = history.appended - whirl.bin + 1, float(self._rate[mark]) or float(self._orbit.rate[0, mark])
-        crossing = asynchronous_crossing(history, detection, rate, since, history.appended - whirl.valid_from)
+        valid = history.appended - whirl.valid_from
+        if self._inclined[mark] and self._swung(mark, since):  # the search would find where the swing crossed
+            valid = min(valid, since)
+        crossing = asynchronous_crossing(history, detection, rate, since, valid)
         self._displaced.pop(mark, None)
         onsets.time[mark] = math.nan
         onsets.began[mark] = crossing.time
@@ -179,7 +189,7 @@ class OnsetDetector:
     def _whirls(self, swept: SweptAngle, mark: int, since: int) -> bool:
         """Check that the vector of a mark orbits since so many bins: it does not settle, nor is it synchronous."""
         criteria, history = self._criteria, self._history
-        if swept.smallest < criteria.least_swept_angle:
+        if swept.smallest < criteria.least_swept_angle or self._swings(mark, since):
             return False
         window = history.newest(history.bins_in(criteria.orbit_window))
         angle, time = history.angle[window], history.time[window]
@@ -188,6 +198,28 @@ class OnsetDetector:
         if self._synchronous(swept, mark, since):
             return False
         return not (slow or self._inclined[mark]) or swept.in_hole >= criteria.settling_angle
+
+    def _swings(self, mark: int, since: int) -> bool:
+        """Check that a mark stays on one side of an inclined hole and, since so many bins, swings there.
+
+        That is decided after a sweep window; until then it is taken to swing.
+        """
+        history = self._history
+        needed, arm = history.bins_in(self._criteria.sweep_window), complex(self._separation.arm[mark])
+        bins = min(max(since, needed), history.length)
+        if not self._inclined[mark] or not as_python(keeps_to_one_side)(history, arm, mark, bins):
+            return False
+        position, phasor = history.sample[history.newest(bins), :, mark].T
+        return since < needed or rotary_coefficient(position - arm * phasor, phasor) < self._criteria.rotary
+
+    def _swung(self, mark: int, since: int) -> bool:
+        """Check that a mark moved to and fro over the sweep window before the newest bins."""
+        history, criteria = self._history, self._criteria
+        bins = min(history.bins_in(criteria.sweep_window), history.length - since)
+        if bins <= 0:
+            return False
+        radius: float = as_python(swing_radius)(history, mark, bins, since)
+        return radius > criteria.onset_radius * float(self._clearance[mark])
 
     def _synchronous(self, swept: SweptAngle, mark: int, since: int) -> bool:
         """Check, while the rotation changes, for a synchronous part that does too, or a vibration that dies away."""

@@ -48,6 +48,7 @@ def criterion_text(
     *,
     carrier: Carrier,
     contact_known: bool = True,
+    swing: float = 0.0,
 ) -> str:
     """Describe the criterion of a mark's `state`.
 
@@ -60,6 +61,7 @@ def criterion_text(
         row: Row of the orbit: 0 for the asynchronous part, 1 for the motion about the offset.
         ratio: Whirl ratio.
         carrier: Carriers of the orbits.
+        swing: Radius of its swing on the low side, over the clearance.
         contact_known: Whether the distance from the axis of the hole is known; a downhole sub knows it about its mean.
     """
     whirl, synchronous = float(orbit.radius[0, mark]), float(orbit.synchronous[mark])
@@ -85,6 +87,8 @@ def criterion_text(
             return "rotation has begun, less than a revolution seen"
         case MotionState.FIXED_AXIS if row == 0 and abs(ratio) < criteria.standing_ratio:
             return f"{orbit_text}: displaced, and stands there (slower than {criteria.standing_ratio:.3f})"
+        case MotionState.LOW_SIDE_SWING:
+            return f"to and fro on one side of the hole, rms radius {100 * swing:.1f} % of the clearance"
         case MotionState.FIXED_AXIS:
             return f"asynchronous radius {100 * whirl:.1f} %, synchronous {100 * synchronous:.1f} % of the clearance"
         case MotionState.IRREGULAR:
@@ -237,7 +241,7 @@ class WhirlEstimator:
             found = STATES[held]
             text = criterion_text(
                 found, state.orbit, state.shape, state.criteria, mark, row, ratio, carrier=state.carrier,
-                contact_known=self._contact_known,
+                contact_known=self._contact_known, swing=float(state.onsets.swing[mark]),
             )  # fmt: skip
             if found not in UNDOUBTED and (why := self.doubt(mark)):
                 text = f"{text}; {why}"

@@ -81,3 +81,43 @@ def test_irregular_motion_has_no_single_frequency():
     assert summary.whirl_frequency_hz is None
     assert summary.whirl_ratio is None
     assert summary.mode_frequency_hz is not None
+
+
+def swing(time, pace, angle, radius):
+    """A string that slides to and fro over an arc of the wall, +-`angle` [deg], at `pace` [Hz], from 5 s on."""
+    random = np.random.default_rng(7)
+    beat = sum(np.sin(2.0 * np.pi * pace * f * time + random.uniform(0.0, 6.0)) for f in (1.0, 1.13, 0.81))
+    grown = 1.0 / (1.0 + np.exp(-2.0 * (time - 5.0)))
+    arc = radius * np.exp(1j * np.radians(angle) * grown * beat / 3.0)
+    return arc * (1.0 - np.exp(-time / 0.1))
+
+
+@pytest.mark.parametrize("pace", [0.4, 0.7, 1.9, 2.0, 3.1])
+@pytest.mark.parametrize("angle", [20.0, 50.0, 80.0])
+def test_a_string_that_swings_on_the_low_side_does_not_whirl(pace, angle):
+    """Rotation is 2 rev/s: slower, as fast and faster."""
+    time = clock(100, 40)
+    moved = motion(time, marks=(INCLINED,), bow=0.02, offset=swing(time, pace, angle, 0.95)[:, None])
+    summary = play(moved.with_noise(0.003, 4))[0].summary()
+    assert summary.onset is None, summary.onset
+    assert summary.lasting_motion is MotionState.LOW_SIDE_SWING
+
+
+@pytest.mark.parametrize("ratio", [-0.4, 0.35, 0.6])
+def test_a_whirl_on_the_low_side_is_one(ratio):
+    """An orbit about a point of the low side, that never goes round the hole."""
+    time = clock(100, 30)
+    rest, whirl = 0.8 * (1.0 - np.exp(-time / 0.1)), growth(12.0, 0.05, 1.0, ratio, limit=0.3)
+    moved = motion(time, marks=(INCLINED,), bow=0.02, offset=rest[:, None], whirl=whirl)
+    summary = play(moved.with_noise(0.003, 5))[0].summary()
+    assert summary.onset.time_s == pytest.approx(moved.true_onset(), abs=3.0)
+    assert summary.lasting_motion in {MotionState.FORWARD_WHIRL, MotionState.BACKWARD_WHIRL}
+
+
+def test_a_swing_that_becomes_a_whirl_round_the_hole_is_an_onset_then():
+    time = clock(100, 40)
+    around = np.where(time < 20.0, 0.0, 2.0 * np.pi * 0.3 * 2.0 * (time - 20.0))
+    path = swing(time, 0.7, 40.0, 0.95) * np.exp(1j * around)
+    summary = play(motion(time, marks=(INCLINED,), bow=0.02, offset=path[:, None]).with_noise(0.003, 6))[0].summary()
+    assert summary.onset.time_s == pytest.approx(20.0, abs=3.0)
+    assert [period.state for period in summary.motion][-1] in {MotionState.FORWARD_WHIRL, MotionState.IRREGULAR}

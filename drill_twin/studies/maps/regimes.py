@@ -50,6 +50,8 @@ class Regime(Enum):
     """No whirl; the bit comes to rest between its peaks, or stands."""
     BUCKLED = "buckled without whirl"
     """No whirl, vertical hole: the string is bent by more than `BUCKLED_RADIUS`, and spins about its bent shape."""
+    SWING = "swinging on the low side"
+    """No whirl, inclined hole: the string swings across its low side, without stick-slip."""
     UNSETTLED = "not settled"
     """No whirl at the end, but a motion that grows, or a whirl that began and ended: a longer run decides."""
     FORWARD = "forward whirl"
@@ -73,7 +75,7 @@ class Regime(Enum):
 
 
 REGIMES = tuple(Regime)
-COLOURS = ("#009e73", "#b2df8a", "#f0e442", "#56b4e9", "#bdbdbd", "#e69f00", "#d55e00", "#cc79a7", "#333333")
+COLOURS = ("#009e73", "#b2df8a", "#f0e442", "#56b4e9", "#c7d9f1", "#bdbdbd", "#e69f00", "#d55e00", "#cc79a7", "#333333")
 """Colours of the regimes, in their order (Okabe and Ito 2008, with light green and greys)."""
 _CODES = {regime: code for code, regime in enumerate(REGIMES)}
 _BY_STATE = {
@@ -106,6 +108,8 @@ def regime_of(
         return Regime.STICK_SLIP
     if vertical and max(radius_shares, default=0.0) > BUCKLED_RADIUS:
         return Regime.BUCKLED
+    if state is MotionState.LOW_SIDE_SWING:
+        return Regime.SWING
     if torsion.severity >= MODERATE:
         return Regime.VIBRATION
     return Regime.UNSETTLED if grows else Regime.SMOOTH

@@ -22,6 +22,7 @@ from drill_twin.whirl.motion.states import (
     ROLLING,
     SECOND_BENDING,
     SPIRAL,
+    SWING,
     SYNCHRONOUS,
     StateHysteresis,
     is_whirl,
@@ -156,7 +157,7 @@ def classify(
     for k in range(m):
         motion.began[k] = synchronous.began[k] if math.isnan(onsets.began[k]) else onsets.began[k]
         motion.began[m] = np.fmin(motion.began[m], motion.began[k])
-        hysteresis.estimate[k] = _of_mark(motion, orbit, criteria, k, whirling[k], synchronous.active[k])
+        hysteresis.estimate[k] = _of_mark(motion, orbit, onsets, criteria, k, synchronous.active[k])
     reference = _reference_mark(orbit, shape, whirling, synchronous.active)
     motion.mark[m] = reference
     hysteresis.estimate[m] = _of_string(motion.shape, hysteresis.estimate[reference])
@@ -240,7 +241,7 @@ def _slip(ratio: float, rolling_ratio: float) -> float:
 
 @strict_kernel
 def _of_mark(
-    motion: MotionClassifier, orbit: Orbit, criteria: Criteria, k: int, whirls: bool, synchronous: bool
+    motion: MotionClassifier, orbit: Orbit, onsets: Onsets, criteria: Criteria, k: int, synchronous: bool
 ) -> int:
     """Estimated state of a mark, in asynchronous or synchronous whirl."""
     ratio = orbit.ratio[k]
@@ -248,8 +249,10 @@ def _of_mark(
         return AT_REST
     if is_aliased(orbit, criteria) or not orbit.seen[k]:
         return HIDDEN
-    if not whirls:
-        return SYNCHRONOUS if synchronous else FIXED_AXIS
+    if not onsets.active[k]:
+        held = motion.hysteresis.held[k] == SWING
+        swings = onsets.swing[k] > (criteria.release_radius if held else criteria.onset_radius)
+        return SYNCHRONOUS if synchronous else SWING if swings else FIXED_AXIS
     if motion.irregularity.active[k]:
         return IRREGULAR
     if abs(ratio) < criteria.standing_ratio and motion.still[k]:

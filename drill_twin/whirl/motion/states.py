@@ -21,7 +21,9 @@ from drill_twin.whirl.findings import MotionPeriod
 
 LARGEST_COUNT = 2000
 """Largest number of periods stored; later ones are counted only."""
-NO_WHIRL = frozenset({MotionState.NOT_OBSERVABLE, MotionState.AT_REST, MotionState.FIXED_AXIS})
+NO_WHIRL = frozenset(
+    {MotionState.NOT_OBSERVABLE, MotionState.AT_REST, MotionState.FIXED_AXIS, MotionState.LOW_SIDE_SWING}
+)
 
 OPEN, DURATION, WEIGHTED_SHARE, ENTERED, DESCRIBED = range(5)
 """Columns of the present periods: 1 where there is one; its duration and the integral of its share [rev]; revolutions
@@ -135,9 +137,9 @@ def whirl_end(periods: Sequence[MotionPeriod]) -> float | None:
 
 STATES = tuple(MotionState)
 INDEX = {state: i for i, state in enumerate(STATES)}
-HIDDEN, AT_REST, FIXED_AXIS, SYNCHRONOUS, FORWARD, ROLLING, SECOND_BENDING, IRREGULAR, REVERSE, SPIRAL = range(
-    len(STATES)
-)
+(
+    HIDDEN, AT_REST, FIXED_AXIS, SWING, SYNCHRONOUS, FORWARD, ROLLING, SECOND_BENDING, IRREGULAR, REVERSE, SPIRAL,
+) = range(len(STATES))  # fmt: skip
 
 RISE = 0.1
 """A new state starts when its share last rose above this."""
@@ -233,4 +235,4 @@ def update_states(hysteresis: StateHysteresis, criteria: Criteria, lag: float, t
 @strict_kernel
 def is_whirl(state: int) -> bool:
     """Check that a state, by its index, is one of a string that whirls."""
-    return state not in (HIDDEN, AT_REST, FIXED_AXIS)
+    return state not in (HIDDEN, AT_REST, FIXED_AXIS, SWING)

@@ -37,6 +37,7 @@ from drill_twin.core.arrays import Array, ComplexArray, Integers, Mask
 from drill_twin.core.compile.jit import strict_kernel
 from drill_twin.whirl.criteria import Criteria
 from drill_twin.whirl.history import APPENDED, ASYNCHRONOUS, History, bins_in, end_of
+from drill_twin.whirl.onset.low_side_swing import keeps_to_one_side, swing_radius
 from drill_twin.whirl.orbit.orbit import Orbit
 from drill_twin.whirl.sample_bins import ANGLE, BINS, REVOLUTIONS, TIME
 
@@ -168,8 +169,10 @@ class Onsets(NamedTuple):
     bin: Integers  # (m,) number of its bin
     displaced: Mask  # (m,) has left its steady position
     falling: Mask  # (m,) to the low side, in the first revolutions
+    inclined: Mask  # (m,) in an inclined hole
+    swing: Array  # (m,) `swing_radius` of a mark that keeps to one side of an inclined hole, over the clearance; else 0
     small: Mask  # (m,) the orbit has become small
-    constant: Mask  # (m,) it has swept no angle
+    constant: Mask  # (m,) it has swept no angle, or stays on one side of an inclined hole
 
     @classmethod
     def of(cls, inclined: Mask) -> Onsets:
@@ -179,7 +182,7 @@ class Onsets(NamedTuple):
         began, time, revolutions = np.full((3, m), math.nan)
         return cls(
             began, np.full(m, math.inf), masks[0], time, revolutions, np.zeros(m),
-            np.zeros(m, np.int64), masks[1], inclined.copy(), masks[2], masks[3],
+            np.zeros(m, np.int64), masks[1], inclined.copy(), inclined, np.zeros(m), masks[2], masks[3],
         )  # fmt: skip
 
 
@@ -224,13 +227,23 @@ def drop_candidates(onsets: Onsets) -> None:
 
 
 @strict_kernel
-def ends(onsets: Onsets, averaged: AveragedRadius, orbit: Orbit, history: History, criteria: Criteria) -> bool:
-    """Find the orbits that have become `small` or `constant`; return whether `OnsetDetector.release` must decide."""
-    if not onsets.active.any():
-        return False
+def ends(
+    onsets: Onsets, averaged: AveragedRadius, orbit: Orbit, history: History, criteria: Criteria, arm: ComplexArray
+) -> bool:
+    """Find the orbits that have become `small` or `constant`; return whether `OnsetDetector.release` must decide.
+
+    `arm` is that from the centre line to the marked points [m], shape (m,).
+    """
     fall = criteria.release_radius / criteria.onset_radius
     bins, end, any_ends = bins_in(history, criteria.sweep_window), end_of(history), False
-    clock, first = history.clock, end_of(history) - bins
+    for k in range(onsets.active.size):
+        onsets.swing[k] = 0.0
+        if onsets.inclined[k] and keeps_to_one_side(history, arm[k], k, bins):
+            swing, noise = swing_radius(history, k, bins, 0) / averaged.clearance[k], averaged.noise.level[k]
+            onsets.swing[k] = math.sqrt(max(swing * swing - 2.0 * noise * noise, 0.0))
+    if not onsets.active.any():
+        return False
+    clock, first = history.clock, end - bins
     long = not clock[end - 1, REVOLUTIONS] - clock[first, REVOLUTIONS] < criteria.sweep_window - 0.5
     for k in range(onsets.active.size):
         least = fall * averaged.threshold[k]
@@ -245,6 +258,6 @@ def ends(onsets: Onsets, averaged: AveragedRadius, orbit: Orbit, history: Histor
                 low_in_string, high_in_string = min(low_in_string, angle), max(high_in_string, angle)
             swept = min(high - low, high_in_string - low_in_string)
         late = clock[first, REVOLUTIONS] > onsets.detected[k]
-        onsets.constant[k] = swept < criteria.least_swept_angle and late
+        onsets.constant[k] = late and (onsets.swing[k] > 0.0 or swept < criteria.least_swept_angle)
         any_ends = any_ends or (onsets.active[k] and (onsets.small[k] or onsets.constant[k]))
     return any_ends

@@ -68,8 +68,10 @@ class SynchronousOnsets(NamedTuple):
 
 
 @strict_kernel
-def watch_synchronous(onsets: SynchronousOnsets, history: History, orbit: Orbit, criteria: Criteria) -> bool:
-    """Check the newest orbit; return whether a mark began to whirl."""
+def watch_synchronous(
+    onsets: SynchronousOnsets, history: History, orbit: Orbit, criteria: Criteria, swing: Array
+) -> bool:
+    """Check the newest orbit of marks that `swing` by so much or not at all, shape (m,); return whether one whirls."""
     end = end_of(history)
     elapsed = history.clock[end - 1, REVOLUTIONS] - history.clock[end - history.counts[LENGTH], REVOLUTIONS]
     if elapsed < criteria.orbit_window - 0.2 or abs(orbit.numbers[ROTATION]) < criteria.rest_rotation:
@@ -79,9 +81,10 @@ def watch_synchronous(onsets: SynchronousOnsets, history: History, orbit: Orbit,
     found = False
     for k in range(onsets.active.size):
         radius, share = orbit.synchronous[k], orbit.synchronous_share[k]
+        least = criteria.synchronous_share_low_side if swing[k] > 0.0 else criteria.synchronous_share
         threshold = np.maximum(criteria.synchronous_radius, criteria.synchronous_growth * onsets.smallest[k])
-        grown = radius > threshold and share > criteria.synchronous_share
-        held = radius > RELEASE * threshold and share > RELEASE * criteria.synchronous_share
+        grown = radius > threshold and share > least
+        held = radius > RELEASE * threshold and share > RELEASE * least
         onsets.active[k] = grown or (onsets.active[k] and held)
         onsets.smallest[k] = np.minimum(onsets.smallest[k], radius)
         onsets.threshold[k] = threshold
