@@ -97,7 +97,7 @@ def _first_sentence(text: str) -> str:
 def _set_points(scene: Scene) -> tuple[str, str]:
     force, turn, units = scene.rig.weight_on_bit, scene.rig.rotation, scene.unit_system
     largest, speed = units.text(force.value, "force"), units.text(turn.value, "rotation")
-    return ("from a record" if force.shape == "table" else largest, "from a record" if turn.shape == "table" else speed)
+    return ("recorded" if force.shape == "table" else largest, "recorded" if turn.shape == "table" else speed)
 
 
 def _lines(scene: Scene) -> Iterator[tuple[str, str]]:

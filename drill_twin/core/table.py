@@ -67,53 +67,35 @@ class Table:
     def __rich_console__(self, console: Console, options: ConsoleOptions) -> Iterator[RichTable | Text]:
         """For a terminal: headings above a line, or names in bold before their values.
 
-        Lines are broken between words, and cells to the right never. A table that is too wide for that is printed row
-        by row, headings before their values.
+        Lines are broken between words, and cells to the right never. A table that is too wide for that has its rows
+        and columns exchanged, or is printed row by row, headings before their values.
         """
         from rich import box
         from rich.table import Table as RichTable
         from rich.text import Text
 
-        title = Text(self.title, "table.title")
-        rows = [tuple(map(_in_terminal, row)) for row in self.rows]
+        if self.title:
+            yield Text(self.title, "table.title")
         if not self.columns:
             table = RichTable(show_header=False, box=None, padding=(0, 2, 0, 0))
             table.add_column(style="bold", no_wrap=True)
-        elif widths := self._widths(rows, console, options):
-            table = RichTable(box=box.SIMPLE_HEAD, title=title or None, title_justify="left", pad_edge=False)
+        elif widths := _widths(self, console, options):
+            table = RichTable(box=box.SIMPLE_HEAD, show_edge=False, pad_edge=False)
             for column, width in zip(self.columns, widths, strict=True):
                 table.add_column(Text(column.title), justify="right" if column.right else "left", width=width)
-        else:
-            yield title
-            for row in rows:
-                named = zip((column.title for column in self.columns), row, strict=True)
-                yield from Table((), [pair for pair in named if pair[1]]).__rich_console__(console, options)
-                yield Text()
+        elif _widths(turned := _turned(self), console, options):
+            yield from turned.__rich_console__(console, options)
             return
-        for row in rows:
-            table.add_row(*row)
+        else:
+            for row in self.rows:
+                named = zip((column.title for column in self.columns), row, strict=True)
+                pairs = [(name, cell) for name, cell in named if _shown(cell)]
+                yield from Table((), pairs).__rich_console__(console, options)
+            return
+        for row in self.rows:
+            table.add_row(*map(_in_terminal, row))
         yield table
-
-    def _widths(self, rows: Sequence[Sequence[Text]], console: Console, options: ConsoleOptions) -> list[int]:
-        """Width of each column: the widest shrink, at most to their longest word; none where that is not enough."""
-        from rich.measure import Measurement
-        from rich.text import Text
-
-        least, widths = [], []
-        for number, column in enumerate(self.columns):
-            heading = Measurement.get(console, options, Text(column.title))
-            cells = [Measurement.get(console, options, row[number]) for row in rows]
-            whole = column.whole or column.right
-            least.append(max([heading.minimum, *(of.maximum if whole else of.minimum for of in cells)]))
-            widths.append(max(of.maximum for of in (heading, *cells)))
-        over = sum(widths) + 3 * len(widths) - 1 - options.max_width
-        while over > 0:
-            able = [number for number, width in enumerate(widths) if width > least[number]]
-            if not able:
-                return []
-            widths[max(able, key=widths.__getitem__)] -= 1
-            over -= 1
-        return widths
+        yield Text()
 
     def markdown(self) -> str:
         """Markdown, lines joined and not ended: a pipe in a cell is escaped."""
@@ -167,3 +149,30 @@ def _in_terminal(cell: object) -> Text:
     from rich.text import Text
 
     return cell if isinstance(cell, Text) else Text(printable(_shown(cell), keep=""))
+
+
+def _turned(table: Table) -> Table:
+    """A table with rows and columns exchanged, without its title."""
+    first, *others = table.columns
+    columns = [first, *(Column(_shown(row[0]), right=True) for row in table.rows)]
+    return Table(columns, zip([column.title for column in others], *(row[1:] for row in table.rows), strict=True))
+
+
+def _widths(table: Table, console: Console, options: ConsoleOptions) -> list[int]:
+    """Width of each column: the widest shrink, at most to their longest word; none where that is not enough."""
+    from rich.measure import Measurement
+    from rich.text import Text
+
+    least, widths = [], []
+    for number, column in enumerate(table.columns):
+        heading = Measurement.get(console, options, Text(column.title))
+        cells = [Measurement.get(console, options, _in_terminal(row[number])) for row in table.rows]
+        whole = column.whole or column.right
+        least.append(max([heading.minimum, *(of.maximum if whole else of.minimum for of in cells)]))
+        widths.append(max(of.maximum for of in (heading, *cells)))
+    for _ in range(sum(widths) + 3 * (len(widths) - 1) - options.max_width):
+        able = [number for number, width in enumerate(widths) if width > least[number]]
+        if not able:
+            return []
+        widths[max(able, key=widths.__getitem__)] -= 1
+    return widths

@@ -22,23 +22,31 @@ def printed(table, width=60):
 def test_a_terminal_shows_headings_with_units_and_no_control_characters():
     lines = [line.rstrip() for line in printed(TABLE).splitlines()]
     assert lines[0] == "Marks"
-    assert lines[2].split() == ["mark", "radius", "[mm]", "motion"]
-    assert lines[4].split() == ["bit|1", "36.25", "spiral"]
-    assert lines[5].split() == ["\\x1b[31mtop", "at", "<rest>"]
-    assert lines[2].index("[mm]") + 4 == lines[4].index("36.25") + 5  # to the right
+    assert lines[1].split() == ["mark", "radius", "[mm]", "motion"]
+    assert lines[3].split() == ["bit|1", "36.25", "spiral"]
+    assert lines[4].split() == ["\\x1b[31mtop", "at", "<rest>"]
+    assert lines[1].index("[mm]") + 4 == lines[3].index("36.25") + 5  # to the right
 
 
 def test_a_line_breaks_between_words_and_never_in_a_number():
     columns = ("name of it", Column("weight on bit", "N", right=True), Column("way", whole=True), "what decided it")
     row = ("motion", "1.5 to 250", "to the bit", "independent of the others")
-    shown = [line.split() for line in printed(Table(columns, [row]), width=48).splitlines()]
-    assert ["name", "weight", "on", "what"] in shown
-    assert ["motion", "1.5", "to", "250", "to", "the", "bit", "independent"] in shown
-    narrow = [line.rstrip() for line in printed(Table(columns, [row]), width=36).splitlines()]
-    assert narrow == [
-        "", "name of it         motion", "weight on bit [N]  1.5 to 250", "way                to the bit",
-        "what decided it    independent of", "                   the others", "",
+    shown = [line.split() for line in printed(Table(columns, [row]), width=46).splitlines()]
+    assert shown[0] == ["name", "weight", "on", "what"]
+    assert shown[3] == ["motion", "1.5", "to", "250", "to", "the", "bit", "independent"]
+    narrow = [line.rstrip() for line in printed(Table(columns, [row, row]), width=36).splitlines()]
+    assert narrow[:5] == [
+        "name of it         motion", "weight on bit [N]  1.5 to 250", "way                to the bit",
+        "what decided it    independent of", "                   the others",
     ]  # fmt: skip
+
+
+def test_numbers_that_are_too_wide_have_their_rows_and_columns_exchanged():
+    columns = ("operation", *(Column(name, right=True) for name in ("hookload", "torque", "stretch", "turns")))
+    rows = [("drill", 1.25, 0.5, 3, 4), ("slide", 2, 3, 4, 5)]
+    lines = [line.split() for line in printed(Table(columns, rows, title="loads"), width=30).splitlines()]
+    assert lines[:2] == [["loads"], ["operation", "drill", "slide"]]
+    assert lines[3:5] == [["hookload", "1.25", "2"], ["torque", "0.5", "3"]]
 
 
 def test_names_and_values_have_no_headings():
