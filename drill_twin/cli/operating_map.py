@@ -114,8 +114,6 @@ def operating_map(
 
 def _shown(found: OperatingMap, scene: Scene) -> Iterator[str]:
     """Runs, shares of the regimes, window, and margin of the scene's own set-point."""
-    import math
-
     from drill_twin.studies.maps.regimes import REGIMES
 
     units = scene.unit_system
@@ -137,13 +135,9 @@ def _shown(found: OperatingMap, scene: Scene) -> Iterator[str]:
     if found.contains(load, turn):
         margin = found.margin(load, turn)
         word = "margin to the boundary" if margin.share >= 0.0 else "beyond the boundary by"
-        apart = [
-            units.text(abs(value), quantity, ".3g")
-            for value, quantity in ((margin.weight, "force"), (margin.speed, "rotation"))
-            if math.isfinite(value)
-        ]
+        apart = margin.text(units)
         yield (
             f"  set-point of the scene, {units.set_point(load, turn)}: {found.regime(load, turn).value}"
-            + (f"; {word} {' or '.join(apart)}" if apart else "")
+            + (f"; {word} {apart}" if apart else "")
         )
     yield from (f"  note: {note}" for note in found.notes)

@@ -11,7 +11,6 @@ from typing import NamedTuple
 import numpy as np
 
 from drill_twin.core.arrays import Array, Mask
-from drill_twin.core.units.system import UnitSystem
 from drill_twin.io.messages.cdr import JointStateTemplate
 from drill_twin.io.messages.diagnostics import Level
 from drill_twin.studies.maps.operating_map import Margin, OperatingMap
@@ -184,7 +183,8 @@ class Adviser:
                 f"an existing whirl {f'dies here within {self.patience:.3g} s' if good else 'goes on here'} by the map"
             )
         else:
-            where = f"{regime.value} from rest by the map{_near(margin, self.map.units) if good else ''}"
+            near = margin.text(self.map.units) if good else ""
+            where = f"{regime.value} from rest by the map" + (f", {near} from the boundary" if near else "")
         if again is not None:
             begin = said(again.weight, again.speed)
             return f"{where}, and no better set-point is known: stop the rotation, and begin again at {begin}"
@@ -236,13 +236,3 @@ def _depth(flags: Mask) -> Array:
     from scipy.ndimage import distance_transform_edt
 
     return np.full(flags.shape, math.inf) if flags.all() else np.asarray(distance_transform_edt(flags))
-
-
-def _near(margin: Margin, units: UnitSystem) -> str:
-    """Distance to the boundary along each axis that meets it."""
-    apart = [
-        units.text(abs(value), quantity, ".3g")
-        for value, quantity in ((margin.weight, "force"), (margin.speed, "rotation"))
-        if math.isfinite(value)
-    ]
-    return f", {' or '.join(apart)} from the boundary" if apart else ""

@@ -13,12 +13,14 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
+from pydantic import TypeAdapter
 
 from drill_twin.core.arrays import Mask
 from drill_twin.core.errors import ArgumentError, DrillTwinError
 from drill_twin.core.files.foreign_file import ForeignFile
 from drill_twin.core.files.json_files import ODD_DATA, read_json
 from drill_twin.core.table import Table
+from drill_twin.core.units.system import UnitSystem
 from drill_twin.scene import Scene
 from drill_twin.studies.maps.fields import MapFields
 from drill_twin.studies.maps.plane import Node, Plane, Span
@@ -28,6 +30,7 @@ from drill_twin.studies.maps.window import SafeWindow, basis, cells_of, rectangl
 
 FORMAT = 2
 _FILE = ForeignFile("the map.json of `drill-twin map`", 256_000_000, ArgumentError)
+_RECORD = TypeAdapter(RunRecord)
 _SET_BY_MAP = ("weight_on_bit", "rotation", "duration", "start", "table")
 
 
@@ -40,6 +43,11 @@ class Margin(NamedTuple):
     """Along the speed [rad/s]; infinite as above."""
     share: float
     """Shortest distance, as a share of both ranges; infinite as above."""
+
+    def text(self, units: UnitSystem) -> str:
+        """Distance along each axis that meets the boundary; empty without one."""
+        both = ((self.weight, "force"), (self.speed, "rotation"))
+        return " or ".join(units.text(abs(value), of, ".3g") for value, of in both if math.isfinite(value))
 
 
 def digest_of(scene: Scene) -> str:
@@ -197,9 +205,7 @@ class OperatingMap(MapFields):
             if finer not in {1, FINER} or not (0 <= i <= plane.steps * finer and 0 <= j <= plane.steps * finer):
                 raise ValueError(f"node {i}, {j}")
             key = Key(int(i), int(j), draw, None if origin is None else (int(origin[0]), int(origin[1])), finer)
-            records[key] = RunRecord.from_dict(
-                {name: value for name, value in run.items() if name not in {"node", "draw", "origin", "finer"}}
-            )
+            records[key] = _RECORD.validate_python(run)
         if not any(key.searches and key.draw == 0 for key in records):
             raise ValueError("no runs")
         return cls(str(data["scene_name"]), str(data["digest"]), str(data["scene"]), plane, float(data["duration_s"]),
@@ -267,6 +273,4 @@ def read_map(file: str | Path) -> OperatingMap:
     try:
         return OperatingMap.from_dict(read_json(content, largest=_FILE.largest))
     except (*ODD_DATA, DrillTwinError) as error:
-        raise ArgumentError(
-            f"{file}: expected the map.json of `drill-twin map`, found another file ({type(error).__name__}: {error})"
-        ) from error
+        raise _FILE.refused(file, f"another file ({type(error).__name__}: {error})") from error

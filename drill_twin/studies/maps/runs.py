@@ -151,12 +151,6 @@ class RunRecord:
             if value not in ("", []) and not (isinstance(value, float) and not math.isfinite(value))
         }
 
-    @classmethod
-    def from_dict(cls, data: Mapping[str, Any]) -> RunRecord:
-        """Inverse of `to_dict`."""
-        orbit = tuple((int(x), int(y)) for x, y in data.get("orbit", ()))
-        return cls(**{**data, "regime": Regime(data["regime"]), "orbit": orbit})
-
 
 @dataclass(frozen=True)
 class Runner:
