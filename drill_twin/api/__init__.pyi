@@ -20,7 +20,6 @@ from drill_twin.api.rotordynamics import whirl_states as whirl_states
 from drill_twin.api.scenes import build_scene as build_scene
 from drill_twin.api.scenes import check_scene as check_scene
 from drill_twin.api.scenes import load_scene as load_scene
-from drill_twin.api.scenes import override as override
 from drill_twin.api.scenes import scene_names as scene_names
 from drill_twin.api.scenes import write_scene as write_scene
 from drill_twin.api.simulation import Simulation as Simulation
@@ -40,6 +39,7 @@ from drill_twin.core.errors import StoppedError as StoppedError
 from drill_twin.core.errors import TableError as TableError
 from drill_twin.runs.ensemble import EnsembleResult as EnsembleResult
 from drill_twin.scene import Scene as Scene
+from drill_twin.scene.load import override as override
 from drill_twin.studies.estimation import Estimate as Estimate
 from drill_twin.studies.estimation import EstimatorOptions as EstimatorOptions
 from drill_twin.studies.fitting import Posterior as Posterior

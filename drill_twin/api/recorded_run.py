@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from drill_twin.api.result import Result, read_bag
-from drill_twin.api.scenes import Overrides, as_scene, override
+from drill_twin.api.scenes import Overrides, as_scene
 from drill_twin.api.simulation import Simulation
 from drill_twin.core.errors import ArgumentError, RunError
 from drill_twin.io.bag.reader import Bag
@@ -22,6 +22,7 @@ from drill_twin.io.messages.topics import MARKS_STATE, RIG_STATE, STRING_POSES
 from drill_twin.runs.recorded_commands import RecordedCommands, recorded_commands
 from drill_twin.scene import Scene
 from drill_twin.scene.blocks.rig import SetPoint
+from drill_twin.scene.load import override
 from drill_twin.scene.set_points import Command, Schedule
 
 if TYPE_CHECKING:

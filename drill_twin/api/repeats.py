@@ -13,7 +13,6 @@ import numpy as np
 from drill_twin.api.growth_limits import modes_under, rate
 from drill_twin.api.recorded_run import planned
 from drill_twin.api.result import Result
-from drill_twin.api.scenes import override
 from drill_twin.api.simulation import Simulation
 from drill_twin.core.errors import RunError, SceneError
 from drill_twin.dynamics.rotordynamics.modes import LATERAL, ModeTable
@@ -22,6 +21,7 @@ from drill_twin.report.load_text import Summary, units_of
 from drill_twin.report.recording import Recording
 from drill_twin.runs.recorded_commands import recorded_commands
 from drill_twin.scene import Scene
+from drill_twin.scene.load import override
 from drill_twin.scene.schema import number_at
 from drill_twin.scene.set_points import Command
 from drill_twin.whirl import MotionState

@@ -15,6 +15,7 @@ from drill_twin.core.units.dimension import TIME
 from drill_twin.core.units.parse import split
 from drill_twin.core.units.ranges import parse_range
 from drill_twin.scene import Scene, load, presets
+from drill_twin.scene.load import override
 from drill_twin.scene.overrides import SHORTHANDS, full_key
 from drill_twin.scene.schema import number_at
 
@@ -40,15 +41,6 @@ def load_scene(scene: str | Path, overrides: Overrides | None = None) -> Scene:
     """
     loaded = load.load_scene(scene)
     return override(loaded, overrides) if overrides else loaded
-
-
-def override(scene: Scene, overrides: Overrides) -> Scene:
-    """Copy of a scene with other values.
-
-    Raises:
-        SceneError: An unknown key, or values that do not fit together.
-    """
-    return load.build_scene(scene.model_dump(mode="json", exclude_none=True), name=scene.name, overrides=overrides)
 
 
 def build_scene(

@@ -12,11 +12,11 @@ import numpy as np
 
 from drill_twin.api.compare import NOTHING, Case, quantities
 from drill_twin.api.result import Result
-from drill_twin.api.scenes import override
 from drill_twin.api.simulation import Simulation
 from drill_twin.core.table import Column, Table
 from drill_twin.core.units.system import UnitSystem
 from drill_twin.scene import Scene
+from drill_twin.scene.load import override
 from drill_twin.studies.accuracy.trial import CONFIDENCE, chance_difference
 
 COSTS = {

@@ -6,6 +6,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from itertools import pairwise
+from typing import Literal
 
 import numpy as np
 
@@ -79,24 +80,17 @@ def _merged(steps: list[Step]) -> tuple[Step, ...]:
 
 def sub_info(scene: Scene, sub: Sub) -> MarkInfo:
     """Section of a sub, as a mark on the centre line."""
-    at = sub.distance_from_bit
-    inclined = math.sin(scene.inclination_at(at)) > INCLINED
-    return MarkInfo(sub.name, at, "centre", scene.outer_radius_at(at), scene.clearance_at(at), inclined)
+    return _info(scene, sub.name, sub.distance_from_bit, "centre")
 
 
 def mark_infos(scene: Scene) -> list[MarkInfo]:
     """Marks of a scene for the whirl analysis."""
-    return [
-        MarkInfo(
-            name=mark.name,
-            distance_from_bit=mark.distance_from_bit,
-            on=mark.on,
-            wall_offset=scene.outer_radius_at(mark.distance_from_bit),
-            clearance=scene.clearance_at(mark.distance_from_bit),
-            inclined=math.sin(scene.inclination_at(mark.distance_from_bit)) > INCLINED,
-        )
-        for mark in scene.string.marks
-    ]
+    return [_info(scene, mark.name, mark.distance_from_bit, mark.on) for mark in scene.string.marks]
+
+
+def _info(scene: Scene, name: str, at: float, on: Literal["centre", "wall"]) -> MarkInfo:
+    inclined = math.sin(scene.inclination_at(at)) > INCLINED
+    return MarkInfo(name, at, on, scene.outer_radius_at(at), scene.clearance_at(at), inclined)
 
 
 def select_marks(marks: Sequence[MarkInfo], names: Sequence[str]) -> list[MarkInfo]:

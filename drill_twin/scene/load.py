@@ -77,6 +77,15 @@ def build_scene(
     return _build(Lines(name, copy_plain(data)), overrides, folder=Path(), text=False)
 
 
+def override(scene: Scene, overrides: Mapping[str, float | str]) -> Scene:
+    """Copy of a scene with other values.
+
+    Raises:
+        SceneError: An unknown key, or values that do not fit together.
+    """
+    return build_scene(scene.model_dump(mode="json", exclude_none=True), name=scene.name, overrides=overrides)
+
+
 def _build(lines: Lines, overrides: Mapping[str, float | str] | None, *, folder: Path, text: bool = True) -> Scene:
     _inherit(lines, folder)
     apply_overrides(lines, overrides or {})

@@ -19,7 +19,7 @@ from drill_twin.dynamics.twin.twin import Twin
 from drill_twin.report.figures.style import BLUE, GREY, INK, MARK_COLOURS, VERMILION, blank, head, styled
 from drill_twin.runs.ensemble.parts import parts_of, planned
 from drill_twin.scene import Scene
-from drill_twin.scene.load import build_scene
+from drill_twin.scene.load import override
 from drill_twin.scene.set_points import Command
 
 LAST = 1.0 / 3.0
@@ -52,8 +52,7 @@ class SimulatedWhirl(NamedTuple):
 
 def with_command(scene: Scene, weight: float, rotation: float) -> Scene:
     """The scene with other final set-points [N], [rad/s]."""
-    values: dict[str, float | str] = {"rig.weight_on_bit.value": weight, "rig.rotation.value": rotation}
-    return build_scene(scene.model_dump(mode="json", exclude_none=True), name=scene.name, overrides=values)
+    return override(scene, {"rig.weight_on_bit.value": weight, "rig.rotation.value": rotation})
 
 
 def simulated_whirl(scene: Scene) -> SimulatedWhirl:

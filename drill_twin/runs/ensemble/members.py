@@ -102,9 +102,8 @@ def scene_of(base: Scene, member: Member) -> Scene:
         SceneError: A key is none of the scene, or its values do not fit; the message begins with the member.
     """
     overrides = {_key(base, key): value for key, value in member.values.items()}
-    data = base.model_dump(mode="json", exclude_none=True)
     try:
-        return load.build_scene(data, name=base.name, overrides=overrides)
+        return load.override(base, overrides)
     except SceneError as error:
         raise SceneError(f"{member}: {error}") from error
 

@@ -20,7 +20,7 @@ from drill_twin.physics.model.section_stress import bending_stress
 from drill_twin.runs.ensemble.outputs import Request
 from drill_twin.runs.ensemble.time_outputs import Channels, Instants
 from drill_twin.scene import Scene
-from drill_twin.scene.load import build_scene
+from drill_twin.scene.load import override
 from drill_twin.scene.overrides import full_key
 from drill_twin.scene.set_points import Command
 from drill_twin.studies.estimation.lateral import LateralMotion, asynchronous_radius
@@ -269,10 +269,7 @@ class EstimatorMembers:
         return self._with({"numerics.seed": self._seeds[number]} | found)
 
     def _with(self, values: Mapping[str, float]) -> Scene:
-        overrides = {self._full.get(key, key): value for key, value in values.items() if key != LOAD}
-        return build_scene(
-            self.scene.model_dump(mode="json", exclude_none=True), name=self.scene.name, overrides=overrides
-        )
+        return override(self.scene, {self._full.get(key, key): of for key, of in values.items() if key != LOAD})
 
     def _check(self) -> None:
         """Refuse what cannot be changed in the middle of a run.

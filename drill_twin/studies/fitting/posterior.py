@@ -12,7 +12,7 @@ import numpy as np
 
 from drill_twin.core.arrays import Array
 from drill_twin.scene import Scene
-from drill_twin.scene.load import build_scene
+from drill_twin.scene.load import override
 from drill_twin.scene.overrides import full_key
 from drill_twin.scene.schema import unit_at
 from drill_twin.studies.fitting.likelihood import noise_in
@@ -177,10 +177,7 @@ class Posterior:
 
     def scene_of(self, values: Mapping[str, float]) -> Scene:
         """The scene with other values of the free numbers [SI]."""
-        overrides = {full_key(key, self.scene): value for key, value in values.items()}
-        return build_scene(
-            self.scene.model_dump(mode="json", exclude_none=True), name=self.scene.name, overrides=overrides
-        )
+        return override(self.scene, {full_key(key, self.scene): value for key, value in values.items()})
 
     def to_dict(self) -> dict[str, Any]:
         """Plain types for JSON."""

@@ -47,10 +47,10 @@ def paper_search(
     """
     from dataclasses import asdict
 
-    from drill_twin.api.scenes import override
     from drill_twin.cli.emit import emit
     from drill_twin.cli.show import shown_progress
     from drill_twin.report.figures.style import styled
+    from drill_twin.scene.load import override
     from drill_twin_evidence.paper.runs.reproduction import bench
     from drill_twin_evidence.paper.search import search as searching
     from drill_twin_evidence.paper.search.bench import Bench

@@ -16,7 +16,7 @@ from drill_twin.core.arrays import Array
 from drill_twin.dynamics.sensors.sampling import errors_of, with_errors
 from drill_twin.dynamics.twin.twin import Twin
 from drill_twin.scene.blocks.sensors import Sub
-from drill_twin.scene.load import build_scene
+from drill_twin.scene.load import override
 from drill_twin.scene.set_points import Schedule
 from drill_twin.studies.estimation import EnsembleFilter, Estimate, EstimatorOptions, FilterWindow
 from drill_twin.studies.estimation.members import EstimatorMembers
@@ -246,8 +246,7 @@ def _jump(truth: EstimatorMembers, case: Case, number: int) -> None:
         return
     old = truth.twins[0]
     changed = {STIFFNESS: factor * old.scene.string.sections[0].youngs_modulus}
-    data = old.scene.model_dump(mode="json", exclude_none=True)
-    truth.twins[0] = Twin(build_scene(data, name=case.scene, overrides=changed))
+    truth.twins[0] = Twin(override(old.scene, changed))
     truth.twins[0].restore(old.checkpoint())
 
 

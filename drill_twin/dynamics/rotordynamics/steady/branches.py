@@ -18,8 +18,7 @@ from drill_twin.core.arrays import Array
 from drill_twin.dynamics.rotordynamics.equations import EquationsOfMotion
 from drill_twin.dynamics.rotordynamics.steady.steady_whirl import SteadyWhirl, TurningEquations, solve
 from drill_twin.dynamics.rotordynamics.steady.whirl_state import WhirlState, state_of
-from drill_twin.scene import Scene
-from drill_twin.scene.load import build_scene
+from drill_twin.scene.load import override
 from drill_twin.scene.set_points.command import Command
 
 FIRST_STEP, LARGEST_STEP, SMALLEST_STEP = 0.02, 0.1, 1e-5
@@ -75,10 +74,9 @@ def key_of(turning: TurningEquations, command: Command, key: str, low: float, hi
     """Number of the scene as parameter, by its key, such as `effects.wall_friction.coefficient`; SI."""
     scene = turning.equations.scene
     elements = turning.equations.model.rod.length.size
-    data = scene.model_dump(mode="json", exclude_none=True)
 
     def at(value: float) -> tuple[TurningEquations, Command]:
-        changed: Scene = build_scene(data, name=scene.name, overrides={"numerics.elements": elements, key: value})
+        changed = override(scene, {"numerics.elements": elements, key: value})
         return TurningEquations(EquationsOfMotion(changed)), command
 
     return BranchParameter(key, low, high, at)

@@ -12,10 +12,10 @@ from typing import Any
 import numpy as np
 
 from drill_twin.api.ensemble import Ensemble
-from drill_twin.api.scenes import override
 from drill_twin.dynamics.twin.dynamics import kernel_of
 from drill_twin.runs.ensemble.run import MemberRun
 from drill_twin.scene import Scene
+from drill_twin.scene.load import override
 from drill_twin.scene.set_points import Schedule
 from drill_twin_evidence.paper.runs.cases import Case
 from drill_twin_evidence.paper.search.readings import FRAME_RATE, MARKS, Motion, Readings, failed, read
