@@ -2,7 +2,6 @@
 """Expected and used time of runs with an accuracy, cost of measuring, and cost of the choice over the cheapest.
 
     python -m drill_twin_evidence.benchmarks.accuracy_cost           # expected against used; a process for each run
-    python -m drill_twin_evidence.benchmarks.accuracy_cost --cold    # with empty caches: each compiles first
     python -m drill_twin_evidence.benchmarks.accuracy_cost --choice  # the choice against the cheapest that keeps it
     python -m drill_twin_evidence.benchmarks.accuracy_cost --ship    # measures the curves of config/accuracy anew
 
@@ -13,7 +12,6 @@ from __future__ import annotations
 
 import argparse
 import json
-import os
 import subprocess
 import sys
 import tempfile
@@ -21,6 +19,8 @@ from collections.abc import Iterator
 from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
+
+from drill_twin.core.files.json_files import JsonLines
 
 if TYPE_CHECKING:
     from drill_twin.studies.accuracy.motion_run import Motion
@@ -47,44 +47,33 @@ STEPS = (1, 2, 4)
 """Their time steps in a frame."""
 
 
-def run(scene: str, accuracy: str, changes: dict[str, str], cache: str | None) -> dict[str, Any]:
+def run(scene: str, accuracy: str, changes: dict[str, str]) -> dict[str, Any]:
     """Make a run in a process of its own; returns what its summary says of the accuracy, or its error."""
     with tempfile.TemporaryDirectory() as folder:
         words = [word for key, value in changes.items() for word in ("--set", f"rig.{key}={value}")]
         command = [sys.executable, "-m", "drill_twin.cli", "run", scene, "--accuracy", accuracy, "--no-check", *words]
-        given = os.environ | ({"DRILL_TWIN_CACHE": cache} if cache else {})
-        done = subprocess.run(
-            [*command, "--out", f"{folder}/run"], capture_output=True, text=True, check=False, env=given
-        )
+        done = subprocess.run([*command, "--out", f"{folder}/run"], capture_output=True, text=True, check=False)
         if done.returncode:
             return {"error": (done.stderr.strip().splitlines() or ["?"])[-1]}
         return dict(json.loads(Path(folder, "run", "summary.json").read_text("utf-8"))["accuracy"])
 
 
-def expected_against_used(*, cold: bool) -> Iterator[tuple[str, Any]]:
+def expected_against_used() -> Iterator[tuple[str, Any]]:
     """Names of the runs and functions that make them, in order."""
     from drill_twin.core.compile.kernel_cache import cache_folder
     from drill_twin.studies.accuracy.error_model import FOLDER
 
     for scene, changes in SCENES.items():
-        for accuracy in ACCURACIES[: 1 if cold else None]:
-            if cold:
-                yield f"{scene} {accuracy} cold", lambda s=scene, a=accuracy, c=changes: _cold(s, a, c)
-                continue
+        for accuracy in ACCURACIES:
             for kind in ("shipped",) if scene in SHIPPED else ("measured", "cached"):
 
                 def made(s: str = scene, a: str = accuracy, c: dict[str, str] = changes, k: str = kind) -> Any:
                     if k != "cached":
                         for file in (cache_folder() / FOLDER).glob("*.json"):
                             file.unlink()
-                    return run(s, a, c, None)
+                    return run(s, a, c)
 
                 yield f"{scene} {accuracy} {kind}", made
-
-
-def _cold(scene: str, accuracy: str, changes: dict[str, str]) -> dict[str, Any]:
-    with tempfile.TemporaryDirectory() as cache:
-        return run(scene, accuracy, changes, cache)
 
 
 def choice(scene: str, accuracy: str) -> dict[str, Any]:
@@ -158,15 +147,15 @@ def ship() -> None:
 def main() -> None:
     """Make the runs that the file has not, and print the table."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    for option in ("cold", "choice", "ship"):
+    for option in ("choice", "ship"):
         parser.add_argument(f"--{option}", action="store_true")
-    parser.add_argument("--out", type=Path, default=Path("out/accuracy_cost.json"))
+    parser.add_argument("--out", type=Path, default=Path("out/accuracy_cost.jsonl"))
     given = parser.parse_args()
     if given.ship:
         ship()
         return
-    given.out.parent.mkdir(parents=True, exist_ok=True)
-    done: dict[str, Any] = json.loads(given.out.read_text("utf-8")) if given.out.exists() else {}
+    kept = JsonLines(given.out, tuple[str, dict[str, Any]], "accuracy_cost", {})
+    done = dict(kept.results)
     jobs = (
         [
             (f"{scene} {accuracy} choice", lambda s=scene, a=accuracy: choice(s, a))
@@ -174,12 +163,12 @@ def main() -> None:
             for accuracy in TRIED
         ]
         if given.choice
-        else list(expected_against_used(cold=given.cold))
+        else list(expected_against_used())
     )
     for name, make in jobs:
         if name not in done:
             done[name] = make()
-            given.out.write_text(json.dumps(done, indent=1), "utf-8")
+            kept.add((name, done[name]))
         print(_line(name, done[name]), flush=True)
     times = [one for name, _ in jobs if "expected_seconds" in (one := done[name])]
     near = sum(abs(one["expected_seconds"] / one["actual_seconds"] - 1.0) <= 0.3 for one in times)

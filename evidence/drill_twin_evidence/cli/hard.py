@@ -10,12 +10,9 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from drill_twin.cli.options import JsonOption, WorkersOption
-from drill_twin_evidence.cli.output import ListOption, OnlyOption, PageOption, QuickOption, write_page
+from drill_twin_evidence.cli.output import ListOption, OnlyOption, PageOption, QuickOption, check_any, told, write_page
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from drill_twin_evidence.stress import HardCase, Result
     from drill_twin_evidence.verify.run import CaseResult
 
 NOT_IN_ORDER = 1
@@ -44,24 +41,21 @@ def hard(
     """
     from drill_twin.cli.emit import emit, say
     from drill_twin.cli.show import remark
-    from drill_twin.core.errors import SceneError
     from drill_twin.core.table import Table
-    from drill_twin_evidence.stress import choose_hard
+    from drill_twin_evidence.stress import choose_hard, run_hard
     from drill_twin_evidence.stress.page import ALLOWED, COLUMNS, cells, summary, to_data, to_page
 
     if region is not None:
         _draw_map(region)
         return
     cases = choose_hard(only, quick=quick)
-    if not cases:
-        raise SceneError(
-            f'--only: expected a part of the name of a case, found "{only}"; see drill-twin study hard --list'
-        )
+    check_any(cases, only, "hard")
     if names:
         reasons = {case.scene_name: case.why for case in cases}
         say(Table(("scene", "why it is hard"), reasons.items()))
         return
-    results = _run(cases, workers, energy=energy)
+    with told("hard scenes", len(cases), lambda one: (one.name, "" if one.ok else one.verdict)) as done:
+        results = run_hard(cases, workers=workers, energy=energy, progress=done)
     checks = _check(workers) if exact else []
     data = to_data(results, checks)
     lines = [[line[0].replace("_", " "), *line[1:ALLOWED], *line[ALLOWED + 1 :]] for line in map(cells, results)]
@@ -73,20 +67,6 @@ def hard(
         write_page(page, partial(to_page, results, checks), data, command="hard", only=only, flags=flags)
     if not (all(result.ok for result in results) and all(check.ok for check in checks)):
         raise typer.Exit(NOT_IN_ORDER)
-
-
-def _run(cases: Sequence[HardCase], workers: int, *, energy: bool) -> list[Result]:
-    from drill_twin.cli.show import remark, shown_progress
-    from drill_twin_evidence.stress import run_hard
-
-    with shown_progress("hard scenes", len(cases)) as bar:
-
-        def done(result: Result) -> None:
-            bar.step(result.name)
-            if not result.ok:
-                remark(f"{result.name}: {result.verdict}", "red")
-
-        return run_hard(cases, workers=workers, energy=energy, progress=done)
 
 
 def _draw_map(path: Path) -> None:

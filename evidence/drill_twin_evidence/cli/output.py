@@ -3,14 +3,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from fnmatch import fnmatchcase
 from pathlib import Path
 from typing import Annotated, Any
 
 import typer
 
-from drill_twin.core.errors import ArgumentError
+from drill_twin.core.errors import ArgumentError, SceneError
 
 EVIDENCE = Path(__file__).resolve().parents[2]
 """Folder `evidence/` of a clone."""
@@ -37,6 +38,34 @@ def chosen(only: str, names: Iterable[str]) -> list[str]:
     if found := [name for name in known if fnmatchcase(name, f"*{only.replace('[', '[[]')}*")]:
         return found
     raise ArgumentError(f'--only: expected a part of {", ".join(known)}, found "{only}"')
+
+
+def check_any(cases: Sequence[object], only: str, command: str) -> None:
+    """Check that a text chose a case.
+
+    Raises:
+        SceneError: It chose none.
+    """
+    if not cases:
+        raise SceneError(
+            f'--only: expected a part of the name of a case, found "{only}"; see drill-twin study {command} --list'
+        )
+
+
+@contextmanager
+def told(title: str, count: int, of: Callable[[Any], tuple[str, str]]) -> Iterator[Callable[[Any], None]]:
+    """Bar over cases; gives a function that steps it for a result, of which `of` gives the name and what is wrong."""
+    from drill_twin.cli.show import remark, shown_progress
+
+    with shown_progress(title, count) as bar:
+
+        def done(result: Any) -> None:
+            name, wrong = of(result)
+            bar.step(name)
+            if wrong:
+                remark(f"{name}: {wrong}", "red")
+
+        yield done
 
 
 def write_page(

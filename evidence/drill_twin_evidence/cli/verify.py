@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import typer
 
 from drill_twin.cli.options import JsonOption, WorkersOption
-from drill_twin_evidence.cli.output import ListOption, OnlyOption, PageOption, QuickOption, write_page
+from drill_twin_evidence.cli.output import ListOption, OnlyOption, PageOption, QuickOption, check_any, told, write_page
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -38,19 +38,17 @@ def verify(
     """
     from drill_twin.cli.emit import emit
     from drill_twin.cli.show import remark
-    from drill_twin.core.errors import SceneError
     from drill_twin_evidence.verify import choose
     from drill_twin_evidence.verify.page import summary, to_data, to_page
+    from drill_twin_evidence.verify.run import run_cases
 
     cases = choose(only, quick=quick)
-    if not cases:
-        raise SceneError(
-            f'--only: expected a part of the name of a case, found "{only}"; see drill-twin study verify --list'
-        )
+    check_any(cases, only, "verify")
     if names:
         _print_names(cases)
         return
-    checks = _run(cases, workers)
+    with told("verifying", len(cases), lambda one: (one.case.name, "" if one.ok else "miss")) as done:
+        checks = run_cases(cases, workers=workers, progress=done)
     data = to_data(checks)
     emit(data, _shown(checks), json=json)
     remark(summary(checks))
@@ -71,20 +69,6 @@ def _print_names(cases: Sequence[Case]) -> None:
         members = list(group)
         rows.append((name, len(members), members[0].about.split("\n\n")[0].replace("\n", " ")))
     say(Table(("case", "variants", "what it shows"), rows, right=(1,)))
-
-
-def _run(cases: Sequence[Case], workers: int) -> list[CaseResult]:
-    from drill_twin.cli.show import remark, shown_progress
-    from drill_twin_evidence.verify.run import run_cases
-
-    with shown_progress("verifying", len(cases)) as bar:
-
-        def done(check: CaseResult) -> None:
-            bar.step(check.case.name)
-            if not check.ok:
-                remark(f"miss: {check.case.name}", "red")
-
-        return run_cases(cases, workers=workers, progress=done)
 
 
 def _shown(checks: Sequence[CaseResult]) -> Iterator[Table | Text]:

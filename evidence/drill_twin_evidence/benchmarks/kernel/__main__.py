@@ -13,8 +13,7 @@ from drill_twin.core.table import Table
 from drill_twin.dynamics.discretisation.kernel_arguments import LATERAL, SPATIAL
 from drill_twin_evidence.benchmarks.kernel import machine as limits
 from drill_twin_evidence.benchmarks.kernel.examples import EXAMPLES, forms_of, full_scene, scene_with
-from drill_twin_evidence.benchmarks.kernel.measure import Cost, least_cost
-from drill_twin_evidence.benchmarks.kernel.memory import memory_over
+from drill_twin_evidence.benchmarks.kernel.measure import Cost, least_cost, memory_over
 
 app = typer.Typer(help=__doc__, no_args_is_help=True, add_completion=False)
 BARE = "bare rod"
@@ -83,7 +82,7 @@ def memory(
 ) -> None:
     """Memory in use over many steps: it stays flat."""
     looks = []
-    for taken, time, mebibytes in memory_over(int(steps), elements, form):
+    for taken, time, mebibytes in memory_over(full_scene(elements, form, rate=1.0), int(steps)):
         looks.append(mebibytes)
         say(f"{taken:>12,} steps  {time:>10,.0f} s simulated  {mebibytes:8.2f} MiB")
     say(f"growth from the first look to the last: {looks[-1] - looks[0]:+.2f} MiB")

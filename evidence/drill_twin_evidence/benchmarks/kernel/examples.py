@@ -46,7 +46,7 @@ def forms_of(name: str) -> tuple[str, ...]:
     return (SPATIAL,) if needs & {"stretch", "torsion"} else (SPATIAL, LATERAL)
 
 
-def scene_with(name: str, form: str, elements: int, step: float = 1e-3, rate: float = 10.0) -> Scene:
+def scene_with(name: str, form: str, elements: int) -> Scene:
     """The peers' rod with the effects of a row of `EXAMPLES` alone, or bare for the name "bare rod"."""
     off = {f"effects.{key}": "off" for key in EFFECTS}
     basic = {"lateral_kick": "{velocity: 0.05 m/s, shape: hump}"}
@@ -57,14 +57,15 @@ def scene_with(name: str, form: str, elements: int, step: float = 1e-3, rate: fl
     return load_scene(ROD, overrides={
         **off, **on, "wob": "40 N" if touched else "5 N",
         "hole.radius": NARROW if touched else "90 mm", "string.bit_end": SLACK.get(name, "guided"),
-        "numerics.elements": str(elements), "numerics.step": f"{step!r} s", "numerics.frame_rate": f"{rate} Hz",
+        **_numerics(elements),
     })  # fmt: skip
 
 
-def full_scene(elements: int, form: str = SPATIAL, step: float = 1e-3, rate: float = 10.0) -> Scene:
+def full_scene(elements: int, form: str, rate: float = 10.0) -> Scene:
     """The peers' scene as it is: gravity, drag, wall and friction."""
     lateral = {"effects.stretch": "off", "effects.torsion": "off"} if form == LATERAL else {}
-    return load_scene(ROD, overrides={
-        **lateral,
-        "numerics.elements": str(elements), "numerics.step": f"{step!r} s", "numerics.frame_rate": f"{rate} Hz",
-    })  # fmt: skip
+    return load_scene(ROD, overrides=lateral | _numerics(elements, rate))
+
+
+def _numerics(elements: int, rate: float = 10.0) -> dict[str, str]:
+    return {"numerics.elements": str(elements), "numerics.step": "1 ms", "numerics.frame_rate": f"{rate} Hz"}

@@ -16,6 +16,7 @@ from drill_twin.dynamics.solver.spatial.linear_solver import NODE, ROW, solve_bl
 LANES = 8
 CHAINS = 12
 ROUNDS = 20_000_000
+REPEATS = 7
 
 
 @njit(fastmath=True, error_model="numpy")
@@ -42,11 +43,11 @@ def solve(lower: Any, diagonal: Any, upper: Any, spare: Any) -> bool:
     return bool(solve_blocks(lower, diagonal, upper, spare))
 
 
-def least_seconds(work: Callable[[], object], repeats: int = 7) -> float:
+def least_seconds(work: Callable[[], object]) -> float:
     """Shortest processor time of a few calls [s]; the first, which compiles, is left out."""
     work()
     spent = []
-    for _ in range(repeats):
+    for _ in range(REPEATS):
         began = time.process_time()
         work()
         spent.append(time.process_time() - began)

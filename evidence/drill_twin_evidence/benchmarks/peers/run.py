@@ -9,7 +9,7 @@ import subprocess
 import sys
 import tempfile
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass
 from importlib import import_module, metadata
 from importlib.util import find_spec
 from pathlib import Path
@@ -116,7 +116,7 @@ def run_apart(task: Task) -> Motion:
             sys.executable,
             "-m",
             "drill_twin_evidence.benchmarks.peers.run",
-            json.dumps(task.to_dict()),
+            json.dumps(asdict(task)),
             str(path),
         ]
         try:
@@ -138,14 +138,9 @@ def run_apart(task: Task) -> Motion:
     )  # fmt: skip
 
 
-def with_limit(tasks: Sequence[Task], limit: float) -> list[Task]:
-    """The same tasks with another limit of processor time [s]."""
-    return [replace(task, limit=limit) for task in tasks]
-
-
 def main() -> None:
     """The process of one task: its description and the file of the result as arguments."""
-    task = Task.from_dict(json.loads(sys.argv[1]))
+    task = Task(**json.loads(sys.argv[1]))
     motion = import_module(f"drill_twin_evidence.benchmarks.peers.{TOOLS[task.tool].adapter}").run(task)
     np.savez(sys.argv[2], **{name: getattr(motion, name) for name in FIELDS})
 

@@ -5,9 +5,9 @@ from __future__ import annotations
 
 import time
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, field
+from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, Self
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -51,15 +51,6 @@ class Task:
         """Tool, elements and step in a few words."""
         step = f", {self.step * 1e3:.4g} ms" if self.step else ""
         return f"{self.tool}, {self.elements} elements{step}"
-
-    def to_dict(self) -> dict[str, Any]:
-        """For JSON."""
-        return asdict(self)
-
-    @classmethod
-    def from_dict(cls, values: Mapping[str, Any]) -> Self:
-        """From JSON."""
-        return cls(**values)
 
 
 @dataclass(frozen=True, eq=False)

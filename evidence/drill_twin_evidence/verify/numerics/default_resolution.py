@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator
 
 import numpy as np
@@ -11,11 +10,11 @@ import numpy as np
 from drill_twin.dynamics.twin.twin import Twin
 from drill_twin.scene import Scene
 from drill_twin_evidence.verify.case import FORMS, case
-from drill_twin_evidence.verify.dynamics.lateral_frequencies import MODES, UNIT
+from drill_twin_evidence.verify.dynamics.lateral_frequencies import frequency_rows
 from drill_twin_evidence.verify.numerics.conservation import swing
 from drill_twin_evidence.verify.row import Row
 from drill_twin_evidence.verify.scenes import DENSITY, EI, KICK, LENGTH, SHEAR, quiet_scene
-from drill_twin_evidence.verify.signals import AT_REST, free_motion, squared_frequencies
+from drill_twin_evidence.verify.signals import AT_REST, squared_frequencies
 from drill_twin_evidence.verify.statics.buckling import EULER, buckling_load
 
 ELEMENTS, TOLERANCE = 50, 1e-5
@@ -24,12 +23,7 @@ ELEMENTS, TOLERANCE = 50, 1e-5
 @case(forms=FORMS, bit_end=("guided", "free"))
 def frequencies(bit_end: str, form: str) -> Iterator[Row]:
     """First three lateral frequencies, with a step of 1 ms, which causes nearly all of the error."""
-    kick, eigenvalues = MODES[bit_end]
-    scene = quiet_scene(kick, bit_end=bit_end, elements=ELEMENTS, step=1e-3, form=form, tolerance=TOLERANCE)
-    found = np.sqrt(squared_frequencies(free_motion(scene, 4.0, 0.01), 0.01, modes=8)[:3]) / math.tau
-    for value, frequency in zip(eigenvalues, found, strict=True):
-        yield Row(f"frequency at beta L = {value:.4f} [Hz]", "f = (beta L)^2 / (2 pi L^2) sqrt(EI / m)",
-                  "Blevins 1979, table 8-1", value**2 * UNIT, float(frequency), 1e-3)  # fmt: skip
+    yield from frequency_rows(bit_end, form, 1e-3, ELEMENTS, tolerance=TOLERANCE)
 
 
 @case(bit_end=("guided", "free"))
