@@ -124,14 +124,16 @@ def _table(table: ModeTable, name: str, units: UnitSystem) -> Table:
             shown = [shown[0], plane, critical, largest, *shown[2:5]]
         rows.append((*shown, f"{mode.damping_ratio:.2g}"))
     place = "on the axis" if table.on_axis else "on the wall"
-    title = f"{name}: {units.set_point(command.weight_on_bit, command.rotation)}, string {place}. Frequency in Hz, "
+    title = (
+        f"{name}: {units.set_point(command.weight_on_bit, command.rotation)}, string {place}. Frequency in Hz, growth "
+        "in 1/s (- decays, + grows), +- change between two meshes, one twice as fine as the other, damping ratio."
+    )
     if part is None:
-        title += "growth in 1/s (above 0: unstable), +- their change on a mesh twice as fine, damping ratio."
         return Table(("mode", "whirl", "frequency", "+-", "growth", "+-", "damping"), rows, title=title,
                      right=(2, 3, 4, 5, 6))  # fmt: skip
     title += (
-        "+- its change on a mesh half as fine, growth in 1/s (above 0: unstable), damping ratio. Lateral modes are "
-        f"those of the assembly: critical speed, place of the largest motion in {units.length} from the bit."
+        f" Lateral modes are those of the assembly: critical speed, place of the largest motion in {units.length} from "
+        "the bit."
     )
     columns = ("mode", "plane", units.rotation, "at", "Hz", "+-", "growth", "damping")
     return Table(columns, rows, title=title, right=(2, 3, 4, 5, 6, 7))
@@ -151,7 +153,7 @@ def _assembly(table: ModeTable, part: Assembly, units: UnitSystem) -> Iterator[s
     line = f"critical speeds of the lowest {units.text(part.extent.assembly, 'length')}, up to twice the rotation: "
     if speeds and rotation > 0.0:
         away = table.nearest_critical() / rotation - 1.0
-        named += f" {units.rotation}; the nearest is {away:+.0%} from the rotation"
+        named += f" {units.rotation}; the nearest is {abs(away):.1%} {'above' if away > 0.0 else 'below'} the rotation"
     yield line + (named or "none")
     moved = max((abs(mode.cut_change) / abs(mode.eigenvalue) for mode in lateral), default=0.0)
     yield (

@@ -126,7 +126,8 @@ def response_figure(response: ForcedResponse, table: ModeTable, scene: Scene) ->
     """
     command, units = table.balance.command, scene.unit_system
     turns = units.show(response.speeds, "rotation")
-    causes = (f"mass centre {OFFSET * 1e3:g} mm off", f"lowest joint bent by {BEND * 1e3:g} mm in {JOINT:g} m")
+    offset, bend, joint = units.text(OFFSET, "offset"), units.text(BEND, "offset"), units.text(JOINT, "length")
+    causes = (f"mass centre {offset} off", f"lowest joint bent by {bend} in {joint}")
     names = [f"{mark}, {units.text(at, 'length')}" for mark, at in response.marks.items()]
     assembly = scene.length if table.assembly is None else table.assembly.extent.assembly
     gaps = [scene.clearance_at(at) for at in (*response.marks.values(), *np.linspace(0.0, assembly, PLACES))]
@@ -153,8 +154,8 @@ def response_figure(response: ForcedResponse, table: ModeTable, scene: Scene) ->
             for i, label in enumerate([*names, "largest of the assembly"]):
                 colour = INK if i == len(names) else MARK_COLOURS[i % len(MARK_COLOURS)]
                 within = np.where(response.amplitude[:, k, i] <= limits[i], response.amplitude[:, k, i], np.nan)
-                panels[0, k].plot(turns, 1e3 * response.amplitude[:, k, i], color=colour, alpha=0.25)
-                panels[0, k].plot(turns, 1e3 * within, color=colour, label=label)
+                panels[0, k].plot(turns, units.show(response.amplitude[:, k, i], "offset"), color=colour, alpha=0.25)
+                panels[0, k].plot(turns, units.show(within, "offset"), color=colour, label=label)
             for i, label in enumerate(touching[:CONTACTS]):
                 colour = MARK_COLOURS[i % len(MARK_COLOURS)]
                 panels[1, k].plot(turns, units.show(response.side_force[:, k, i], "force"), color=colour, label=label)
@@ -171,7 +172,7 @@ def response_figure(response: ForcedResponse, table: ModeTable, scene: Scene) ->
                     panel.axvline(
                         units.show(mode.eigenvalue.imag, "rotation"), color=GREY, linestyle=":", linewidth=0.9
                     )
-        panels[0, 0].set_ylabel("amplitude [mm]")
+        panels[0, 0].set_ylabel(f"amplitude [{units.offset}]")
         panels[0, 0].legend(loc="lower left", bbox_to_anchor=(0.0, 1.12), ncol=4, fontsize=8.5)
         if touching:
             panels[1, 0].set_ylabel(f"side force +- [{units.force}]")

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import NamedTuple
 
@@ -100,14 +100,10 @@ class Assembly:
 
     @cached_property
     def part(self) -> Numbers:
-        """Numbers of the m unknowns: those of the nodes below the cut.
-
-        The spin is one of them: it is counted from a frame that turns where an inclined string moves sideways, so that
-        a spin held at zero would twist the string.
-        """
+        """Numbers of the m unknowns: those of the nodes below the cut but for the spin, which the drive holds."""
         equations, top = self.equations, self.equations.scene.length
         below = equations.model.rod.arc < (self.extent.cut - 1e-6 if self.extent.cut < top else math.inf)
-        return np.flatnonzero(np.broadcast_to(below[:, None], equations.free.shape)[equations.free])
+        return np.flatnonzero((below[:, None] & (equations.columns != SPIN))[equations.free])
 
     def absorption(self, fastest: float) -> Array:
         """Rate at which motion above the assembly is absorbed [1/s], by unknown, shape (m,)."""
@@ -119,10 +115,26 @@ class Assembly:
         return np.asarray(rate[self.equations.free][self.part])
 
     def linearised(self, rotation: float) -> Linearised:
-        """Equations of the whole string in its balance, turning at a speed [rad/s]."""
+        """Equations of the whole string in its balance, turning at a speed [rad/s].
+
+        The spin is counted from a frame that turns about the string where that moves sideways in an inclined hole. Here
+        it is that of the material: a spin that is held leaves the string without twist.
+        """
         v = np.zeros_like(self.u)
         v[:, SPIN] = rotation
-        return self.equations.evaluate(Command(self.command.weight_on_bit, rotation), self.u, v, np.zeros_like(v))
+        system = self.equations.evaluate(Command(self.command.weight_on_bit, rotation), self.u, v, np.zeros_like(v))
+        if self.equations.columns.size <= SPIN:
+            return system
+        slope = self.u[:, 3:6]
+        size = np.linalg.norm(slope, axis=1)
+        turn = np.stack([-slope[:, 1], slope[:, 0], np.zeros_like(size)], axis=1)
+        turn /= (size * (size + slope[:, 2]))[:, None]
+        turn[0] = self.frame.bit @ turn[0]
+        blocks = system.tangents.reshape(3, size.size, SPIN + 1, 3, SPIN + 1).copy()
+        for k, near in enumerate((np.roll(turn, 1, axis=0), turn, np.roll(turn, -1, axis=0))):
+            blocks[:, :, :, k, 3:6] += blocks[:, :, :, k, SPIN, None] * near[:, None, :]
+        blocks[:, :, 3:6] += turn[:, :, None, None] * blocks[:, :, None, SPIN]
+        return replace(system, tangents=blocks.reshape(system.tangents.shape))
 
     def pencil(self, rotation: float, fastest: float) -> Pencil:
         """Mass, damping and stiffness of the unknowns below the cut, sparse."""
