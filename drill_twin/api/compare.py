@@ -160,7 +160,7 @@ def _of(case: Case) -> Iterator[tuple[tuple[str, str], float | str]]:
         yield (what + "hookload", "N"), loads.hookload
         yield (what + "surface torque", "N m"), loads.surface_torque
         yield (what + "neutral point from the bit", "m"), loads.neutral_point
-        yield (what + "margin to snaking", "-"), margins[0] if math.isfinite(margins[0]) else math.nan
+        yield (what + "margin to sinusoidal buckling", "-"), margins[0] if math.isfinite(margins[0]) else math.nan
         yield (what + "yield margin", "-"), loads.yield_margin
         yield (what + "make-up margin", "-"), loads.make_up_margin
         for contact in loads.contacts:

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 _NOTHING, _LARGEST_MARGIN = 1e-4, 1e3
 """Share of the largest number of a column below which it is the residual of a balance; largest margin that is shown."""
-SHAPES = ("straight", "snaking", "snaking, helix", "helix")
+SHAPES = ("straight", "sinusoidal", "sinusoidal, helix", "helix")
 """Words for `BucklingState`, those of the columns."""
 
 
@@ -116,13 +116,13 @@ def _speed(option: str, text: str) -> float:
     return value
 
 
-def _weight(found: Statics, units: UnitSystem) -> str:
-    """Weight at the bit, where the scene gives that at the top."""
-    weight = found.scene.rig.weight_on_bit
-    if weight.at != "top" or not any(of.operation.is_on_bottom for of in found.operations):
-        return ""
-    own, bit = (units.text(value, "force") for value in (weight.value, found.operations[-1].operation.weight_on_bit))
-    return f"; {own} at the top are {bit} at the bit"
+def _set_point(found: Statics, units: UnitSystem) -> str:
+    """Weight and speed of slide and drill; of a scene that gives the weight at the top, that at the bit too."""
+    rig, last = found.scene.rig, found.operations[-1].operation
+    text = f"slide and drill with {units.set_point(rig.weight_on_bit.value, rig.rotation.value)}"
+    if rig.weight_on_bit.at != "top" or not last.is_on_bottom:
+        return text
+    return f"{text}, at the top: {units.text(last.weight_on_bit, 'force')} at the bit"
 
 
 def _shown(found: Statics, units: UnitSystem) -> Iterator[Table]:
@@ -145,12 +145,12 @@ def _shown(found: Statics, units: UnitSystem) -> Iterator[Table]:
             column((of.stretch for of in operations), "length"), column(of.twist / math.tau for of in operations),
             strict=True,
         ),
-        title=f"{found.scene.name}: in {u.force}, {u.torque} and {u.length}; neutral point from the bit"
-        f"{_weight(found, u)}",
+        title=f"{found.scene.name}: {_set_point(found, u)}; in {u.force}, {u.torque}, {u.length}; neutral point from "
+        "the bit; soft: string without bending stiffness",
         right=range(1, 8),
     )  # fmt: skip
     yield Table(
-        ("operation", "snaking", "helix", "lock-up", "yield", "make-up", "stress", "shape"),
+        ("operation", "sinusoidal", "helix", "lock-up", "yield", "make-up", "stress", "shape"),
         [
             (
                 of.operation.name, *(_ratio(margin) for margin in of.margins),

@@ -36,8 +36,8 @@ def full_key(key: str, scene: Scene) -> str:
 def apply_overrides(lines: Lines, overrides: Mapping[str, float | str]) -> None:
     """Set each override in the data; a list item is addressed by its index or `name`: `string.marks.mark_1.on`.
 
-    An empty value (`~`) removes a key, except for an effect, where it means `on`; `accuracy`
-    replaces the elements, step and tolerance of the data.
+    An effect that the data list needs no `effects.` before it. An empty value (`~`) removes a key, except for an
+    effect, where it means `on`; `accuracy` replaces the elements, step and tolerance of the data.
 
     Raises:
         SceneError: An unknown key, a value that is not YAML, or a weight on bit without a unit in field units.
@@ -60,13 +60,15 @@ def apply_overrides(lines: Lines, overrides: Mapping[str, float | str]) -> None:
             raise SceneError(
                 f"{lines.name}: override: expected a key of at most {_LONGEST_KEY} characters, found {len(key)}"
             )
-        place, value = _expand(key, given)
+        place, value = _expand(lines, key, given)
         _set(lines, key, place, _value(lines, key, value) if isinstance(value, str) else value)
 
 
-def _expand(key: str, given: float | str) -> tuple[str, float | str]:
+def _expand(lines: Lines, key: str, given: float | str) -> tuple[str, float | str]:
     if key not in SHORTHANDS:
-        return key, given
+        listed = lines.data.get("effects")
+        short = isinstance(listed, dict) and key.partition(".")[0] in listed
+        return f"effects.{key}" if short else key, given
     place, unit = SHORTHANDS[key]
     text = str(given)
     return place, f"{text} {unit}".rstrip() if _is_bare(text) else text

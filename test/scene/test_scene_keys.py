@@ -21,3 +21,4 @@ from drill_twin.scene.schema import number_at
 def test_a_number_is_found_by_its_key(key, value):
     scene = load_scene("pa6_bench", overrides={"effects.wall_friction.coefficient": 0.3})
     assert number_at(scene, key) == value
+    assert load_scene("pa6_bench", overrides={"wall_friction.coefficient": 0.3}) == scene

@@ -35,6 +35,8 @@ from drill_twin.scene.blocks.top_drive import TopDrive
 
 IMPERFECTIONS = ("bow", "eccentricity", "rock_floor", "lateral_kick", *TIME_DEPENDENT)
 """Effects without a place in a steady balance, and the rock, in whose place the weight acts on the bit."""
+SAMPLES = 8
+"""Places in an element at which bend and friction of the hole are taken: they change where no node is."""
 NO_TORQUE = 1e-4
 """Torque over make-up torque below which a connection is not loaded; Newton's residual is of that size."""
 
@@ -193,14 +195,17 @@ def hole_and_string(scene: Scene, model: DiscreteModel, bit_depth: float | None 
     weight = (np.zeros(middle.size) if gravity is None else line_weight(gravity, model))[:, None] * down
     tangent = np.tile([0.0, 0.0, 1.0], (middle.size, 1)) if axis is None else axis.tangent
     along = -np.sum(weight * tangent, axis=1)
-    bend = np.zeros((middle.size, 3)) if axis is None else axis.curvature[:, None] * axis.normal
+    within = depth[:, None] + length[:, None] * ((np.arange(SAMPLES) + 0.5) / SAMPLES - 0.5)
+    inner = axis_at(scene, within.ravel())
+    bends = np.zeros((within.size, 3)) if inner is None else inner.curvature[:, None] * inner.normal
+    bend = bends.reshape(-1, SAMPLES, 3).mean(axis=1)
     contact = contact_radius(scene, 0.5 * (rod.arc[1:] + rod.arc[:-1]))
     hole = contact + model.wellbore.clearance.reshape(-1, 2).mean(axis=1)  # radius, from the bottom up
     own_depth = scene.length - 0.5 * (rod.arc[1:] + rod.arc[:-1])
     parts = HoleAndString(
         length, along, weight + along[:, None] * tangent, bend, rod.bending,
         contact, np.interp(depth, own_depth[::-1], hole[::-1]) - contact,
-        np.zeros(middle.size) if friction is None else friction.coefficient * friction.scale_at(depth),
+        np.zeros(middle.size) if friction is None else friction.coefficient * friction.scale_at(within).mean(axis=1),
     )  # fmt: skip
     return HoleAndString(*(part[inside] for part in parts))
 
