@@ -134,9 +134,9 @@ class Criteria(NamedTuple):
     """Synchronous onset: smallest ratio of that radius to its smallest value so far."""
     synchronous_share: float = 0.8
     """Synchronous onset: smallest share of the synchronous part in the rms radius of the motion about the offset."""
-    synchronous_share_low_side: float = 0.9
-    """The same for a mark on one side of an inclined hole: a swing at the pace of the rotation has up to 0.71, and more
-    by chance."""
+    synchronous_over_swing: float = 2.0
+    """Synchronous onset on one side of an inclined hole: smallest ratio of that radius to the rms radius of the swing,
+    which looks synchronous where the rotation is as slow, as in stick-slip."""
     separation_memory: float = 6.0
     """Memory of offset and synchronous part [rev]."""
     separation_memory_in_whirl: float = 24.0

@@ -81,10 +81,10 @@ def watch_synchronous(
     found = False
     for k in range(onsets.active.size):
         radius, share = orbit.synchronous[k], orbit.synchronous_share[k]
-        least = criteria.synchronous_share_low_side if swing[k] > 0.0 else criteria.synchronous_share
         threshold = np.maximum(criteria.synchronous_radius, criteria.synchronous_growth * onsets.smallest[k])
-        grown = radius > threshold and share > least
-        held = radius > RELEASE * threshold and share > RELEASE * least
+        grown = radius > threshold and share > criteria.synchronous_share
+        grown = grown and radius > criteria.synchronous_over_swing * swing[k]
+        held = radius > RELEASE * threshold and share > RELEASE * criteria.synchronous_share
         onsets.active[k] = grown or (onsets.active[k] and held)
         onsets.smallest[k] = np.minimum(onsets.smallest[k], radius)
         onsets.threshold[k] = threshold
