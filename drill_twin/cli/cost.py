@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -117,20 +118,15 @@ def _tolerances(curve: Curve) -> Table:
 
 
 def _table(curve: Curve) -> Table:
+    def errors(of: MotionErrors) -> Iterator[str]:
+        return (_share(getattr(of, name)) for name in ("path", "onset", "frequency", "radius", "contact"))
+
     rows = [
-        (
-            one.resolution.form, str(one.resolution.elements), f"{one.resolution.step * 1e3:.2g}",
-            _share(one.errors.path), _share(one.errors.onset), _share(one.errors.frequency), _share(one.errors.radius),
-            _share(one.errors.contact), f"{one.cost * 1e3:.3g}", f"{one.realtime_factor:.0f}",
-            f"{one.frame_p95 * 1e6:.0f}",
-        )
+        (one.resolution.form, str(one.resolution.elements), f"{one.resolution.step * 1e3:.2g}", *errors(one.errors),
+         f"{one.cost * 1e3:.3g}", f"{one.realtime_factor:.0f}", f"{one.frame_p95 * 1e6:.0f}")
         for one in curve.front
     ]  # fmt: skip
-    noise = curve.noise
-    rows.append((
-        "spread", "", "", _share(noise.path), _share(noise.onset), _share(noise.frequency),
-        _share(noise.radius), _share(noise.contact), "", "", "",
-    ))  # fmt: skip
+    rows.append(("spread", "", "", *errors(curve.noise), "", "", ""))
     columns = ("form", "el.", "step", "path", "onset", "whirl", "orbit", "wall", "ms/s", "× rt", "p95")
     compiling = max(one.compile_seconds for one in curve.runs)
     title = (

@@ -116,7 +116,8 @@ def ablate(
         keys = [
             (group, seed) for seed in range(replicas) for group in left_out
         ]  # each kernel is compiled by one worker
-        jobs = {(group, seed): (scene, {**overrides, **_off(group)}, seed, folder) for group, seed in keys}
+        off = {group: dict.fromkeys((f"effects.{key}" for key in group), "off") for group in left_out}
+        jobs = {(group, seed): (scene, {**overrides, **off[group]}, seed, folder) for group, seed in keys}
         done = run_jobs(
             cached_run, jobs, workers, done=lambda key, _: progress(name + (", ".join(key[0]) or "nothing"))
         )
@@ -127,19 +128,15 @@ def ablate(
     if isinstance(baseline, str):
         raise RunError(f"the scene with all its effects cannot be run: {baseline}")
     changes = [_change(group, baseline, trials, tolerance) for group, trials in results.items()]
-    left_out = _not_needed(effects, changes)
+    left_out = _without(effects, {change.left_out[0] for change in changes if change.needed or change.unknown})
     while True:
         reduced = _change(left_out, baseline, run([left_out], "all of ")[left_out] if left_out else baseline, tolerance)
         if not left_out or not (reduced.needed or reduced.unknown):
             break
-        left_out = _restore_one(left_out, changes)
+        candidates = [change for change in changes if change.left_out[0] in left_out]  # may matter together
+        left_out = _without(left_out, {max(candidates, key=lambda change: change.size).left_out[0]})
     kept = tuple(key for key in effects if key not in left_out)
     return Ablation(scene, effects, tolerance, replicas, baseline, tuple(changes), kept, reduced)
-
-
-def _off(group: Group) -> dict[str, str]:
-    """Changes to a scene that leave the effects of a group out."""
-    return {f"effects.{key}": "off" for key in group}
 
 
 def _trials(runs: list[Motion | str]) -> tuple[Trial, ...] | str:
@@ -164,17 +161,6 @@ def _saved(before: tuple[Trial, ...], after: tuple[Trial, ...], name: str) -> fl
     first: float = min(getattr(trial, name) for trial in before)
     second: float = min(getattr(trial, name) for trial in after)
     return 1.0 - second / first
-
-
-def _not_needed(effects: tuple[str, ...], changes: list[Change]) -> tuple[str, ...]:
-    """Effects that the scene does not need and that no needed effect requires."""
-    return _without(effects, {change.left_out[0] for change in changes if change.needed or change.unknown})
-
-
-def _restore_one(left_out: tuple[str, ...], changes: list[Change]) -> tuple[str, ...]:
-    """Restore the effect with the largest change: effects may matter together that alone do not."""
-    candidates = [change for change in changes if change.left_out[0] in left_out]
-    return _without(left_out, {max(candidates, key=lambda change: change.size).left_out[0]})
 
 
 def _without(effects: tuple[str, ...], wanted: set[str]) -> tuple[str, ...]:

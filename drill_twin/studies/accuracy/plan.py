@@ -7,6 +7,8 @@ import time
 from collections.abc import Callable
 from dataclasses import dataclass
 
+import numpy as np
+
 from drill_twin.core.errors import SceneError
 from drill_twin.dynamics.solver.state import ITERATIONS
 from drill_twin.dynamics.twin.twin import Twin
@@ -142,34 +144,19 @@ def expected_seconds(scene: Scene, iterations: float, duration: float) -> float:
     twin, (commands, period) = Twin(scene), planned(scene, duration)
     twin.load()
     rows, record = twin.record(PROBED, nodes=False), twin.record(PROBED)
-    plain, recorded = _Effort(), _Effort()
+    plain, recorded = np.zeros(3), np.zeros(3)  # processor time [s], Newton iterations, blocks of frames
     began = time.thread_time()
     for first in range(0, len(commands) - 2 * PROBED, 2 * PROBED):
         busy = time.thread_time()
         twin.advance_frames(commands[first : first + PROBED], period, rows)
-        plain.add(time.thread_time() - busy, float(rows.frames.counted[:, ITERATIONS].sum()))
+        plain += time.thread_time() - busy, rows.frames.counted[:, ITERATIONS].sum(), 1.0
         busy = time.thread_time()
         frames, error = twin.fill(record, commands[first + PROBED : first + 2 * PROBED], period)
-        recorded.add(time.thread_time() - busy, frames.stats.iterations)
+        recorded += time.thread_time() - busy, frames.stats.iterations, 1.0
         if error is not None:
             raise error
         if time.thread_time() - began > PROBE:
             break
-    of_iteration = plain.seconds / max(plain.iterations, 1.0)
-    of_frame = max(0.0, recorded.seconds - of_iteration * recorded.iterations) / max(recorded.blocks * PROBED, 1)
-    return of_iteration * iterations + of_frame * len(commands)
-
-
-@dataclass
-class _Effort:
-    """Effort of blocks of frames."""
-
-    seconds: float = 0.0
-    iterations: float = 0.0
-    blocks: int = 0
-
-    def add(self, seconds: float, iterations: float) -> None:
-        """Add a block."""
-        self.seconds += seconds
-        self.iterations += iterations
-        self.blocks += 1
+    of_iteration = plain[0] / max(plain[1], 1.0)
+    of_frame = max(0.0, recorded[0] - of_iteration * recorded[1]) / max(recorded[2] * PROBED, 1.0)
+    return float(of_iteration * iterations + of_frame * len(commands))
