@@ -7,6 +7,7 @@ A node refuses to start on a parameter of the wrong type, out of range or misspe
 from __future__ import annotations
 
 import difflib
+import json
 import math
 import textwrap
 from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -194,16 +195,12 @@ def file_text(name: str, purpose: str, table: Sequence[Parameter]) -> str:
         live = " Live." if parameter.live else ""
         comment = f"{_sentence(parameter.description)}. {_sentence(parameter.expected())}.{live}"
         lines += textwrap.wrap(comment, 113, initial_indent="    # ", subsequent_indent="    # ")
-        lines += [f"    {parameter.name}: {_yaml(parameter.default)}", ""]
+        lines += [f"    {parameter.name}: {json.dumps(parameter.default)}", ""]
     return "\n".join(lines[:-1]) + "\n"
 
 
 def _sentence(text: str) -> str:
     return text[:1].upper() + text[1:]
-
-
-def _yaml(value: Value) -> str:
-    return f'"{value}"' if isinstance(value, str) else f"{value}".lower()
 
 
 def help_text(name: str, purpose: str, table: Sequence[Parameter]) -> str:
@@ -218,7 +215,7 @@ def help_text(name: str, purpose: str, table: Sequence[Parameter]) -> str:
     for parameter in table:
         expected = f"{parameter.expected()}; {'live' if parameter.live else 'read at the start'}"
         lines += [
-            f"  {parameter.name} = {_yaml(parameter.default)}",
+            f"  {parameter.name} = {json.dumps(parameter.default)}",
             f"      {parameter.description}",
             f"      {expected}",
         ]

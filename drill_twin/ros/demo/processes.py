@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 import signal
 import subprocess
@@ -29,7 +30,9 @@ class Child:
     def __init__(self, node: str, parameters: Mapping[str, object], environment: Mapping[str, str], log: Path) -> None:
         self.node = node
         self.log = log
-        arguments = [word for name, value in parameters.items() for word in ("-p", f"{name}:={_yaml(value)}")]
+        # JSON is YAML; a text is quoted, as it may look like a number.
+        given = {name: json.dumps(value, ensure_ascii=False) for name, value in parameters.items()}
+        arguments = [word for name, text in given.items() for word in ("-p", f"{name}:={text}")]
         command = [sys.executable, "-m", "drill_twin.ros", node, "--ros-args", *arguments]
         with log.open("wb") as stream:
             self._process = subprocess.Popen(
@@ -81,16 +84,6 @@ class Child:
             raise RunError(
                 f"{self.node} ended with exit code {self.exit_code}; the end of {self.log}:\n{self.log_tail()}"
             )
-
-
-def _yaml(value: object) -> str:
-    """Value of a parameter in the syntax of `-p name:=value`; a text is quoted, as it may look like a number."""
-    if isinstance(value, bool):
-        return str(value).lower()
-    if isinstance(value, str):
-        escaped = value.replace("\\", "\\\\").replace('"', '\\"')
-        return f'"{escaped}"'
-    return str(value)
 
 
 def twin_commands(

@@ -192,7 +192,8 @@ def measure(
         if isinstance(motion, str):
             failures.append(f"{resolution.text}: {motion}")
         else:
-            measured.append(_measured(resolution, motion, reference))
+            costs = motion.cost, 1.0 / motion.cost, motion.frame_p95, motion.compile_seconds, motion.iteration_rate
+            measured.append(MeasuredRun(resolution, compare(motion, reference), *costs))
     if not measured:
         raise SceneError(f"none of the resolutions of {described.name} could be run; the first: {failures[0]}")
     front = pareto_front(measured, lambda run: run.errors.controlled)
@@ -204,18 +205,6 @@ def measure(
         onset_s=None if reference.onset != reference.onset else reference.onset,
         runs=tuple(replace(run, on_front=run in front) for run in sorted(measured, key=lambda run: run.cost)),
         failures=tuple(failures),
-    )
-
-
-def _measured(resolution: Resolution, motion: Motion, reference: Motion) -> MeasuredRun:
-    return MeasuredRun(
-        resolution=resolution,
-        errors=compare(motion, reference),
-        cost=motion.cost,
-        realtime_factor=1.0 / motion.cost,
-        frame_p95=motion.frame_p95,
-        compile_seconds=motion.compile_seconds,
-        iterations=motion.iteration_rate,
     )
 
 

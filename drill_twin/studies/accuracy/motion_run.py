@@ -99,11 +99,13 @@ class Motion:
             np.savez(stream, **arrays)
 
     @staticmethod
-    def load(path: Path) -> Motion:
-        """Read a motion that was saved."""
-        with np.load(path, allow_pickle=False) as file:
-            plain = {name: file[name] if file[name].ndim else file[name].item() for name in file.files}
-        return Motion(**plain)
+    def load(path: Path) -> Motion | None:
+        """Read a motion that was saved; None where there is none, or its file is cut short, as by a power cut."""
+        try:
+            with np.load(path, allow_pickle=False) as file:
+                return Motion(**{name: file[name] if file[name].ndim else file[name].item() for name in file.files})
+        except (OSError, EOFError, ValueError, TypeError, BadZipFile):
+            return None
 
 
 def run_motion(
@@ -175,18 +177,10 @@ def cached_run(scene: str, overrides: dict[str, str], seed: int | None, folder: 
         described = load_scene(scene, overrides=overrides)
         key = hashlib.sha256(f"{described.to_yaml()}{seed}{__version__}{FORMAT}".encode()).hexdigest()[:16]
         path = folder / f"{key}.npz"
-        if (cached := _undamaged(path)) is not None:
+        if (cached := Motion.load(path)) is not None:
             return cached
         motion = run_motion(described, seed)
         motion.save(path)
     except DrillTwinError as error:
         return str(error)
     return motion
-
-
-def _undamaged(path: Path) -> Motion | None:
-    """A cached run; None where there is none, or where its file is cut short, as by a power cut."""
-    try:
-        return Motion.load(path)
-    except (OSError, EOFError, ValueError, TypeError, BadZipFile):
-        return None
