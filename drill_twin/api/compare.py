@@ -238,15 +238,16 @@ def page(
     differing = sum(of.differs(tolerance) for of in ordered)
     parts = (("What differs", ordered[:differing]), ("What does not", ordered[differing:]))
     tables = "".join(
-        f"<h2>{title}</h2><section>{_table(names, rows, units)}</section>" for title, rows in parts if rows
+        f"<h2>{title}</h2><section>{_table(len(names), rows, units)}</section>" for title, rows in parts if rows
     )
+    legend = "<br>".join(escape(f"{chr(ord('A') + case)}: {name}") for case, name in enumerate(names))
     picture = base64.b64encode(figure.read_bytes()).decode()
     style = files("drill_twin.report").joinpath("assets", "page.css").read_text("utf-8")
     return (
         '<!DOCTYPE html>\n<html lang="en"><head><meta charset="utf-8">'
         '<meta name="viewport" content="width=device-width, initial-scale=1"><title>drill_twin: comparison</title>'
         f'<link rel="icon" href="data:,"><style>{style}</style></head>\n<body><main>'
-        f"<h1>{escape(' and '.join(names))}</h1>"
+        f"<h1>Comparison</h1><p>{legend}</p>"
         f'<p class="lead">Differences of more than {100.0 * tolerance:g} % first; numbers of runs are of their second '
         "half.</p>"
         f"{''.join(f'<p>{escape(note)}</p>' for note in notes)}"
@@ -259,9 +260,9 @@ def page(
     )
 
 
-def _table(names: Sequence[str], rows: Sequence[ComparedQuantity], units: UnitSystem) -> str:
+def _table(cases: int, rows: Sequence[ComparedQuantity], units: UnitSystem) -> str:
     cells = (
-        (Column(of.name, units.in_unit(of.unit)[1]).title, *(of.text(case, units) for case in range(len(names))))
+        (Column(of.name, units.in_unit(of.unit)[1]).title, *(of.text(case, units) for case in range(cases)))
         for of in rows
     )
-    return Table(("", *names), cells).html()
+    return Table(("", *(chr(ord("A") + case) for case in range(cases))), cells, right=range(1, 1 + cases)).html()

@@ -120,8 +120,8 @@ class Table:
         Args:
             named: The first cell of a row is its name.
         """
-        head = "".join(f"<th>{escape(column.title)}</th>" for column in self.columns)
         kinds = [' class="number"' if of.right else ' class="name"' if of.whole else "" for of in self.columns]
+        head = "".join(f"<th{kind}>{escape(of.title)}</th>" for of, kind in zip(self.columns, kinds, strict=True))
         body = "".join(
             "<tr>"
             + "".join(
