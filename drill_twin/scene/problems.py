@@ -85,7 +85,7 @@ def _explanation(detail: ErrorDetails, place: Path, model: type[BaseModel]) -> s
 
 
 def _expected(model: type[BaseModel], place: Path) -> str:
-    field = _field(model, place)
+    field = _followed(model, place)[0]
     for part in field.metadata if field else ():
         if isinstance(part, Quantity):
             return part.dimension.expected
@@ -99,22 +99,19 @@ def _expected(model: type[BaseModel], place: Path) -> str:
 
 def _keys(model: type[BaseModel], place: Path) -> list[str]:
     """Valid keys of the block at a place."""
-    inside: type[BaseModel] | None = model
-    for part in place:
-        if isinstance(part, str) and inside:
-            field = inside.model_fields.get(part)
-            inside = _model(field.annotation) if field else None
+    inside = _followed(model, place)[1]
     return list(inside.model_fields) if inside else []
 
 
-def _field(model: type[BaseModel], place: Path) -> FieldInfo | None:
+def _followed(model: type[BaseModel], place: Path) -> tuple[FieldInfo | None, type[BaseModel] | None]:
+    """Field at a place, and the block in it."""
     inside: type[BaseModel] | None = model
     field: FieldInfo | None = None
     for part in place:
         if isinstance(part, str):
             field = inside.model_fields.get(part) if inside else None
             inside = _model(field.annotation) if field else None
-    return field
+    return field, inside
 
 
 def _model(annotation: Any) -> type[BaseModel] | None:
