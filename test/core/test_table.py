@@ -65,7 +65,7 @@ def test_csv_has_the_numbers_as_they_are():
 
 def test_html_escapes_and_aligns():
     text = TABLE.html()
-    assert '<thead><tr><th>mark</th><th class="number">radius [mm]</th><th>motion</th></tr></thead>' in text
+    assert '<tr><th class="name">mark</th><th class="number">radius [mm]</th><th>motion</th></tr></thead>' in text
     assert '<tr><th>bit|1</th><td class="number">36.25</td><td>spiral</td></tr>' in text
     assert "at &lt;rest&gt;" in text
     assert '<td class="name">bit|1</td>' in TABLE.html(named=False)
