@@ -13,14 +13,7 @@ import numpy as np
 from drill_twin.core.errors import MessageError
 from drill_twin.core.rig_channels import channel_of, field_of
 from drill_twin.core.units import Dimension
-from drill_twin.core.units.dimension import (
-    ACCELERATION,
-    ANGULAR_SPEED,
-    DIMENSIONLESS,
-    FORCE,
-    LENGTH,
-    TIME,
-)
+from drill_twin.core.units.dimension import ACCELERATION, ANGULAR_SPEED, DIMENSIONLESS, FORCE, LENGTH, TIME
 from drill_twin.dynamics.sensors.subs import SUMMARY
 from drill_twin.io.messages.decode import JointState, PoseArray
 from drill_twin.io.messages.good_samples import GoodSamples

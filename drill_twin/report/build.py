@@ -36,11 +36,7 @@ def _ignore(part: str) -> None:
 
 
 def build_report(
-    bag: Recording | str | Path,
-    out_dir: str | Path,
-    *,
-    states: bool = False,
-    progress: Callable[[str], None] = _ignore,
+    bag: Recording | str | Path, out_dir: str | Path, *, states: bool = False, progress: Callable[[str], None] = _ignore
 ) -> ReportFiles:
     """Write `report.html`, `summary.json` and the figures; older files of these names are replaced.
 

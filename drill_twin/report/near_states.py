@@ -66,12 +66,7 @@ def near_states(bag: Recording, summary: dict[str, Any]) -> dict[str, Any]:
         "rotation_rev_s": command.rotation / math.tau,
         "axis_growth_per_s": float(axis),
         "states": [
-            {
-                "kind": state.kind,
-                "frequency_hz": state.frequency,
-                "ratio": state.ratio,
-                **state.stability(),
-            }
+            {"kind": state.kind, "frequency_hz": state.frequency, "ratio": state.ratio, **state.stability()}
             for state in states
         ],
         "findings": findings,

@@ -89,10 +89,7 @@ def bag_information(
     times_of_all = [(start, end) for _, start, end, count in files if count] or [(0, 0)]
 
     def times(start: int, end: int) -> dict[str, Any]:
-        return {
-            "starting_time": {"nanoseconds_since_epoch": start},
-            "duration": {"nanoseconds": max(end - start, 0)},
-        }
+        return {"starting_time": {"nanoseconds_since_epoch": start}, "duration": {"nanoseconds": max(end - start, 0)}}
 
     return {
         "version": 9,

@@ -228,13 +228,7 @@ _ROWS = (
         "health of each node: real-time factor, time of a frame, guard events, age of the command, refused input, "
         "messages unread and dropped",
     ),
-    Topic(
-        CLOCK_TOPIC,
-        CLOCK,
-        "simulator",
-        _FULL_RATE,
-        "simulated time, at every pace",
-    ),
+    Topic(CLOCK_TOPIC, CLOCK, "simulator", _FULL_RATE, "simulated time, at every pace"),
 )
 
 _SUB = "SUB"
