@@ -141,10 +141,7 @@ def _first_crossing(weights: Array, growth: Array) -> float:
 
 
 def growth_map(
-    equations: EquationsOfMotion,
-    weights: Array,
-    speeds: Array,
-    progress: Callable[[int], None] | None = None,
+    equations: EquationsOfMotion, weights: Array, speeds: Array, progress: Callable[[int], None] | None = None
 ) -> GrowthMap:
     """Compute the map on a basis of undamped modes of each load.
 

@@ -12,10 +12,7 @@ from drill_twin.scene import Scene, load_scene
 SCENE = Parameter("scene", "pa6_bench", "scene: an installed one by name, or the path of a scene file")
 _LINE_PERIOD = 10.0  # s between two lines of progress
 OVERRIDES = Parameter(
-    "overrides",
-    "",
-    'changes to the scene as KEY=VALUE, separated by ";"',
-    such_as="hole.radius=80 mm; effects.bow=off",
+    "overrides", "", 'changes to the scene as KEY=VALUE, separated by ";"', such_as="hole.radius=80 mm; effects.bow=off"
 )
 
 

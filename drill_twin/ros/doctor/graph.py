@@ -19,13 +19,7 @@ from drill_twin.core.errors import MessageError
 from drill_twin.io.bag.reader import ends_of
 from drill_twin.io.messages.decode import read_clock
 from drill_twin.io.messages.diagnostics import Level, Status, decode_diagnostics
-from drill_twin.io.messages.topics import (
-    CLOCK_TOPIC,
-    DIAGNOSTICS,
-    RPS_COMMAND,
-    TOPICS,
-    WOB_COMMAND,
-)
+from drill_twin.io.messages.topics import CLOCK_TOPIC, DIAGNOSTICS, RPS_COMMAND, TOPICS, WOB_COMMAND
 from drill_twin.ros.core.graph import NOT_NAMED_YET, full_name, unmet
 from drill_twin.ros.core.topics import message_class, quality
 from drill_twin.ros.doctor.installation import Check, Verdict

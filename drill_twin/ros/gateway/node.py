@@ -210,10 +210,7 @@ class Gateway(TwinNode):
             **self._quantities.samples.values(),
         }
         if command is not None:
-            values |= {
-                "weight_on_bit": f"{command.weight_on_bit:g}",
-                "speed_rev_s": f"{command.rotation / math.tau:g}",
-            }
+            values |= {"weight_on_bit": f"{command.weight_on_bit:g}", "speed_rev_s": f"{command.rotation / math.tau:g}"}
         if self._rig is not None:
             values |= self._rig.values()
         level, text = self._verdict(stale, present=bool(present))

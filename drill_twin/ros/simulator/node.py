@@ -163,10 +163,7 @@ class Simulator(TwinNode):
             run.resume(settings.checkpoint)
         run.loop.announce()
         self.topics.subscribe_raw(RIG_COMMAND, run.commands.on_command)
-        for topic, received in (
-            (WOB_COMMAND, run.commands.on_weight_on_bit),
-            (RPS_COMMAND, run.commands.on_speed),
-        ):
+        for topic, received in ((WOB_COMMAND, run.commands.on_weight_on_bit), (RPS_COMMAND, run.commands.on_speed)):
             self.topics.subscribe(topic, received, malformed=run.commands.malformed)
         run.apply_settings()
         offer(self, control)

@@ -135,11 +135,7 @@ class SimulatorRun:
         self._node = node
         period = frame_period(frame_rate)
         self.loop = RunLoop(
-            scene,
-            period,
-            node.topics.publish,
-            pace=node.settings.pace,
-            frame_prefix=node.settings.frame_prefix,
+            scene, period, node.topics.publish, pace=node.settings.pace, frame_prefix=node.settings.frame_prefix
         )
         self.commands = CommandInput(node, scene, self.loop.first, lambda: self.loop.twin.time)
         self.pacer, self._look = Pacer(period), Tick(_LOOK)
