@@ -79,17 +79,6 @@ class Trial(NamedTuple):
     """Growth of the lateral mode that grows fastest, with this change; None: not known, or the repeat whirls."""
 
 
-class _Plan(NamedTuple):
-    """A repeat that is to be run."""
-
-    less: str
-    """Set-point or friction of which it has less; empty for an effect that is taken back."""
-    change: str
-    scene: Scene
-    weight: float = 1.0
-    speed: float = 1.0
-
-
 class Repeats:
     """Repeats and modes of one run."""
 
@@ -129,9 +118,9 @@ class Repeats:
             self.unknown_modes = str(error)
             return None
 
-    def plans(self) -> list[_Plan]:
-        """Each effect of the scene, then less of weight, speed and wall friction."""
-        found = [_Plan("", change, scene) for change, of in _EFFECTS.items() if (scene := self.scaled(of))]
+    def plans(self) -> list[tuple[str, str, Scene, float, float]]:
+        """Repeats: what has less (empty for an effect), the change in words, scene, shares of weight and of speed."""
+        found = [("", change, scene, 1.0, 1.0) for change, of in _EFFECTS.items() if (scene := self.scaled(of))]
         for name in ("weight", "speed", "wall friction"):
             held = {"weight": self.command.weight_on_bit, "speed": self.command.rotation}.get(name, 1.0)
             for less in LESS if held else ():
@@ -141,18 +130,18 @@ class Repeats:
                 told = self.units.set_point(weight * self.command.weight_on_bit, speed * self.command.rotation)
                 if scene:
                     change = f"at {less:g} of the {name}{'' if of_friction else f' ({told})'}"
-                    found.append(_Plan(name, change, scene, weight, speed))
+                    found.append((name, change, scene, weight, speed))
         return found
 
     def trials(self) -> Iterator[Trial]:
         """Repeats after `plans`; the second share only where the first does not end the whirl."""
         plans, ended = self.plans(), set()
-        for done, plan in enumerate(plans):
-            if plan.less not in ended:
-                self.progress(f"repeat {plan.change}", done, len(plans))
-                yield (trial := self.trial(plan))
-                if plan.less and trial.ends_whirl:
-                    ended.add(plan.less)
+        for done, (less, change, scene, weight, speed) in enumerate(plans):
+            if less not in ended:
+                self.progress(f"repeat {change}", done, len(plans))
+                yield (trial := self.trial(change, scene, weight, speed, of_effects=not less))
+                if less and trial.ends_whirl:
+                    ended.add(less)
 
     def scaled(self, shares: Mapping[str, float]) -> Scene | None:
         """The scene with shares of numbers of its effects; None where it has none of them."""
@@ -164,9 +153,8 @@ class Repeats:
         }
         return override(self.scene, values) if values else None
 
-    def trial(self, plan: _Plan) -> Trial:
+    def trial(self, change: str, scene: Scene, weight: float, speed: float, *, of_effects: bool) -> Trial:
         """A repeat with shares of weight and speed, and further ones beside it where it ends the whirl."""
-        less, change, scene, weight, speed = plan
         try:
             played = self.played(scene, weight, speed)
             growth, found = None, played.summary
@@ -183,8 +171,8 @@ class Repeats:
                 shares = ", ".join(f"{share:g}" for share in self.whirls_beside)
                 outcome += f" ({sum(beside)} of {len(beside)} at {shares} of the speed)" if beside else " (one repeat)"
         except RunError as error:
-            return Trial(change, not less, False, f"could not be followed: {error}", "", None, None)
-        return Trial(change, not less, ends, outcome, found["lasting_motion"], found["whirl_frequency_hz"], growth)
+            return Trial(change, of_effects, False, f"could not be followed: {error}", "", None, None)
+        return Trial(change, of_effects, ends, outcome, found["lasting_motion"], found["whirl_frequency_hz"], growth)
 
     def played(self, scene: Scene, weight: float, speed: float) -> Result:
         """Run of a scene under shares of the recorded weight and speed.

@@ -142,14 +142,8 @@ def response_figure(response: ForcedResponse, table: ModeTable, scene: Scene) ->
             "linear; pale: beyond the clearance, where the wall limits it",
         )
         panels = figure.subplots(2 if touching else 1, 2, sharex=True, sharey="row", squeeze=False)
-        figure.subplots_adjust(
-            left=0.085,
-            right=0.98,
-            top=0.8 if touching else 0.7,
-            bottom=0.1 if touching else 0.16,
-            wspace=0.06,
-            hspace=0.42,
-        )
+        top, bottom = (0.8, 0.1) if touching else (0.7, 0.16)
+        figure.subplots_adjust(left=0.085, right=0.98, top=top, bottom=bottom, wspace=0.06, hspace=0.42)
         for k, cause in enumerate(causes):
             for i, label in enumerate([*names, "largest of the assembly"]):
                 colour = INK if i == len(names) else MARK_COLOURS[i % len(MARK_COLOURS)]

@@ -45,7 +45,7 @@ def test_weight_and_speed_at_the_onset_are_those_of_the_ramp():
     turns = float(run.rig.top_drive_speed[before].mean())
     assert repeats.at_onset.endswith(f"at {repeats.units.text(turns, 'rotation')}")
     assert turns < 0.9 * repeats.command.rotation
-    plans = [plan.change.split(" (")[0] for plan in repeats.plans()]
+    plans = [plan.split(" (")[0] for _, plan, *_ in repeats.plans()]
     assert plans[:2] == ["without internal damping", "without wall friction"]
     assert plans[-1] == "at 0.5 of the wall friction"
 
