@@ -236,15 +236,16 @@ def ends(
     """
     fall = criteria.release_radius / criteria.onset_radius
     bins, end, any_ends = bins_in(history, criteria.sweep_window), end_of(history), False
+    clock, first = history.clock, end - bins
+    long = not clock[end - 1, REVOLUTIONS] - clock[first, REVOLUTIONS] < criteria.sweep_window - 0.5
+    landed = long and clock[first, REVOLUTIONS] > criteria.falling_time
     for k in range(onsets.active.size):
         onsets.swing[k] = 0.0
-        if onsets.inclined[k] and keeps_to_one_side(history, arm[k], k, bins):
+        if landed and onsets.inclined[k] and keeps_to_one_side(history, arm[k], k, bins):
             swing, noise = swing_radius(history, k, bins, 0) / averaged.clearance[k], averaged.noise.level[k]
             onsets.swing[k] = math.sqrt(max(swing * swing - 2.0 * noise * noise, 0.0))
     if not onsets.active.any():
         return False
-    clock, first = history.clock, end - bins
-    long = not clock[end - 1, REVOLUTIONS] - clock[first, REVOLUTIONS] < criteria.sweep_window - 0.5
     for k in range(onsets.active.size):
         least = fall * averaged.threshold[k]
         onsets.small[k] = orbit.window_radius[k] < least or orbit.radius[0, k] < 0.5 * fall * averaged.threshold[k]
