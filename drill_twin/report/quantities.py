@@ -95,10 +95,8 @@ def applied(bag: Recording) -> dict[str, dict[str, float] | None]:
     """Statistics of weight on bit [N] and rotation of the top drive [rad/s] from `settled_from` on."""
     rig = bag.rig
     late = rig.time >= settled_from(bag)
-    return {
-        "weight_on_bit_n": _statistics(rig.bit_force[late]),
-        "rotation_rad_s": _statistics(rig.top_drive_speed[late]),
-    }
+    weight, speed = (_statistics(series[late]) for series in (rig.bit_force, rig.top_drive_speed))
+    return {"weight_on_bit_n": weight, "rotation_rad_s": speed}
 
 
 def string_weight(scene: Scene) -> float:

@@ -126,8 +126,8 @@ def response_figure(response: ForcedResponse, table: ModeTable, scene: Scene) ->
     """
     command, units = table.balance.command, scene.unit_system
     turns = units.show(response.speeds, "rotation")
-    offset, bend, joint = units.text(OFFSET, "offset"), units.text(BEND, "offset"), units.text(JOINT, "length")
-    causes = (f"mass centre {offset} off", f"lowest joint bent by {bend} in {joint}")
+    offset, bend = (units.text(size, "offset", ".2g") for size in (OFFSET, BEND))
+    causes = (f"mass centre {offset} off", f"lowest joint bent by {bend} in {units.text(JOINT, 'length')}")
     names = [f"{mark}, {units.text(at, 'length')}" for mark, at in response.marks.items()]
     assembly = scene.length if table.assembly is None else table.assembly.extent.assembly
     gaps = [scene.clearance_at(at) for at in (*response.marks.values(), *np.linspace(0.0, assembly, PLACES))]

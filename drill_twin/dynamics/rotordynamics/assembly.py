@@ -127,8 +127,7 @@ class Assembly:
             return system
         slope = self.u[:, 3:6]
         size = np.linalg.norm(slope, axis=1)
-        turn = np.stack([-slope[:, 1], slope[:, 0], np.zeros_like(size)], axis=1)
-        turn /= (size * (size + slope[:, 2]))[:, None]
+        turn = np.cross([0.0, 0.0, 1.0], slope) / (size * (size + slope[:, 2]))[:, None]
         turn[0] = self.frame.bit @ turn[0]
         blocks = system.tangents.reshape(3, size.size, SPIN + 1, 3, SPIN + 1).copy()
         for k, near in enumerate((np.roll(turn, 1, axis=0), turn, np.roll(turn, -1, axis=0))):
