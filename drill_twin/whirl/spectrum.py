@@ -121,14 +121,7 @@ def two_sided_spectrum(time: Array, z: ComplexArray, *, segment: float | None = 
     from scipy import signal  # imported where it is needed, since it takes two seconds
 
     frequency, power = signal.welch(
-        even,
-        rate,
-        "hann",
-        nperseg=length,
-        nfft=padded,
-        detrend="constant",
-        return_onesided=False,
-        scaling="spectrum",
+        even, rate, "hann", nperseg=length, nfft=padded, detrend="constant", return_onesided=False, scaling="spectrum"
     )
     order = np.argsort(frequency)
     return Spectrum(frequency[order], np.sqrt(power[order]), 1.5 * rate / length)
@@ -224,9 +217,7 @@ def precession_record(
     known = np.isfinite(ratio) & np.isfinite(precession) & (radius > 0.0)
     mean = float(np.average(ratio[known], weights=radius[known])) if known.any() else None
     return PrecessionRecord(
-        _interval(time[known], precession[known], radius[known], abs(rotation)),
-        mean,
-        _lines(time, centre, rotation),
+        _interval(time[known], precession[known], radius[known], abs(rotation)), mean, _lines(time, centre, rotation)
     )
 
 

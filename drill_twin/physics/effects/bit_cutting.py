@@ -60,8 +60,7 @@ class BitCutting(EffectConfig):
     rock_stiffness: Annotated[Stiffness, Within(above="0 N/m", at_most="1e12 N/m")] | None = None
     """Stiffness of the rock under the cutters [N/m]; only with a weight set at the top."""
     dispersion: Annotated[
-        Dimensionless,
-        Within(at_least="0", below=f"{MOST_SCATTER!r}", reason="sqrt(3/7), the law's limit"),
+        Dimensionless, Within(at_least="0", below=f"{MOST_SCATTER!r}", reason="sqrt(3/7), the law's limit")
     ] = 0.0
     """Dispersion of the random law about the mean law [-]; 0 = the mean law."""
     seed: Seed = 1

@@ -44,8 +44,7 @@ class BitStabiliser(EffectConfig):
             )
         if self.gauge > diameter:
             yield Incompatibility(
-                ("gauge",),
-                f"expected at most the diameter of the hole ({diameter:.6g} m), found {self.gauge:.6g} m",
+                ("gauge",), f"expected at most the diameter of the hole ({diameter:.6g} m), found {self.gauge:.6g} m"
             )
 
 

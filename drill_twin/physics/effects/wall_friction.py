@@ -196,11 +196,7 @@ def row(
 
 
 def bind(
-    *,
-    arctan: bool = False,
-    sliding: bool = False,
-    stribeck: bool = False,
-    step: bool = False,
+    *, arctan: bool = False, sliding: bool = False, stribeck: bool = False, step: bool = False
 ) -> Callable[..., None]:
     """The load for one law; the branches of the others leave no machine code."""
 

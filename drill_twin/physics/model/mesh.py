@@ -197,9 +197,7 @@ def rod_of(tubes: list[Tube], counts: list[int]) -> Rod:
 
 def part_of(rod: Rod, first: int, last: int) -> Rod:
     """The elements `first` to `last` - 1 of a mesh; views, its arc lengths are those of the whole."""
-    return Rod(
-        *(field if field is rod.spin_shape else field[first : last + (field is rod.arc)] for field in rod),
-    )
+    return Rod(*(field if field is rod.spin_shape else field[first : last + (field is rod.arc)] for field in rod))
 
 
 __all__ = ["POINTS", "Rod", "Tube", "build_rod", "elements_per_section", "part_of", "rod_of", "tube_constants"]

@@ -59,15 +59,7 @@ def length_of(x: float, y: float, z: float) -> float:
 
 @kernel
 def material_strain(
-    rod: Rod,
-    e: int,
-    share: float,
-    first: Array,
-    second: Array,
-    samples: Array,
-    bow: Array,
-    frame: Array,
-    u: Array,
+    rod: Rod, e: int, share: float, first: Array, second: Array, samples: Array, bow: Array, frame: Array, u: Array
 ) -> Triple:
     """Curvature about which the turning material is bent at a section, two components [1/m], and axial strain.
 

@@ -211,12 +211,7 @@ class SweptAngle:
     """Angle swept by a vector in the frame of the hole and in the rotating frame, by halves of the window."""
 
     def __init__(
-        self,
-        vector: ComplexArray,
-        rotation: Array,
-        half: int,
-        angle: Array | None = None,
-        carrier: Array | None = None,
+        self, vector: ComplexArray, rotation: Array, half: int, angle: Array | None = None, carrier: Array | None = None
     ) -> None:
         """Measure the angles of `vector`.
 
