@@ -36,7 +36,7 @@ class MotionState(Enum):
     """No whirl: the asynchronous part is below `onset_radius` or stands (`standing_ratio`), and there is no synchronous
     onset. A bowed string that spins about its bent shape has this state, whether centred or lying on one side."""
     LOW_SIDE_SWING = "swinging on the low side"
-    """In an inclined hole, no whirl: the mark moves to and fro on one side of the hole, with an rms radius above
+    """In an inclined hole, no whirl: the mark moves to and fro on the low side, with an rms radius above
     `onset_radius` (`onset.low_side_swing`)."""
     SYNCHRONOUS_WHIRL = "synchronous whirl"
     """Forced, not self-excited: the part that turns with the string (1x, of unbalance or bow) has grown, by a
@@ -118,8 +118,9 @@ class Criteria(NamedTuple):
     """Onset: duration from the first rotation during which a string in an inclined hole may fall to its low side
     [rev]."""
     rotary: float = 0.5
-    """Low side: smallest rotary coefficient of a whirl on one side of an inclined hole, over `sweep_window` or since it
-    crossed; a swing is below."""
+    """Low side: smallest rotary coefficient of a whirl that stays there, over `side_window`; a swing is below."""
+    side_window: float = 12.0
+    """Low side: duration for which a swing stays there [rev]."""
     sweep_window: float = 6.0
     """Onset: duration within which that angle is swept; otherwise offset or bow have changed, and are estimated anew. A
     whirl that has not swept it in this duration has ended [rev]."""
@@ -135,7 +136,7 @@ class Criteria(NamedTuple):
     synchronous_share: float = 0.8
     """Synchronous onset: smallest share of the synchronous part in the rms radius of the motion about the offset."""
     synchronous_over_swing: float = 2.0
-    """Synchronous onset on one side of an inclined hole: smallest ratio of that radius to the rms radius of the swing,
+    """Synchronous onset on the low side: smallest ratio of that radius to the rms radius of a swing,
     which looks synchronous where the rotation is as slow, as in stick-slip."""
     separation_memory: float = 6.0
     """Memory of offset and synchronous part [rev]."""

@@ -13,7 +13,7 @@ from drill_twin.core.compile.jit import as_python
 from drill_twin.whirl.analyzer_state import AnalyzerState
 from drill_twin.whirl.history import ASYNCHRONOUS, History
 from drill_twin.whirl.onset.asynchronous_onset import INTERVAL, update_candidate, width_for
-from drill_twin.whirl.onset.low_side_swing import keeps_to_one_side, rotary_coefficient, swing_radius
+from drill_twin.whirl.onset.low_side_swing import keeps_to_low_side, rotary_coefficient, swing_radius
 from drill_twin.whirl.onset.threshold_crossing import (
     Crossing,
     Detection,
@@ -69,7 +69,8 @@ class OnsetDetector:
             if whirl is not None:
                 whirls[mark] = whirl
         if whirls or onsets.active.any():  # the string whirls as one: so do the other marks that are displaced
-            whirls |= {mark: self._displaced[mark] for mark in sorted(self._displaced) if mark not in whirls}
+            others = (mark for mark in sorted(self._displaced) if mark not in whirls and not self._swings(mark))
+            whirls |= {mark: self._displaced[mark] for mark in others}
         crossings = [self._start_whirl(mark, whirl) for mark, whirl in whirls.items()]
         onsets.displaced[:] = False
         onsets.displaced[list(self._displaced)] = True
@@ -83,7 +84,7 @@ class OnsetDetector:
         for mark in np.flatnonzero(onsets.active & constant & ~onsets.small).tolist():
             swept = self._swept(mark, bins)
             stands = swept.smallest < self._criteria.least_swept_angle and not swept.steady
-            constant[mark] = stands or self._swings(mark, bins)
+            constant[mark] = stands or self._swings(mark)
         marks: list[int] = np.flatnonzero(onsets.active & (onsets.small | constant)).tolist()
         onsets.active[marks] = onsets.displaced[marks] = False
         onsets.began[marks] = onsets.time[marks] = math.nan
@@ -122,7 +123,7 @@ class OnsetDetector:
         candidate = int(onsets.bin[mark]), begun, float(onsets.noise[mark])
         if self._whirls(swept, mark, since):
             return _Displacement(*candidate, *position, valid_from)
-        if elapsed > criteria.sweep_window and self._swings(mark, since):
+        if elapsed > criteria.sweep_window and self._swings(mark):
             onsets.time[mark] = math.nan
             return None
         turns = swept.smallest >= criteria.least_swept_angle  # as yet too slowly
@@ -189,7 +190,7 @@ class OnsetDetector:
     def _whirls(self, swept: SweptAngle, mark: int, since: int) -> bool:
         """Check that the vector of a mark orbits since so many bins: it does not settle, nor is it synchronous."""
         criteria, history = self._criteria, self._history
-        if swept.smallest < criteria.least_swept_angle or self._swings(mark, since):
+        if swept.smallest < criteria.least_swept_angle or self._swings(mark):
             return False
         window = history.newest(history.bins_in(criteria.orbit_window))
         angle, time = history.angle[window], history.time[window]
@@ -199,18 +200,13 @@ class OnsetDetector:
             return False
         return not (slow or self._inclined[mark]) or swept.in_hole >= criteria.settling_angle
 
-    def _swings(self, mark: int, since: int) -> bool:
-        """Check that a mark stays on one side of an inclined hole and, since so many bins, swings there.
-
-        That is decided after a sweep window; until then it is taken to swing.
-        """
-        history = self._history
-        needed, arm = history.bins_in(self._criteria.sweep_window), complex(self._separation.arm[mark])
-        bins = min(max(since, needed), history.length)
-        if not self._inclined[mark] or not as_python(keeps_to_one_side)(history, arm, mark, bins):
+    def _swings(self, mark: int) -> bool:
+        """Check that a mark in an inclined hole swings on its low side."""
+        history, criteria = self._history, self._criteria
+        bins, arm = history.bins_in(criteria.side_window), complex(self._separation.arm[mark])
+        if not self._inclined[mark] or not as_python(keeps_to_low_side)(history, arm, mark, bins):
             return False
-        position, phasor = history.sample[history.newest(bins), :, mark].T
-        return since < needed or rotary_coefficient(position - arm * phasor, phasor) < self._criteria.rotary
+        return float(as_python(rotary_coefficient)(history, arm, mark, bins)) < criteria.rotary
 
     def _swung(self, mark: int, since: int) -> bool:
         """Check that a mark moved to and fro over the sweep window before the newest bins."""
@@ -218,7 +214,8 @@ class OnsetDetector:
         bins = min(history.bins_in(criteria.sweep_window), history.length - since)
         if bins <= 0:
             return False
-        radius: float = as_python(swing_radius)(history, mark, bins, since)
+        arm = complex(self._separation.arm[mark])
+        radius: float = as_python(swing_radius)(history, arm, mark, bins, since)
         return radius > criteria.onset_radius * float(self._clearance[mark])
 
     def _synchronous(self, swept: SweptAngle, mark: int, since: int) -> bool:

@@ -88,7 +88,7 @@ def criterion_text(
         case MotionState.FIXED_AXIS if row == 0 and abs(ratio) < criteria.standing_ratio:
             return f"{orbit_text}: displaced, and stands there (slower than {criteria.standing_ratio:.3f})"
         case MotionState.LOW_SIDE_SWING:
-            return f"to and fro on one side of the hole, rms radius {100 * swing:.1f} % of the clearance"
+            return f"to and fro on the low side, rms radius {100 * swing:.1f} % of the clearance"
         case MotionState.FIXED_AXIS:
             return f"asynchronous radius {100 * whirl:.1f} %, synchronous {100 * synchronous:.1f} % of the clearance"
         case MotionState.IRREGULAR:

@@ -51,7 +51,7 @@ class Regime(Enum):
     BUCKLED = "buckled without whirl"
     """No whirl, vertical hole: the string is bent by more than `BUCKLED_RADIUS`, and spins about its bent shape."""
     SWING = "swinging on the low side"
-    """No whirl, inclined hole: the string swings across its low side, without stick-slip."""
+    """No whirl, inclined hole: the string swings across its low side, and bit and top drive turn steadily."""
     UNSETTLED = "not settled"
     """No whirl at the end, but a motion that grows, or a whirl that began and ended: a longer run decides."""
     FORWARD = "forward whirl"
@@ -108,8 +108,8 @@ def regime_of(
         return Regime.STICK_SLIP
     if vertical and max(radius_shares, default=0.0) > BUCKLED_RADIUS:
         return Regime.BUCKLED
-    if state is MotionState.LOW_SIDE_SWING:
-        return Regime.SWING
     if torsion.severity >= MODERATE:
         return Regime.VIBRATION
+    if state is MotionState.LOW_SIDE_SWING:
+        return Regime.SWING
     return Regime.UNSETTLED if grows else Regime.SMOOTH

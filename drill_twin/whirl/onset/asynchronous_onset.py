@@ -37,7 +37,7 @@ from drill_twin.core.arrays import Array, ComplexArray, Integers, Mask
 from drill_twin.core.compile.jit import strict_kernel
 from drill_twin.whirl.criteria import Criteria
 from drill_twin.whirl.history import APPENDED, ASYNCHRONOUS, History, bins_in, end_of
-from drill_twin.whirl.onset.low_side_swing import keeps_to_one_side, swing_radius
+from drill_twin.whirl.onset.low_side_swing import keeps_to_low_side, rotary_coefficient, swing_radius
 from drill_twin.whirl.orbit.orbit import Orbit
 from drill_twin.whirl.sample_bins import ANGLE, BINS, REVOLUTIONS, TIME
 
@@ -170,9 +170,9 @@ class Onsets(NamedTuple):
     displaced: Mask  # (m,) has left its steady position
     falling: Mask  # (m,) to the low side, in the first revolutions
     inclined: Mask  # (m,) in an inclined hole
-    swing: Array  # (m,) `swing_radius` of a mark that keeps to one side of an inclined hole, over the clearance; else 0
+    swing: Array  # (m,) `swing_radius` over the clearance of a mark that swings on the low side; else 0
     small: Mask  # (m,) the orbit has become small
-    constant: Mask  # (m,) it has swept no angle, or stays on one side of an inclined hole
+    constant: Mask  # (m,) it has swept no angle, or swings on the low side
 
     @classmethod
     def of(cls, inclined: Mask) -> Onsets:
@@ -237,13 +237,16 @@ def ends(
     fall = criteria.release_radius / criteria.onset_radius
     bins, end, any_ends = bins_in(history, criteria.sweep_window), end_of(history), False
     clock, first = history.clock, end - bins
+    side = bins_in(history, criteria.side_window)
     long = not clock[end - 1, REVOLUTIONS] - clock[first, REVOLUTIONS] < criteria.sweep_window - 0.5
     landed = long and clock[first, REVOLUTIONS] > criteria.falling_time
     for k in range(onsets.active.size):
         onsets.swing[k] = 0.0
-        if landed and onsets.inclined[k] and keeps_to_one_side(history, arm[k], k, bins):
-            swing, noise = swing_radius(history, k, bins, 0) / averaged.clearance[k], averaged.noise.level[k]
-            onsets.swing[k] = math.sqrt(max(swing * swing - 2.0 * noise * noise, 0.0))
+        if landed and onsets.inclined[k] and keeps_to_low_side(history, arm[k], k, side):
+            swing, noise = swing_radius(history, arm[k], k, bins, 0) / averaged.clearance[k], averaged.noise.level[k]
+            swing = math.sqrt(max(swing * swing - 2.0 * noise * noise, 0.0))
+            if swing > criteria.release_radius and rotary_coefficient(history, arm[k], k, side) < criteria.rotary:
+                onsets.swing[k] = swing
     if not onsets.active.any():
         return False
     for k in range(onsets.active.size):

@@ -1,69 +1,101 @@
 # SPDX-License-Identifier: Apache-2.0
 """A string that swings on the low side of an inclined hole, told from one that whirls there.
 
-Both may move far, and neither goes round the hole. The asynchronous motion, a sum of turns exp(i omega t), has power P+
-in the sense of rotation and P- against it. The rotary coefficient |P+ - P-| / (P+ + P-) (Gonella 1972) is 1 for a
-circle, 0 for a swing in a plane, over an arc of the wall, or without order, and 2 p q / (p^2 + q^2) for an ellipse of
-half axes p and q. A motion that stays on one side of the hole, with a coefficient below `Criteria.rotary`, is a swing:
-an ellipse less than 0.27 as wide as long. Over a few revolutions a whirl near the rotation is not told from the
-synchronous part, and is left out with it.
+Both may move far, and neither goes round the hole. The motion of the centre line, without offset, drift and the part
+that turns with the string, is a sum of turns exp(i omega t) with power P+ in one sense and P- in the other. The rotary
+coefficient |P+ - P-| / (P+ + P-) (Gonella 1972) is 1 for a circle, 0 for a swing in a plane, over an arc of the wall,
+or without order, and 2 p q / (p^2 + q^2) for an ellipse of half axes p and q. A motion that stays on the low side, with
+a coefficient below `Criteria.rotary`, is a swing: an ellipse less than 0.27 as wide as long. Over so few revolutions a
+whirl near the rotation is not told from the part that turns with the string, and is left out with it.
 """
 
 from __future__ import annotations
 
 import math
 
-import numpy as np
-
-from drill_twin.core.arrays import ComplexArray
 from drill_twin.core.compile.jit import strict_kernel
-from drill_twin.whirl.history import ASYNCHRONOUS, PHASOR, POSITION, History, end_of
+from drill_twin.whirl.history import PHASOR, POSITION, History, end_of
 from drill_twin.whirl.sample_bins import TIME
 
 
 @strict_kernel
-def keeps_to_one_side(history: History, arm: complex, k: int, bins: int) -> bool:
-    """Check that the centre line at mark k has stayed within 90 degrees of its mean direction over the newest bins."""
-    end, mean = end_of(history), 0j
-    for i in range(end - bins, end):
-        mean += history.complex_part[i, POSITION, k] - arm * history.complex_part[i, PHASOR, k]
-    for i in range(end - bins, end):
-        centre = history.complex_part[i, POSITION, k] - arm * history.complex_part[i, PHASOR, k]
-        if not centre.real * mean.real + centre.imag * mean.imag > 0.0:
-            return False
-    return True
+def _centre(history: History, arm: complex, k: int, i: int) -> complex:
+    """Centre line at mark k [m]."""
+    return complex(history.complex_part[i, POSITION, k] - arm * history.complex_part[i, PHASOR, k])
 
 
 @strict_kernel
-def swing_radius(history: History, k: int, bins: int, newer: int) -> float:
-    """Rms radius [m] of the asynchronous part of mark k about a straight drift, as of a string that settles.
+def keeps_to_low_side(history: History, arm: complex, k: int, bins: int) -> bool:
+    """Check that mark k has stayed within 90 degrees of its mean direction, which is on the low side, +x."""
+    end, mean = end_of(history), 0j
+    for i in range(end - bins, end):
+        mean += _centre(history, arm, k, i)
+    for i in range(end - bins, end):
+        centre = _centre(history, arm, k, i)
+        if not centre.real * mean.real + centre.imag * mean.imag > 0.0:
+            return False
+    return mean.real > 0.0
 
-    Over so many bins before the newest `newer` ones.
-    """
-    end = end_of(history) - newer
-    time, mean, middle, spread = history.clock[:, TIME], 0j, 0.0, 1e-300
-    for i in range(end - bins, end):
-        mean += history.complex_part[i, ASYNCHRONOUS, k] / bins
-        middle += time[i] / bins
-    drift, power = 0j, 0.0
-    for i in range(end - bins, end):
-        moved, since = history.complex_part[i, ASYNCHRONOUS, k] - mean, time[i] - middle
-        drift += since * moved
+
+@strict_kernel
+def _fit(history: History, arm: complex, k: int, first: int, end: int) -> tuple[float, complex, complex, complex]:
+    """Mean time [s], offset [m], drift [m/s] and part that turns with the string [m] that fit the bins best."""
+    clock, parts, n = history.clock, history.complex_part, end - first
+    middle, spread, mean, mean_turn, drift, turn = 0.0, 1e-300, 0j, 0j, 0j, 0j
+    for i in range(first, end):
+        middle += clock[i, TIME] / n
+        mean += _centre(history, arm, k, i) / n
+        mean_turn += parts[i, PHASOR, k] / n
+    for i in range(first, end):
+        since = clock[i, TIME] - middle
         spread += since * since
-        power += moved.real * moved.real + moved.imag * moved.imag
-    left = power - (drift.real * drift.real + drift.imag * drift.imag) / spread
-    return math.sqrt(max(left, 0.0) / bins)
+        drift += since * _centre(history, arm, k, i)
+        turn += since * parts[i, PHASOR, k]
+    drift, turn = drift / spread, turn / spread
+    both, size = 0j, 1e-9 * n
+    for i in range(first, end):
+        since = clock[i, TIME] - middle
+        phasor = parts[i, PHASOR, k] - mean_turn - turn * since
+        both += (_centre(history, arm, k, i) - mean - drift * since) * phasor.conjugate()
+        size += phasor.real * phasor.real + phasor.imag * phasor.imag
+    synchronous = both / size
+    return middle, mean - synchronous * mean_turn, drift - synchronous * turn, synchronous
 
 
-def rotary_coefficient(centre: ComplexArray, phasor: ComplexArray) -> float:
-    """Rotary coefficient of a mark, 0 to 1, without the offset and the synchronous part that fit its motion best.
+@strict_kernel
+def _rest(history: History, arm: complex, k: int, i: int, fit: tuple[float, complex, complex, complex]) -> complex:
+    """Motion in a bin beside the fit [m]."""
+    middle, offset, drift, synchronous = fit
+    since = history.clock[i, TIME] - middle
+    return complex(
+        _centre(history, arm, k, i) - offset - drift * since - synchronous * history.complex_part[i, PHASOR, k]
+    )
 
-    Args:
-        centre: Centre line in successive bins [m].
-        phasor: Unit vector of the spin in them.
-    """
-    parts = np.stack((np.ones_like(phasor), phasor), axis=1)
-    rest = centre - parts @ np.linalg.lstsq(parts, centre, rcond=None)[0]
-    power = np.abs(np.fft.fft(rest)[1:]) ** 2
-    forward = power[: rest.size // 2]
-    return float(abs(2.0 * forward.sum() - power.sum()) / (power.sum() + 1e-300))
+
+@strict_kernel
+def swing_radius(history: History, arm: complex, k: int, bins: int, newer: int) -> float:
+    """Rms radius [m] of the motion of mark k over so many bins before the newest `newer`."""
+    end, power = end_of(history) - newer, 0.0
+    fit = _fit(history, arm, k, end - bins, end)
+    for i in range(end - bins, end):
+        rest = _rest(history, arm, k, i, fit)
+        power += (rest.real * rest.real + rest.imag * rest.imag) / bins
+    return math.sqrt(power)
+
+
+@strict_kernel
+def rotary_coefficient(history: History, arm: complex, k: int, bins: int) -> float:
+    """Rotary coefficient of mark k over the newest bins, 0 to 1."""
+    first = end_of(history) - bins
+    fit = _fit(history, arm, k, first, first + bins)
+    difference, total = 0.0, 1e-300
+    for line in range(1, bins):
+        angle, turn, found = math.tau * line / bins, 1.0 + 0j, 0j
+        step = complex(math.cos(angle), -math.sin(angle))
+        for i in range(bins):
+            found += _rest(history, arm, k, first + i, fit) * turn
+            turn *= step
+        power = found.real * found.real + found.imag * found.imag
+        total += power
+        difference += power if 2 * line < bins else -power
+    return abs(difference) / total
