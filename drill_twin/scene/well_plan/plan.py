@@ -260,7 +260,8 @@ def _check_fit(pieces: list[Piece], hole: float, casing: list[tuple[float, float
             raise SceneError(
                 f'{piece.row.place} ("{piece.section["name"]}"): expected {what} of less than the narrowest hole that '
                 f"it passes ({narrow / INCH:.4g} in, {narrow * 1e3:.4g} mm), found {piece.widest / INCH:.4g} in "
-                f"({piece.widest * 1e3:.4g} mm); take a smaller {column}, or correct hole and casing"
+                f"({piece.widest * 1e3:.4g} mm); take a smaller {column}, or correct hole "
+                "and casing; a bit may be 1/16 in less than the hole that it drills"
             )
         depth -= piece.length
 
