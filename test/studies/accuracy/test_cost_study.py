@@ -127,6 +127,7 @@ def test_the_command_measures_resumes_and_finds_the_order_of_the_scheme(tmp_path
 def test_given_meshes_are_compared_at_the_rig_too(tmp_path, monkeypatch):
     """Of a string that turns free: its weight on bit and nothing else at the top, no onset and no stick-slip."""
     monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("COLUMNS", "160")
     words = [word for key, value in SWING.items() for word in ("--set", f"{key}={value}")]
     command = ["cost", "pa6_bench", *words, "--duration", "0.5 s", "--replicas", "0", "--elements"]
     made = CliRunner().invoke(app, [*command, "8,12"])
