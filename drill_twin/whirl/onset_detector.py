@@ -13,7 +13,7 @@ from drill_twin.core.compile.jit import as_python
 from drill_twin.whirl.analyzer_state import AnalyzerState
 from drill_twin.whirl.history import ASYNCHRONOUS, History
 from drill_twin.whirl.onset.asynchronous_onset import INTERVAL, update_candidate, width_for
-from drill_twin.whirl.onset.low_side_swing import keeps_to_low_side, rotary_coefficient, swing_radius
+from drill_twin.whirl.onset.low_side_swing import swing_radius
 from drill_twin.whirl.onset.threshold_crossing import (
     Crossing,
     Detection,
@@ -69,7 +69,7 @@ class OnsetDetector:
             if whirl is not None:
                 whirls[mark] = whirl
         if whirls or onsets.active.any():  # the string whirls as one: so do the other marks that are displaced
-            others = (mark for mark in sorted(self._displaced) if mark not in whirls and not self._swings(mark))
+            others = (mark for mark in sorted(self._displaced) if mark not in whirls and not onsets.low_side[mark])
             whirls |= {mark: self._displaced[mark] for mark in others}
         crossings = [self._start_whirl(mark, whirl) for mark, whirl in whirls.items()]
         onsets.displaced[:] = False
@@ -84,7 +84,7 @@ class OnsetDetector:
         for mark in np.flatnonzero(onsets.active & constant & ~onsets.small).tolist():
             swept = self._swept(mark, bins)
             stands = swept.smallest < self._criteria.least_swept_angle and not swept.steady
-            constant[mark] = stands or self._swings(mark)
+            constant[mark] = stands or onsets.low_side[mark]
         marks: list[int] = np.flatnonzero(onsets.active & (onsets.small | constant)).tolist()
         onsets.active[marks] = onsets.displaced[marks] = False
         onsets.began[marks] = onsets.time[marks] = math.nan
@@ -123,7 +123,7 @@ class OnsetDetector:
         candidate = int(onsets.bin[mark]), begun, float(onsets.noise[mark])
         if self._whirls(swept, mark, since):
             return _Displacement(*candidate, *position, valid_from)
-        if elapsed > criteria.sweep_window and self._swings(mark):
+        if elapsed > criteria.sweep_window and onsets.low_side[mark]:
             onsets.time[mark] = math.nan
             return None
         turns = swept.smallest >= criteria.least_swept_angle  # as yet too slowly
@@ -190,7 +190,7 @@ class OnsetDetector:
     def _whirls(self, swept: SweptAngle, mark: int, since: int) -> bool:
         """Check that the vector of a mark orbits since so many bins: it does not settle, nor is it synchronous."""
         criteria, history = self._criteria, self._history
-        if swept.smallest < criteria.least_swept_angle or self._swings(mark):
+        if swept.smallest < criteria.least_swept_angle or self._onsets.low_side[mark]:
             return False
         window = history.newest(history.bins_in(criteria.orbit_window))
         angle, time = history.angle[window], history.time[window]
@@ -199,14 +199,6 @@ class OnsetDetector:
         if self._synchronous(swept, mark, since):
             return False
         return not (slow or self._inclined[mark]) or swept.in_hole >= criteria.settling_angle
-
-    def _swings(self, mark: int) -> bool:
-        """Check that a mark in an inclined hole swings on its low side."""
-        history, criteria = self._history, self._criteria
-        bins, arm = history.bins_in(criteria.side_window), complex(self._separation.arm[mark])
-        if not self._inclined[mark] or not as_python(keeps_to_low_side)(history, arm, mark, bins):
-            return False
-        return float(as_python(rotary_coefficient)(history, arm, mark, bins)) < criteria.rotary
 
     def _swung(self, mark: int, since: int) -> bool:
         """Check that a mark moved to and fro over the sweep window before the newest bins."""

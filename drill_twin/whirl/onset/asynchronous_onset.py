@@ -170,6 +170,7 @@ class Onsets(NamedTuple):
     displaced: Mask  # (m,) has left its steady position
     falling: Mask  # (m,) to the low side, in the first revolutions
     inclined: Mask  # (m,) in an inclined hole
+    low_side: Mask  # (m,) moves on the low side of an inclined hole, with a rotary coefficient of a swing
     swing: Array  # (m,) `swing_radius` over the clearance of a mark that swings on the low side; else 0
     small: Mask  # (m,) the orbit has become small
     constant: Mask  # (m,) it has swept no angle, or swings on the low side
@@ -178,11 +179,11 @@ class Onsets(NamedTuple):
     def of(cls, inclined: Mask) -> Onsets:
         """Before the first bin, of marks in an inclined hole or not, shape (m,)."""
         m = inclined.size
-        masks = np.zeros((4, m), bool)
+        masks = np.zeros((5, m), bool)
         began, time, revolutions = np.full((3, m), math.nan)
         return cls(
             began, np.full(m, math.inf), masks[0], time, revolutions, np.zeros(m),
-            np.zeros(m, np.int64), masks[1], inclined.copy(), inclined, np.zeros(m), masks[2], masks[3],
+            np.zeros(m, np.int64), masks[1], inclined.copy(), inclined, masks[4], np.zeros(m), masks[2], masks[3],
         )  # fmt: skip
 
 
@@ -242,10 +243,12 @@ def ends(
     landed = long and clock[first, REVOLUTIONS] > criteria.falling_time
     for k in range(onsets.active.size):
         onsets.swing[k] = 0.0
-        if landed and onsets.inclined[k] and keeps_to_low_side(history, arm[k], k, side):
+        stays = onsets.inclined[k] and keeps_to_low_side(history, arm[k], k, side)
+        onsets.low_side[k] = stays and rotary_coefficient(history, arm[k], k, side) < criteria.rotary
+        if landed and onsets.low_side[k]:
             swing, noise = swing_radius(history, arm[k], k, bins, 0) / averaged.clearance[k], averaged.noise.level[k]
             swing = math.sqrt(max(swing * swing - 2.0 * noise * noise, 0.0))
-            if swing > criteria.release_radius and rotary_coefficient(history, arm[k], k, side) < criteria.rotary:
+            if swing > criteria.release_radius:
                 onsets.swing[k] = swing
     if not onsets.active.any():
         return False
