@@ -72,6 +72,8 @@ class Replayer(TwinNode):
         Parameter("loop", False, "whether to begin again at the end"),
         AUTOSTART,
     )
+    _sent = 0
+    _skipped = SkippedMessages()
 
     def on_configure(self, _: LifecycleState) -> TransitionCallbackReturn:
         """Open the bag and create its publishers."""

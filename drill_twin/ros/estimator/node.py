@@ -140,7 +140,8 @@ class Estimator(TwinNode):
     def on_cleanup(self, _: LifecycleState) -> TransitionCallbackReturn:
         """End a compilation, or the window that is being computed."""
         self._closing = True
-        self._thread.shutdown(cancel_futures=True)
+        if hasattr(self, "_thread"):  # a stop may have come before
+            self._thread.shutdown(cancel_futures=True)
         return DONE
 
     def not_ready(self) -> str:

@@ -81,6 +81,7 @@ class RigDriver(TwinNode):
     NAME: ClassVar = "rig_driver"
     PURPOSE: ClassVar = "Plays weight on bit and top-drive speed, planned or measured, into the simulator."
     PARAMETERS: ClassVar = PARAMETERS
+    _sent = 0
 
     def on_configure(self, _: LifecycleState) -> TransitionCallbackReturn:
         """Load the schedule; create publishers, the subscription to the clock, and the wait for other nodes."""
