@@ -36,7 +36,7 @@ import numpy as np
 from drill_twin.core.arrays import Array, ComplexArray, Integers, Mask
 from drill_twin.core.compile.jit import strict_kernel
 from drill_twin.whirl.criteria import Criteria
-from drill_twin.whirl.history import APPENDED, ASYNCHRONOUS, History, bins_in, end_of
+from drill_twin.whirl.history import APPENDED, ASYNCHRONOUS, CAPACITY, History, bins_in, end_of
 from drill_twin.whirl.onset.low_side_swing import keeps_to_low_side, rotary_coefficient, swing_radius
 from drill_twin.whirl.orbit.orbit import Orbit
 from drill_twin.whirl.sample_bins import ANGLE, BINS, REVOLUTIONS, TIME
@@ -174,6 +174,7 @@ class Onsets(NamedTuple):
     swing: Array  # (m,) `swing_radius` over the clearance of a mark that swings on the low side; else 0
     small: Mask  # (m,) the orbit has become small
     constant: Mask  # (m,) it has swept no angle, or swings on the low side
+    rest: ComplexArray  # (CAPACITY,) work
 
     @classmethod
     def of(cls, inclined: Mask) -> Onsets:
@@ -184,6 +185,7 @@ class Onsets(NamedTuple):
         return cls(
             began, np.full(m, math.inf), masks[0], time, revolutions, np.zeros(m),
             np.zeros(m, np.int64), masks[1], inclined.copy(), inclined, masks[4], np.zeros(m), masks[2], masks[3],
+            np.zeros(CAPACITY, complex),
         )  # fmt: skip
 
 
@@ -199,7 +201,9 @@ def watch(onsets: Onsets, averaged: AveragedRadius, history: History, criteria: 
             return True
         if math.isnan(onsets.time[k]) or averaged.radius[k] < averaged.release[k]:
             continue
-        if math.isnan(onsets.began[k]) and not onsets.falling[k] and not now - onsets.revolutions[k] < criteria.sustain:
+        swings = onsets.low_side[k] and now - onsets.revolutions[k] < criteria.sweep_window  # too early to drop it
+        waits = swings or now - onsets.revolutions[k] < criteria.sustain
+        if math.isnan(onsets.began[k]) and not onsets.falling[k] and not waits:
             return True
     for k in range(m):
         if math.isnan(onsets.began[k]) and not onsets.falling[k]:
@@ -238,13 +242,13 @@ def ends(
     fall = criteria.release_radius / criteria.onset_radius
     bins, end, any_ends = bins_in(history, criteria.sweep_window), end_of(history), False
     clock, first = history.clock, end - bins
-    side = bins_in(history, criteria.side_window)
+    side = bins_in(history, criteria.side_window) // 2 * 2
     long = not clock[end - 1, REVOLUTIONS] - clock[first, REVOLUTIONS] < criteria.sweep_window - 0.5
     landed = long and clock[first, REVOLUTIONS] > criteria.falling_time
     for k in range(onsets.active.size):
         onsets.swing[k] = 0.0
         stays = onsets.inclined[k] and keeps_to_low_side(history, arm[k], k, side)
-        onsets.low_side[k] = stays and rotary_coefficient(history, arm[k], k, side) < criteria.rotary
+        onsets.low_side[k] = stays and rotary_coefficient(history, arm[k], k, onsets.rest[:side]) < criteria.rotary
         if landed and onsets.low_side[k]:
             swing, noise = swing_radius(history, arm[k], k, bins, 0) / averaged.clearance[k], averaged.noise.level[k]
             swing = math.sqrt(max(swing * swing - 2.0 * noise * noise, 0.0))

@@ -13,6 +13,7 @@ from __future__ import annotations
 
 import math
 
+from drill_twin.core.arrays import ComplexArray
 from drill_twin.core.compile.jit import strict_kernel
 from drill_twin.whirl.history import PHASOR, POSITION, History, end_of
 from drill_twin.whirl.sample_bins import TIME
@@ -84,18 +85,22 @@ def swing_radius(history: History, arm: complex, k: int, bins: int, newer: int) 
 
 
 @strict_kernel
-def rotary_coefficient(history: History, arm: complex, k: int, bins: int) -> float:
-    """Rotary coefficient of mark k over the newest bins, 0 to 1."""
+def rotary_coefficient(history: History, arm: complex, k: int, rest: ComplexArray) -> float:
+    """Rotary coefficient of mark k over as many of the newest bins as `rest`, work of even size, has; 0 to 1.
+
+    P+ - P- is the power of the motion with its discrete Hilbert transform, whose kernel is a cotangent of odd lags.
+    """
+    bins = rest.size
     first = end_of(history) - bins
     fit = _fit(history, arm, k, first, first + bins)
-    difference, total = 0.0, 1e-300
-    for line in range(1, bins):
-        angle, turn, found = math.tau * line / bins, 1.0 + 0j, 0j
-        step = complex(math.cos(angle), -math.sin(angle))
-        for i in range(bins):
-            found += _rest(history, arm, k, first + i, fit) * turn
-            turn *= step
-        power = found.real * found.real + found.imag * found.imag
-        total += power
-        difference += power if 2 * line < bins else -power
-    return abs(difference) / total
+    mean, total, difference = 0j, 1e-300, 0.0
+    for i in range(bins):
+        rest[i] = _rest(history, arm, k, first + i, fit)
+        mean += rest[i]
+        total += bins * (rest[i].real * rest[i].real + rest[i].imag * rest[i].imag)
+    for lag in range(1, bins, 2):
+        area = 0.0
+        for i in range(lag, bins):
+            area += rest[i].imag * rest[i - lag].real - rest[i].real * rest[i - lag].imag
+        difference += 4.0 * area / math.tan(math.pi * lag / bins)
+    return abs(difference) / (total - mean.real * mean.real - mean.imag * mean.imag)
