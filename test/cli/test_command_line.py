@@ -29,7 +29,7 @@ QUICK = (
 """The same effects and numbers as the shared run has."""
 
 
-def test_run_analyze_and_report(process, inside):
+def test_run_analyze_and_report(process, call, inside):
     ran = process("run", "pa6_bench", *QUICK, "--rpm", "120", "--duration", "1.5", "--out", "made/first", "--json")
     assert ran.code == 0, ran.err
     summary = json.loads(ran.out)
@@ -41,11 +41,11 @@ def test_run_analyze_and_report(process, inside):
     assert summary["live"]["differing"] == 0
     assert "whirl began at" in ran.err
 
-    analysed = process("analyze", folder / "bag_0", "--json")
+    analysed = call("analyze", folder / "bag_0", "--json")
     assert analysed.code == 0
     assert json.loads(analysed.out) == summary
 
-    reported = process("report", folder)
+    reported = call("report", folder)
     assert reported.code == 0
     assert reported.out.strip() == str(folder / "report.html")
     assert (folder / "report.html").stat().st_size > 1e6
@@ -90,7 +90,9 @@ def test_report_goes_beside_the_bag_unless_told_otherwise(call, bench_run, insid
     assert files["report"] == "there/report.html"
     assert all((inside / path).exists() for path in files["figures"].values())
     (inside / "loose.mcap").write_bytes(next(bench_run.bag.glob("*.mcap")).read_bytes())
-    assert call("report", "loose.mcap").out.strip() == str(inside / "loose_report" / "report.html")
+    (inside / "loose_report").mkdir()
+    (inside / "loose_report" / "report.html").write_text("older", "utf-8")
+    assert f"{inside / 'loose_report' / 'report.html'}: expected none yet" in call("report", "loose.mcap").err
 
 
 def test_scenes_are_listed_and_checked(call):

@@ -77,14 +77,11 @@ def test_a_part_is_shared_made_again_and_never_stale(package):
     assert part.stat().st_mode & 0o777 == 0o600
     assert use(package, 2) == ("6.0 total", [])
 
-    content = part.read_bytes()
-    for factor, damage in enumerate((content[: len(content) // 2], content[:-1] + b"?"), 3):  # cut, one byte
-        part.write_bytes(damage)
-        said, lines = use(package, factor)
-        assert said == f"{3.0 * factor} total probe"
-        assert len(lines) == 1
-        assert re.search(r"bitcode: damaged, compiled again$", lines[0])
-    assert use(package, 7) == ("21.0 total", [])
+    part.write_bytes(part.read_bytes()[:-1] + b"?")
+    said, lines = use(package, 3)
+    assert said == "9.0 total probe"
+    assert len(lines) == 1
+    assert re.search(r"bitcode: damaged, compiled again$", lines[0])
 
     part.chmod(0o666)
     said, lines = use(package, 8)
