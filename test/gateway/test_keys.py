@@ -6,8 +6,6 @@ import hashlib
 import os
 import shutil
 import socket
-import subprocess
-import sys
 import threading
 import time
 from pathlib import Path
@@ -20,6 +18,7 @@ pytest.importorskip("asyncua", reason="needs asyncua: pip install 'drill_twin[op
 from asyncua import Client, ua
 from asyncua.crypto.security_policies import SecurityPolicyBasic256Sha256
 
+from drill_twin.cli import run_command
 from drill_twin.gateway.control import Control
 from drill_twin.gateway.opc_ua.keys import (
     CERTIFICATE,
@@ -63,18 +62,17 @@ def test_a_user_who_is_there_gets_another_password_and_the_others_keep_theirs(fo
     ]  # fmt: skip
 
 
-def test_the_command_says_what_it_did_and_the_second_time_too(tmp_path):
-    command = [sys.executable, "-m", "drill_twin.cli", "ros", "keys", "keys", "--user", "me", "--password"]
-
+def test_the_command_says_what_it_did_and_the_second_time_too(tmp_path, capsys):
     def run(password):
-        return subprocess.run([*command, password], cwd=tmp_path, capture_output=True, text=True, check=False)
+        return run_command(["ros", "keys", str(tmp_path / "keys"), "--user", "me", "--password", password])
 
-    assert "me is new" in run(LONG).stdout
-    assert "me is given another password" in run(OTHER).stdout
+    assert run(LONG) == 0
+    assert "me is new" in capsys.readouterr().out
+    assert run(OTHER) == 0
+    assert "me is given another password" in capsys.readouterr().out
     assert read_keys(tmp_path / "keys").is_user("me", OTHER)
-    refused = run("x")
-    assert refused.returncode == 2
-    assert "password: expected 8 to 1000 characters, found 1" in refused.stderr
+    assert run("x") == 2
+    assert "password: expected 8 to 1000 characters, found 1" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize("password", ["", "x", "1234567", "x" * 1001])

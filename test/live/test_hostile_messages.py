@@ -24,7 +24,7 @@ def marks(names):
 
 def test_the_picture_stays_small_and_plain():
     page = PageState(Sources())
-    for turn in range(60):
+    for turn in range(15):
         page.update(MARKS_STATE, marks([f"mark_{turn}_{k}" for k in range(20)]))
         page.update(DIAGNOSTICS, encode_diagnostics(0, [Status(f"{turn}_{k}", Level.OK, "fine") for k in range(20)]))
     page.update(STRING_POSES, PoseArrayTemplate(30_000).fill(0, np.zeros((30_000, 3)), np.zeros((30_000, 4))))

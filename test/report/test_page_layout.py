@@ -14,7 +14,6 @@ from threading import Thread
 
 import pytest
 
-from drill_twin.report import build_report
 from drill_twin.report.charts import CHARTS
 
 BROWSERS = ("chromium-headless-shell", "chromium", "chromium-browser", "google-chrome")
@@ -49,9 +48,9 @@ DRAWN = """
 }, 500)));</script>"""
 
 
-@pytest.fixture(scope="module")
-def page(known_bag, tmp_path_factory):
-    return build_report(known_bag, tmp_path_factory.mktemp("layout")).page
+@pytest.fixture
+def page(known_report):
+    return known_report.page
 
 
 @pytest.mark.parametrize("width", [320, 390, 768, 1400])

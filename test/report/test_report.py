@@ -50,19 +50,24 @@ class Page(HTMLParser):
             self.scripts[self._inside] = self.scripts.get(self._inside, "") + data
 
 
-@pytest.fixture(scope="module")
-def files(known_bag, tmp_path_factory):
-    return build_report(known_bag, tmp_path_factory.mktemp("report") / "made" / "for_it")
+@pytest.fixture
+def files(known_report):
+    return known_report
 
 
 @pytest.fixture(scope="module")
-def page(files):
-    return Page(files.page.read_text("utf-8"))
+def page(known_report):
+    return Page(known_report.page.read_text("utf-8"))
 
 
 @pytest.fixture(scope="module")
 def recording(known_bag):
     return read_recording(known_bag)
+
+
+def page_of(recording, files):
+    """The page of another recording, with the figures of `files`."""
+    return Page(build_page(recording, summarise(recording), files.figures, {}))
 
 
 def drawn(name, recording):
@@ -116,10 +121,10 @@ def test_interactive_view_holds_the_motion(page, recording):
     assert 3.0 < data["onset"] < 3.4
 
 
-def test_text_of_a_scene_cannot_break_the_page(known_bag, tmp_path, monkeypatch):
+def test_text_of_a_scene_cannot_break_the_page(known_bag, files):
     nasty = "</script><script>alert(1)</script><b>&"
     scene = read_recording(known_bag).scene.model_copy(update={"description": nasty, "provenance": nasty})
-    page = Page(build_report(read_recording(known_bag, scene), tmp_path).page.read_text("utf-8"))
+    page = page_of(read_recording(known_bag, scene), files)
     assert nasty in page.words
     assert "alert(1)" not in "".join(page.scripts.values())
 
@@ -134,8 +139,7 @@ def test_interactive_view_has_the_well_as_it_is_drilled(page, files, known_bag):
         "hole.survey": "[{depth: 0 m, inclination: 0 deg}, {depth: 5 m, inclination: 90 deg, azimuth: 90 deg}]",
         "hole.intervals": "[{top: 1 m, bottom: 2 m, radius: 120 mm}]",
     }
-    recording = read_recording(known_bag, load_scene("pa6_bench", overrides=curved))
-    made = Page(build_page(recording, json.loads(files.summary.read_text("utf-8")), files.figures, {}))
+    made = page_of(read_recording(known_bag, load_scene("pa6_bench", overrides=curved)), files)
     assert "as it is drilled" in made.words
     data = json.loads(made.scripts["view-data"])
     well, radius = data["well"], 10.0 / np.pi
@@ -297,11 +301,10 @@ def test_bag_without_poses_is_drawn_without_the_view(messages, write, tmp_path):
     assert "The string in motion" not in page.words
 
 
-def test_truncated_bag_says_so_on_the_page(bench_run, tmp_path):
+def test_truncated_bag_says_so_on_the_page(bench_run, files, tmp_path):
     whole = next(bench_run.bag.glob("*.mcap")).read_bytes()
     (tmp_path / "cut.mcap").write_bytes(whole[: int(0.6 * len(whole))])
-    page = Page(build_report(tmp_path / "cut.mcap", tmp_path / "report").page.read_text("utf-8"))
-    assert "the bag is not whole" in page.words
+    assert "the bag is not whole" in page_of(read_recording(tmp_path / "cut.mcap"), files).words
 
 
 def test_folder_that_cannot_be_written(known_bag, tmp_path):

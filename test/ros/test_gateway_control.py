@@ -185,7 +185,7 @@ def test_keys_are_made_by_the_command_and_none_is_needed_on_this_host_only(bench
     assert "expected a folder of keys with certificate.der" in process.text
 
 
-@pytest.mark.parametrize("host", ["localhost", "::1"])
+@pytest.mark.parametrize("host", ["::1", pytest.param("localhost", marks=pytest.mark.long)])
 def test_without_keys_this_host_may_be_called_by_any_of_its_names(bench, host):
     with socket.socket() as one:
         one.bind(("127.0.0.1", 0))

@@ -82,7 +82,7 @@ def test_the_live_findings_are_those_of_the_bag(eager_bag, payloads):
     assert pipeline.findings.onset is not None, "the run was meant to whirl"
 
 
-@pytest.mark.parametrize("rate", [0.0, 4.0])
+@pytest.mark.parametrize("rate", [pytest.param(0.0, marks=pytest.mark.long), 4.0])  # 0 also in the test below
 def test_a_replay_gives_the_same_findings(bench, eager_bag, payloads, tmp_path, rate):
     # The recorder writes what the analyzer finds on the replay; all messages come back byte for byte.
     again = tmp_path / "again_0"

@@ -90,9 +90,7 @@ def test_a_signal_in_the_middle_of_an_import_waits_for_its_end(bench):
     assert process.text == "stopped True True\n"
 
 
-@pytest.mark.parametrize(
-    "delay", [0.4, 1.0, pytest.param(0.05, marks=pytest.mark.long), pytest.param(2.0, marks=pytest.mark.long)]
-)
+@pytest.mark.parametrize("delay", [0.4, *(pytest.param(delay, marks=pytest.mark.long) for delay in (0.05, 1.0, 2.0))])
 def test_a_signal_during_the_start_ends_it_too(bench, delay):
     process = bench.start("twin")
     # Before Python itself has started the default action of the signal holds, in any program.

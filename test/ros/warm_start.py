@@ -97,8 +97,10 @@ def _ended(log: Path) -> Path:
 def _import_all() -> None:
     """Make the imports of every node, also those that it makes late, and load the kernels of the paper's scene."""
     import importlib
+    import importlib.util
     import pkgutil
 
+    import drill_twin.cli.app
     import drill_twin.ros
     from drill_twin.runs import Session
     from drill_twin.scene import load_scene
@@ -106,6 +108,8 @@ def _import_all() -> None:
     for module in pkgutil.walk_packages(drill_twin.ros.__path__, "drill_twin.ros."):
         if not module.name.endswith("__main__"):
             importlib.import_module(module.name)
+    if importlib.util.find_spec("asyncua"):
+        importlib.import_module("drill_twin.gateway.opc_ua.server")
     Session(load_scene("pa6_bench"))
 
 

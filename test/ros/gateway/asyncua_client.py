@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Client of the gateway with asyncua: prints what it finds as JSON."""
+"""Client of the gateway with asyncua: prints as JSON what it reads, or all that it finds and may do."""
 
 import asyncio
 import json
@@ -41,19 +41,22 @@ async def _semantics(client, space):
     return found
 
 
-async def main(what, url, *words):
+async def _write(client, space, name, value):
+    try:
+        await client.get_node(ua.NodeId(name, space)).write_value(value)
+    except ua.UaStatusCodeError as error:
+        return type(error).__name__
+    return "Good"
+
+
+async def main(what, url):
     async with Client(url) as client:
         client.uris = await client.get_namespace_array()
         space = client.uris.index("urn:drill_twin:gateway")
         if what == "read":
             return await _read(client, space)
-        if what == "semantics":
-            return await _semantics(client, space)
-        try:
-            await client.get_node(ua.NodeId(words[0].rpartition("/")[2], space)).write_value(float(words[1]))
-        except ua.UaStatusCodeError as error:
-            return type(error).__name__
-        return "Good"
+        found = {"read": await _read(client, space), "semantics": await _semantics(client, space)}
+        return found | {"written": await _write(client, space, "WOB", 100.0), "later": await _read(client, space)}
 
 
 print(json.dumps(asyncio.run(main(*sys.argv[1:]))))
