@@ -42,7 +42,8 @@ class Case:
     loads: OperationLoads | None
     """Of the last operation of its rig, drilling or what there is of it; None if there is no balance."""
     critical: float = math.nan
-    """Distance of the final rotation from the nearest critical speed, as a share of it; NaN where it is not known."""
+    """Distance of the final rotation from the nearest critical speed (of a long string: of its collars), as a share of
+    it; NaN where it is not known."""
 
 
 def prepare(text: str, common: Mapping[str, str]) -> Scene | Result:
@@ -165,7 +166,7 @@ def _of(case: Case) -> Iterator[tuple[tuple[str, str], float | str]]:
         yield (what + "make-up margin", "-"), loads.make_up_margin
         for contact in loads.contacts:
             yield (f"{what}side force, {contact.name}", "N"), contact.force
-    yield ("margin to the nearest critical speed", "-"), case.critical
+    yield ("margin to the nearest critical speed of the assembly", "-"), case.critical
     yield from _run(case)
 
 

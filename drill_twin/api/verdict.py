@@ -23,7 +23,7 @@ COSTS = {
     "stick-slip index": 1.0, "lateral acceleration, rms": 1.0, "axial acceleration, rms": 1.0,
     "largest bending stress": 1.0, "fatigue damage": 1.0, "largest force of the wall at a mark": 1.0,
     "margin to sinusoidal buckling": -1.0, "yield margin": -1.0, "make-up margin": -1.0,
-    "margin to the nearest critical speed": -1.0, "specific energy": 1.0, "rate of penetration": -1.0,
+    "margin to the nearest critical speed of the assembly": -1.0, "specific energy": 1.0, "rate of penetration": -1.0,
 }  # fmt: skip
 """Quantities that cost bits and joints, the costliest first: 1 where more is worse, -1 where less is. A name is the end
 of that of a compared quantity."""

@@ -119,9 +119,11 @@ def _table(table: ModeTable, name: str, units: UnitSystem) -> Table:
         shown += [_change(mode.change.imag / math.tau), f"{mode.growth:+.4g}", _change(mode.change.real)]
         if part is not None:
             at = part.equations.model.rod.arc[abs(mode.shape).argmax()]
-            lateral = (mode.plane, units.number(mode.eigenvalue.imag, "rotation"), units.number(at, "length"))
-            plane, critical, largest = lateral if mode.kind == "lateral" else ("", "", "")
-            shown = [shown[0], plane, critical, largest, *shown[2:5]]
+            lateral = (
+                mode.plane, units.number(mode.eigenvalue.imag, "rotation"), units.number(at, "length", ".3g"),
+                f"{100.0 * mode.share:.0f}",
+            )  # fmt: skip
+            shown = [shown[0], *(lateral if mode.kind == "lateral" else [""] * 4), *shown[2:4], f"{mode.growth:+.2g}"]
         rows.append((*shown, f"{mode.damping_ratio:.2g}"))
     place = "on the axis" if table.on_axis else "on the wall"
     title = (
@@ -133,14 +135,14 @@ def _table(table: ModeTable, name: str, units: UnitSystem) -> Table:
                      right=(2, 3, 4, 5, 6))  # fmt: skip
     title += (
         f" Lateral modes are those of the assembly: critical speed, place of the largest motion in {units.length} from "
-        "the bit."
+        "the bit, share of the kinetic energy in the collars in %."
     )
-    columns = ("mode", "plane", units.rotation, "at", "Hz", "+-", "growth", "damping")
-    return Table(columns, rows, title=title, right=(2, 3, 4, 5, 6, 7))
+    columns = ("mode", "plane", units.rotation, "at", "%", "Hz", "+-", "growth", "damping")
+    return Table(columns, rows, title=title, right=range(2, 9))
 
 
 def _change(value: float) -> str:
-    return "?" if math.isnan(value) else f"{abs(value):.1g}"
+    return "?" if math.isnan(value) else f"{abs(value):.0e}"
 
 
 def _assembly(table: ModeTable, part: Assembly, units: UnitSystem) -> Iterator[str]:
@@ -148,13 +150,18 @@ def _assembly(table: ModeTable, part: Assembly, units: UnitSystem) -> Iterator[s
     from drill_twin.dynamics.rotordynamics.assembly import ABOVE, LEAN, MOVED
 
     lateral, rotation = table.of("lateral"), abs(table.balance.command.rotation)
-    speeds = [mode.eigenvalue.imag for mode in lateral]
+    speeds = [mode.eigenvalue.imag for mode in lateral if mode.of_collars]
     named = ", ".join(units.number(speed, "rotation") for speed in speeds)
-    line = f"critical speeds of the lowest {units.text(part.extent.assembly, 'length')}, up to twice the rotation: "
+    line = f"critical speeds of the lowest {units.text(part.collars, 'length')}, up to twice the rotation: "
     if speeds and rotation > 0.0:
         away = table.nearest_critical() / rotation - 1.0
         named += f" {units.rotation}; the nearest is {abs(away):.1%} {'above' if away > 0.0 else 'below'} the rotation"
     yield line + (named or "none")
+    if others := [str(mode.number) for mode in lateral if not mode.of_collars]:
+        yield (
+            f"lateral {', '.join(others)}: more than half of the motion is of pipe above the collars, which lies in "
+            "its trough; they are no critical speeds of the assembly"
+        )
     moved = max((abs(mode.cut_change) / abs(mode.eigenvalue) for mode in lateral), default=0.0)
     yield (
         f"the pipe is cut {units.text(ABOVE, 'length')} above the assembly; with the cut at "

@@ -14,6 +14,7 @@ from drill_twin.core.compile.jit import as_python
 from drill_twin.core.errors import DrillTwinError
 from drill_twin.core.units.system import UnitSystem
 from drill_twin.dynamics.discretisation.discretise import axial_weight, discretise, tubes_of
+from drill_twin.dynamics.discretisation.joint import joint_of
 from drill_twin.dynamics.discretisation.resolution import MOST
 from drill_twin.dynamics.twin import state_judge
 from drill_twin.dynamics.twin.binding import bounds_of
@@ -21,6 +22,7 @@ from drill_twin.physics.effects.wall import parameters as wall_parameters
 from drill_twin.physics.model.mesh import build_rod
 from drill_twin.report.recording import Recording
 from drill_twin.report.string_curve import along_hole, refined
+from drill_twin.report.surface import without_spikes
 from drill_twin.scene import Scene
 from drill_twin.scene.set_points import extremes
 from drill_twin.whirl.spectrum import WINDOW, centre_line, precession_record
@@ -77,25 +79,29 @@ KEYS = ("weight_on_bit_n", "hookload_n", "top_drive_torque_nm", "bit_torque_nm",
 def loads(bag: Recording) -> dict[str, dict[str, float] | None]:
     """Mean from `settled_from` on, least and largest of the whole recording; None for what the bag does not hold.
 
+    Spikes of a record are left out.
+
     Keys: `weight_on_bit_n`, `hookload_n`, `top_drive_torque_nm`, `bit_torque_nm` (of the rock on the bit, negative with
     right-handed rotation), as on `/rig/state`, and `drag_n`: hookload plus weight on bit less the weight of the string
     along the hole, which is the axial friction and inertia; positive = against motion upwards.
     """
     if not len(bag.rig):
         return dict.fromkeys(KEYS)
-    rig = bag.rig
+    rig, kept = bag.rig, without_spikes(bag)
     weight = string_weight(bag.scene) if bag.scene_known else np.nan
-    drag = rig.hookload + rig.bit_force - weight
-    series = (rig.bit_force, rig.hookload, rig.top_drive_torque, rig.bit_torque, drag)
+    names = ("bit_force", "hookload", "top_drive_torque", "bit_torque")
+    series = [kept.get(name, getattr(rig, name)) for name in names]
+    series.append(series[0] + series[1] - weight)
     late = rig.time >= settled_from(bag)
     return {key: _statistics(values, late) for key, values in zip(KEYS, series, strict=True)}
 
 
 def applied(bag: Recording) -> dict[str, dict[str, float] | None]:
     """Statistics of weight on bit [N] and rotation of the top drive [rad/s] from `settled_from` on."""
-    rig = bag.rig
+    rig, kept = bag.rig, without_spikes(bag)
     late = rig.time >= settled_from(bag)
-    weight, speed = (_statistics(series[late]) for series in (rig.bit_force, rig.top_drive_speed))
+    series = (kept.get(name, getattr(rig, name)) for name in ("bit_force", "top_drive_speed"))
+    weight, speed = (_statistics(values[late]) for values in series)
     return {"weight_on_bit_n": weight, "rotation_rad_s": speed}
 
 
@@ -162,6 +168,8 @@ FRACTIONS = np.array([0.0, 0.5 - np.sqrt(1.0 / 12.0), 0.5 + np.sqrt(1.0 / 12.0)]
 def wall_depth(bag: Recording) -> dict[str, Any] | None:
     """Deepest Gauss point of the string in the wall, over the poses from `FALLEN` on; None without a wall or poses.
 
+    Of a string with `numerics.lateral_from`, those below its joint.
+
     Keys: `deepest_m` (0 without contact), its `distance_from_bit_m` and `time_s`, `clearance_m` there, and `static_m`:
     the depth under the largest weight on bit at rest (`state_judge.static_depth`); None for a record without its file.
     """
@@ -177,6 +185,10 @@ def wall_depth(bag: Recording) -> dict[str, Any] | None:
     clearance = np.array([scene.clearance_at(float(place)) for place in up])
     depth = np.hypot(curves[..., 0], curves[..., 1]) - clearance
     depth[:, :: FRACTIONS.size] = -np.inf  # nodes, which the wall does not act on
+    joint = joint_of(scene)
+    if joint is not None:  # above it the string follows the hole and meets no wall
+        first = int(np.argmin(np.abs(up[:: FRACTIONS.size] - joint)))
+        depth[:, FRACTIONS.size * first :] = -np.inf
     depth[poses.time < min(FALLEN, poses.time[-1])] = -np.inf
     instant, place = np.unravel_index(np.argmax(depth), depth.shape)
     return {

@@ -22,6 +22,7 @@ from drill_twin.io.bag.reader import Bag
 from drill_twin.io.bag.series import CommandSeries, MarkSeries, PoseSeries, RigSeries, StressSeries, WhirlSeries
 from drill_twin.io.bag.skipped import SkippedMessages
 from drill_twin.io.bag.time_series import Rows
+from drill_twin.io.bag.virtual_bags import RecordBag
 from drill_twin.io.messages.encode import MARK_AXES
 from drill_twin.io.messages.stamps import seconds
 from drill_twin.io.messages.topics import (
@@ -76,7 +77,7 @@ class Recording:
         skipped: Messages that could not be used.
         sub: Downhole sub whose readings are analysed instead of marks; empty without.
         summary: Findings of the analysis for the whole run.
-        units: Units in which people read it: those of the selection, else of the scene, else `si`.
+        units: Units in which people read it: those of the selection, else of the scene, else of the record, else `si`.
         runs: Number of runs in the bag; this is the last.
         unpaired: Number of states of the marks or the rig without a partner of the same stamp.
     """
@@ -114,7 +115,8 @@ class Recording:
                     self._take_message(topic, raw, time)
         self._skip_other_layouts()
         self.summary: Summary = self._checked_summary()
-        self.units = unit_system(self.selection.units or (self.scene.unit_system.name if self.scene_known else "si"))
+        own = self.scene.unit_system.name if self.scene_known else bag.units if isinstance(bag, RecordBag) else "si"
+        self.units = unit_system(self.selection.units or own)
         self.runs, self.unpaired = max(1, self._pipeline.runs), self._pipeline.unpaired
 
     def _reset(self) -> None:

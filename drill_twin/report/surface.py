@@ -41,27 +41,35 @@ def surface(bag: Recording) -> dict[str, Any] | None:
     `last` and `largest`, and `period_s` of the last; `stick_slip_index_by_torque` (`index_by_torque`), None where the
     speed of the bit is known or the string is not.
     """
-    rig = bag.rig
-    if bag.places or len(rig) < FEWEST:
+    kept, time = without_spikes(bag), bag.rig.time
+    if not kept:
         return None
-    time, interval = rig.time, float(np.median(np.diff(rig.time)))
-    channels, kept = {}, {}
-    for name, short in CHANNELS.items():
-        values = getattr(rig, name)
-        known = np.isfinite(values)
-        if known.any():
-            spikes = np.zeros(known.size, bool)
-            spikes[known] = find_spikes(values[known], window=max(FEWEST, round(SPIKE_WINDOW / interval)))
-            channels[short] = {
-                "gaps": gaps(time, known, interval), "spikes": time[spikes].tolist(),
-            }  # fmt: skip
-            kept[name] = np.where(spikes, math.nan, values)
+    interval, channels = float(np.median(np.diff(time))), {}
+    for name, values in kept.items():
+        known = np.isfinite(getattr(bag.rig, name))
+        spikes = time[known & np.isnan(values)].tolist()
+        channels[CHANNELS[name]] = {"gaps": gaps(time, known, interval), "spikes": spikes}
     swing, index, torque = None, None, kept.get("top_drive_torque")
     if torque is not None and (found := _torque_swing(time, torque, kept.get("top_drive_speed"))):
         swing, speed = found
         if swing["period_s"] and bag.scene_known and "bit_speed" not in kept:
             index = index_by_torque(bag.scene, swing["last_nm"], swing["period_s"], speed)
     return {"rate_hz": 1.0 / interval, "channels": channels, "torque_swing": swing, "stick_slip_index_by_torque": index}
+
+
+def without_spikes(bag: Recording) -> dict[str, Array]:
+    """Channels of a record without marks that it has, NaN in their spikes, shape (T,); empty for any other bag."""
+    rig, found = bag.rig, {}
+    if bag.places or len(rig) < FEWEST:
+        return {}
+    window = max(FEWEST, round(SPIKE_WINDOW / float(np.median(np.diff(rig.time)))))
+    for name in CHANNELS:
+        values = getattr(rig, name).copy()
+        known = np.flatnonzero(np.isfinite(values))
+        if known.size:
+            values[known[find_spikes(values[known], window=window)]] = math.nan
+            found[name] = values
+    return found
 
 
 def gaps(time: Array, known: Array, interval: float) -> list[tuple[float, float]]:

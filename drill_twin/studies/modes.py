@@ -38,6 +38,7 @@ def modes_data(table: ModeTable) -> dict[str, Any]:
                 "growth_per_s": mode.growth,
                 "damping_ratio": mode.damping_ratio,
                 "critical_speed_rev_s": mode.frequency if table.assembly and mode.kind == LATERAL else None,
+                "share_in_collars": mode.share if table.assembly and mode.kind == LATERAL else None,
                 "cut_change_hz": None if cmath.isnan(mode.cut_change) else mode.cut_change.imag / math.tau,
                 "frequency_change_hz": None if cmath.isnan(mode.change) else mode.change.imag / math.tau,
                 "growth_change_per_s": None if cmath.isnan(mode.change) else mode.change.real,
@@ -162,7 +163,7 @@ def response_figure(response: ForcedResponse, table: ModeTable, scene: Scene) ->
             panel.set_yscale("log")
             panel.axvline(units.show(abs(command.rotation), "rotation"), color=VERMILION, linewidth=0.9)
             for mode in table.of(LATERAL):
-                if 0.0 < mode.eigenvalue.imag < response.speeds[-1]:
+                if mode.of_collars and 0.0 < mode.eigenvalue.imag < response.speeds[-1]:
                     panel.axvline(
                         units.show(mode.eigenvalue.imag, "rotation"), color=GREY, linestyle=":", linewidth=0.9
                     )

@@ -10,6 +10,7 @@ import pytest
 from drill_twin.dynamics.discretisation.discretise import tubes_of
 from drill_twin.report.figures.style import unbridged
 from drill_twin.report.recording import read_recording
+from drill_twin.report.selection import Selection
 from drill_twin.report.summary import summarise
 from drill_twin.report.surface import index_by_torque
 from drill_twin.report.text import findings, provenance
@@ -42,9 +43,19 @@ def test_a_record_tells_weight_swing_index_gaps_and_spikes(tmp_path):
     assert rows["stick-slip index"].startswith("unknown: no speed of the bit is recorded")
     assert "the longest from 19.90 to 26.00 s" in rows["gaps, torque"]
     assert rows["weight on bit"].startswith("100")
+    assert found["loads"]["top_drive_torque_nm"]["max"] == pytest.approx(24_000.0, rel=1e-3)
     assert [name for name, _ in provenance(found)] == ["recorded time"]
     known = dict(findings(summarise(record(tmp_path / "bit.csv", bit=True))))
     assert float(known["stick-slip index"].partition(" ")[0]) == pytest.approx(0.5, abs=0.03)
+
+
+def test_a_record_in_pounds_is_told_in_pounds(tmp_path):
+    file = tmp_path / "rig.csv"
+    rows = "".join(f"{k},20,120\n" for k in range(30))
+    file.write_text(f"time [s],WOB [klbf],RPM [rpm]\n{rows}")
+    assert dict(findings(summarise(read_recording(file))))["weight on bit"].startswith("20 klbf")
+    chosen = summarise(read_recording(file, selection=Selection(units="si")))
+    assert dict(findings(chosen))["weight on bit"].startswith("88.96 kN")
 
 
 def test_a_line_is_broken_where_samples_are_missing():

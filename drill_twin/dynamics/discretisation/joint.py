@@ -4,6 +4,8 @@
 from __future__ import annotations
 
 import math
+from itertools import takewhile
+from operator import itemgetter
 
 import numpy as np
 
@@ -50,18 +52,19 @@ def joint_of(scene: Scene) -> float | None:
         return None
     if depth != "auto":
         return scene.length - depth
-    sections = sections_of(scene)
-    bending = [tube_constants(tube)[1] for tube in sections]
-    assembly = 0.0
-    for tube, stiffness in zip(sections, bending, strict=True):
-        if stiffness < STIFFER * min(bending):
-            break
-        assembly += tube.length
-    pipe = tube_constants(sections[int(np.argmin(bending))])
+    pipe, assembly = min((tube_constants(tube) for tube in sections_of(scene)), key=itemgetter(1)), collars_of(scene)
     speed = max(abs(extremes(scene).rotation), 1e-9)
     wave = math.tau * (pipe[1] / (pipe[3] * speed**2)) ** 0.25
     joint = max(assembly, buckled_up_to(scene)) + WAVES * min(max(wave, LEAST_WAVE), LONGEST_WAVE)
     return joint if joint < scene.length - LONGEST_ABOVE else None
+
+
+def collars_of(scene: Scene) -> float:
+    """Length of the sections from the bit up that are `STIFFER` than the most flexible pipe [m]; 0: none."""
+    sections = sections_of(scene)
+    bending = [tube_constants(tube)[1] for tube in sections]
+    stiff = takewhile(lambda pair: pair[1] >= STIFFER * min(bending), zip(sections, bending, strict=True))
+    return math.fsum(tube.length for tube, _ in stiff)
 
 
 def buckled_up_to(scene: Scene) -> float:

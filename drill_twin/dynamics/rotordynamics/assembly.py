@@ -18,6 +18,7 @@ import numpy as np
 
 from drill_twin.core.arrays import Array
 from drill_twin.dynamics.discretisation.discretise import tubes_of
+from drill_twin.dynamics.discretisation.joint import collars_of
 from drill_twin.dynamics.discretisation.resolution import LONGEST
 from drill_twin.dynamics.rotordynamics.eigenvalues import Numbers, Pencil
 from drill_twin.dynamics.rotordynamics.equations import EquationsOfMotion, Linearised
@@ -92,6 +93,11 @@ class Assembly:
     extent: Extent
     leans: bool = False
     """True in a vertical hole with the side load of `LEAN`."""
+
+    @cached_property
+    def collars(self) -> float:
+        """Length of its collars [m], or its own where none are stiffer than its pipe."""
+        return collars_of(self.equations.scene) or self.extent.assembly
 
     @cached_property
     def frame(self) -> HoleFrame:

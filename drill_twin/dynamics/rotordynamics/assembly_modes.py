@@ -47,7 +47,9 @@ def lateral_modes(assembly: Assembly, fastest: float) -> list[Mode]:
         if any(abs(value - mode.eigenvalue) < 1e-6 * abs(value) for mode in found):
             continue
         if 0.0 < value.imag <= fastest and -value.real < LIGHT * abs(value):
-            mode = classed(assembly.equations, assembly.frame, assembly.part, pencil.mass, complex(value), vector)
+            mode = classed(
+                assembly.equations, assembly.frame, assembly.part, pencil.mass, complex(value), vector, assembly.collars
+            )
             if mode.kind == LATERAL and inside[int(np.argmax(np.abs(mode.shape)))]:
                 found.append(mode)
     return sorted(found, key=lambda mode: mode.eigenvalue.imag)

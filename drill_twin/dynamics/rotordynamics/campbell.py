@@ -24,7 +24,7 @@ from drill_twin.dynamics.rotordynamics.eigenvalues import (
     undamped_basis,
 )
 from drill_twin.dynamics.rotordynamics.equations import EquationsOfMotion
-from drill_twin.dynamics.rotordynamics.modes import balance, bit_unknowns, is_vertical
+from drill_twin.dynamics.rotordynamics.modes import balance, is_vertical
 from drill_twin.dynamics.rotordynamics.turning_frame import TurningFrame
 from drill_twin.scene.set_points.command import Command
 
@@ -168,7 +168,8 @@ def growth_map(
             whirl = Pencil(*(frame.as_complex(matrix) for matrix in system.matrices))
             about = Pencil(*(matrix[part] for matrix in system.matrices))
             if not bases:
-                bases = (undamped_basis(whirl, BASIS, bit_unknowns(equations, frame)),)
+                of_bit = np.arange(int(np.isin(np.flatnonzero(equations.free[0]), frame.x).sum()))  # among frame.x
+                bases = (undamped_basis(whirl, BASIS, of_bit),)
                 if torsional is not None:
                     bases += (undamped_basis(about, BASIS),)
             lateral[i, k] = eigenvalues(whirl.on(bases[0]))[0].real.max()

@@ -65,6 +65,13 @@ class Mode(NamedTuple):
     """Change of the eigenvalue on a mesh twice as fine; NaN: not known."""
     cut_change: complex = complex(math.nan, math.nan)
     """Change of the eigenvalue of a mode of the assembly where more pipe is added above it; NaN for other modes."""
+    share: float = 1.0
+    """Share of the kinetic energy of a mode of the assembly in its collars; 1 for other modes."""
+
+    @property
+    def of_collars(self) -> bool:
+        """True if more than half of that is in the collars; else pipe moves that lies in its trough."""
+        return self.share > 0.5
 
     @property
     def growth(self) -> float:
@@ -129,12 +136,12 @@ class ModeTable(NamedTuple):
         return max(self.of(kind), key=lambda mode: mode.growth, default=None)
 
     def nearest_critical(self) -> float:
-        """Critical speed nearest to the rotation [rad/s], of either sense; NaN without one or without rotation."""
+        """Critical speed nearest to the rotation [rad/s], of its collars; NaN without one or without rotation."""
         rotation = self.balance.command.rotation
         speeds = (
             abs(mode.eigenvalue.imag)
             for mode in self.of(LATERAL)
-            if not self.on_axis or mode.frequency * rotation > 0.0  # on the axis forward modes alone are excited
+            if mode.of_collars and (not self.on_axis or mode.frequency * rotation > 0.0)  # on the axis: forward ones
         )
         return min(speeds, key=lambda speed: abs(speed - abs(rotation)), default=math.nan) if rotation else math.nan
 
@@ -172,10 +179,11 @@ def balance(equations: EquationsOfMotion, command: Command, resting: Resting | N
             return Balance(command, u, equations.evaluate(command, u, v, still))
         if not np.isfinite(size):
             break
+    point = equations.scene.unit_system.set_point(command.weight_on_bit, command.rotation)
+    remedy = "try another, or --without wall_friction" if equations.scene.effects.wall_friction else "try another"
     raise RunError(
-        f"{equations.scene.name}: expected a balance of the turning string at {command.weight_on_bit:g} N and "
-        f"{command.rotation / math.tau:g} rev/s, found none: Newton's method does not converge. A string that slides "
-        "on the wall may have none at this speed; try another, or --without wall_friction"
+        f"{equations.scene.name}: expected a balance of the turning string at {point}, found none: Newton's method "
+        f"does not converge. A string that slides on the wall may have none at this speed; {remedy}"
     )
 
 
@@ -248,16 +256,10 @@ def _reach(found: list[Mode], size: int) -> float:
 
 def _lateral(equations: EquationsOfMotion, frame: TurningFrame, pencil: Pencil) -> list[Mode]:
     """Modes on z = x + i y."""
-    whirl = Pencil(*(frame.as_complex(matrix) for matrix in pencil))
-    values, vectors = damped_modes(whirl)
+    values, vectors = damped_modes(Pencil(*(frame.as_complex(matrix) for matrix in pencil)))
     shapes = np.zeros((equations.free.shape[0], values.size), dtype=complex)
     shapes[equations.free[:, 0]] = vectors[frame.at_node]
     return [Mode(LATERAL, complex(value), normed(shapes[:, k])) for k, value in enumerate(values)]
-
-
-def bit_unknowns(equations: EquationsOfMotion, frame: TurningFrame) -> Numbers:
-    """Numbers, among `frame.x`, of the bit's unknowns."""
-    return np.arange(int(np.isin(np.flatnonzero(equations.free[0]), frame.x).sum()))
 
 
 def coupled_modes(equations: EquationsOfMotion, part: Numbers, pencil: Pencil, delay: Delay | None) -> list[Mode]:
@@ -269,11 +271,12 @@ def coupled_modes(equations: EquationsOfMotion, part: Numbers, pencil: Pencil, d
 
 
 def classed(
-    equations: EquationsOfMotion, frame: HoleFrame, part: Numbers, mass: Any, value: complex, vector: ComplexArray
-) -> Mode:
+    equations: EquationsOfMotion, frame: HoleFrame, part: Numbers, mass: Any, value: complex, vector: ComplexArray,
+    collars: float = math.inf,
+) -> Mode:  # fmt: skip
     """Mode of some of the unknowns: lateral, or of the kind along the hole that has more of its kinetic energy.
 
-    Across the hole its shape is low + i side at the instant at which the largest displacement is reached.
+    Across the hole its shape is low + i side at the instant of the largest displacement; `share` up to `collars` [m].
     """
     whole = np.zeros((2, equations.unknowns), dtype=complex)
     whole[:, part] = vector, mass @ vector
@@ -284,11 +287,11 @@ def classed(
     kind = max((AXIAL, TORSIONAL), key=lambda key: shares[key])
     if shares[LATERAL] > MIXED * sum(shares.values()):  # friction takes twist and stretch along
         kind = LATERAL
-    squares = rows[:, 0] ** 2 + rows[:, 1] ** 2
-    largest = squares[int(np.argmax(np.abs(rows[:, 0]) ** 2 + np.abs(rows[:, 1]) ** 2))]
+    largest = (rows[:, 0] ** 2 + rows[:, 1] ** 2)[int(np.argmax(np.abs(rows[:, 0]) ** 2 + np.abs(rows[:, 1]) ** 2))]
     at = (rows * np.exp(-0.5j * np.angle(largest))).real
     shape = {LATERAL: at[:, 0] + 1j * at[:, 1], AXIAL: rows[:, 2], TORSIONAL: rows[:, 6]}[kind]
-    return Mode(kind, value, shape / np.abs(shape).max() if kind == LATERAL else normed(shape))
+    share = float(energy[equations.model.rod.arc <= collars].sum() / energy.sum())
+    return Mode(kind, value, shape / np.abs(shape).max() if kind == LATERAL else normed(shape), share=share)
 
 
 def normed(shape: ComplexArray) -> ComplexArray:

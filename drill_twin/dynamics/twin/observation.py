@@ -144,29 +144,9 @@ def bind(contact_force: Any) -> Callable[..., None]:
                     vy = w[0] * v[e, 1] + w[1] * v[e, 4] + w[2] * v[e + 1, 1] + w[3] * v[e + 1, 4]
                     vz = w[0] * v[e, 2] + w[1] * v[e, 5] + w[2] * v[e + 1, 2] + w[3] * v[e + 1, 5]
                     here = Point(
-                        e,
-                        place,
-                        0.0,
-                        x,
-                        y,
-                        z,
-                        vx,
-                        vy,
-                        vz,
-                        0.0,
-                        0.0,
-                        0.0,
-                        0.0,
-                        0.0,
-                        1.0,
-                        0.0,
-                        0.0,
-                        0.0,
-                        1.0,
-                        0.0,
-                        True,
-                        0.0,
-                    )
+                        e, place, 0.0, x, y, z, vx, vy, vz, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0,
+                        0.0, 0.0, 0.0, 1.0, 0.0, True, 0.0,
+                    )  # fmt: skip
                     force = contact_force(wall, here, 0.0).force * 0.5 * length[e]
                     far = w[2] + (w[1] + w[3]) / length[e]  # coordinate of the Gauss point in the element, 0 to 1
                     out.wall_force[e] += (1.0 - far) * force

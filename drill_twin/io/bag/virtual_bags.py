@@ -15,6 +15,7 @@ import numpy as np
 
 from drill_twin.core.errors import TableError
 from drill_twin.core.rig_channels import ARRAYS, RECORDED, RIG_JOINTS, channel_of
+from drill_twin.core.units.system import typed_in_pounds
 from drill_twin.io.bag.metadata import RecordedTopic, contract_topic
 from drill_twin.io.bag.reader import Bag
 from drill_twin.io.bag.writer import BagWriter
@@ -111,6 +112,7 @@ class RecordBag(Bag):
 
     Attributes:
         read: The columns that were read and their units, for the user.
+        units: Units that people read: `field` where a force or torque is in pounds, else `si`.
     """
 
     def __init__(self, path: Path) -> None:
@@ -121,12 +123,14 @@ class RecordBag(Bag):
         """
         self.path, self.damage = path, list[str]()
         columns = read_columns(path)
+        self.units = "si"
         values, told = {}, []
         for name, channel in CHANNELS.items():
             found = columns.named(name)
             unit = columns.unit(found[0], channel.dimension) if found else ""
             if len(found) == 1 and unit:
                 values[name] = columns.si(found[0], unit, channel.dimension, name)
+                self.units = "field" if typed_in_pounds(unit.lower()) else self.units
                 told.append(f"{name} from {found[0].partition('[')[0].strip()} [{unit}]")
         if "time" not in values or not any(name in values for name in _SPEEDS):
             known = "; ".join(f"{name}: {', '.join(CHANNELS[name].mnemonics)}" for name in ("time", *_SPEEDS))

@@ -9,6 +9,8 @@ import pytest
 import drill_twin as dt
 from drill_twin.api import rotordynamics
 from drill_twin.core.errors import RunError
+from drill_twin.dynamics.discretisation.joint import collars_of
+from drill_twin.dynamics.rotordynamics.assembly import Extent
 from drill_twin.dynamics.rotordynamics.campbell import campbell, growth_map, mac
 from drill_twin.dynamics.rotordynamics.eigenvalues import MOST_UNKNOWNS, Pencil, eigenvalues_only
 from drill_twin.dynamics.rotordynamics.equations import EquationsOfMotion, meshed
@@ -94,11 +96,31 @@ def test_a_well_has_modes_of_its_assembly_and_a_forced_response(well):
     assert not table.on_axis
     assert table.assembly.leans == (well == "vertical_3000")
     assert all(mode.growth < 0.0 and abs(mode.cut_change) < 0.01 * abs(mode.eigenvalue) for mode in lateral)
+    at = table.assembly.equations.model.rod.arc[[abs(mode.shape).argmax() for mode in lateral]]
+    assert all(place > table.assembly.collars for mode, place in zip(lateral, at, strict=True) if mode.share < 0.1)
     if well == "s_shaped":  # a string of 3,000 m winds up and back in some six seconds
         assert table.of("torsional")[0].frequency == pytest.approx(0.1733, rel=2e-3)
     response = rotordynamics.forced_response(scene, table)
     peak = response.speeds[response.amplitude[:, 0, -1].argmax()]
     assert min(abs(mode.eigenvalue.imag - peak) for mode in lateral) < 0.02 * peak
+
+
+def test_critical_speeds_are_those_of_modes_of_the_collars(equations):
+    """Heavy-weight that swings in its trough has modes near the rotation, too."""
+    table = modes(equations, Command(5.0, 12.57))
+    nearest = table.nearest_critical()
+    pipe = [mode._replace(share=0.2) if abs(mode.eigenvalue.imag) == nearest else mode for mode in table.modes]
+    assert abs(table._replace(modes=tuple(pipe)).nearest_critical() - 12.57) > abs(nearest - 12.57)
+    well = load_scene(CONFIG / "wells" / "s_shaped.yaml")
+    assert collars_of(well) == 112.5
+    assert Extent.of(well).assembly == 262.5
+
+
+@pytest.mark.parametrize("without", [(), ("wall_friction",)])
+def test_without_wall_friction_is_advised_where_there_is_some(without):
+    with pytest.raises(RunError, match="at 60 N at 2 rev/s, found none") as raised:
+        rotordynamics.modes("pa6_bench", {"hole.inclination": "0.5 rad", "wob": "60 N", "rpm": 120}, without=without)
+    assert ("--without wall_friction" in str(raised.value)) == (not without)
 
 
 def test_the_mode_that_grows_fastest_is_always_in_the_table(equations):

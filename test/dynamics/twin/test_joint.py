@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """A string with lateral motion from a depth on only, beside the whole one."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
@@ -12,6 +14,7 @@ from drill_twin.dynamics.discretisation.resolution import mesh, resolution_of
 from drill_twin.dynamics.discretisation.warnings import notes_on
 from drill_twin.dynamics.twin.dynamics import Dynamics
 from drill_twin.dynamics.twin.twin import Twin
+from drill_twin.report.quantities import wall_depth
 from drill_twin.scene import load_scene
 from drill_twin.scene.set_points import Command
 
@@ -103,6 +106,20 @@ def test_a_straight_string_on_its_axis_is_the_same_with_and_without():
         ends.append(np.vstack(dynamics.unknowns)[:, [2, 5, 6]])
     scale = np.abs(ends[0]).max(axis=0)
     assert np.all(np.abs(ends[1] - ends[0]).max(axis=0) < 1e-4 * scale)
+
+
+def test_the_deepest_place_in_the_wall_is_below_the_joint():
+    """The element above the joint bends with the string below it and meets no wall."""
+    scene = load_scene("wells/s_shaped", overrides=AUTO)
+    own, joint = dt.Simulation(scene).run(duration=3).recording, joint_of(scene)
+    position, arc = own.poses.position.copy(), mesh(scene, resolution_of(scene)[0]).arc
+    poses = SimpleNamespace(time=own.poses.time, position=position, tangent=own.poses.tangent)
+    bag = SimpleNamespace(scene_known=True, scene=scene, nodes=own.nodes, poses=poses)
+    found, node = wall_depth(bag), int(np.argmin(np.abs(arc - joint)))
+    position[:, node + 1, 0] += 0.5
+    assert wall_depth(bag) == pytest.approx(found, rel=1e-4)
+    position[:, node - 1, 0] += 0.5
+    assert joint - 30.0 < wall_depth(bag)["distance_from_bit_m"] < joint
 
 
 @pytest.mark.long
