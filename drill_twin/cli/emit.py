@@ -63,11 +63,11 @@ def emit(
 
 
 def say(part: Table | Text | str) -> None:
-    """Print a table or a line on stdout, as it is."""
+    """Print a table or a line on stdout."""
     if isinstance(part, Table):
         out().print(part)
     else:
-        out().print(part, markup=False, soft_wrap=True)
+        out().say(part)
 
 
 def write_files(folder: Path, files: Mapping[str, Any]) -> Sequence[str]:

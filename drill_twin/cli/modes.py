@@ -142,7 +142,7 @@ def _table(table: ModeTable, name: str, units: UnitSystem) -> Table:
 
 
 def _change(value: float) -> str:
-    return "?" if math.isnan(value) else f"{abs(value):.0e}"
+    return "?" if math.isnan(value) else min(f"{abs(value):.1g}", f"{abs(value):.0e}", key=len)
 
 
 def _assembly(table: ModeTable, part: Assembly, units: UnitSystem) -> Iterator[str]:

@@ -3,10 +3,11 @@
 
 from __future__ import annotations
 
+import textwrap
 import time
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
-from functools import cache
+from functools import cache, partial
 from typing import Any
 
 from rich.console import Console
@@ -20,8 +21,15 @@ from drill_twin.core.files.plain_json import json_text
 from drill_twin.core.table import Table
 
 
-class _PrintableConsole(Console):
+class PrintableConsole(Console):
     """Console that writes control characters out, whichever name of a bag they come from."""
+
+    def say(self, text: str | Text, style: str = "") -> None:
+        """Print a text: in a terminal its lines are broken between words, elsewhere it is as it is."""
+        if self.is_terminal and isinstance(text, str):
+            fill = partial(textwrap.fill, width=self.width, break_long_words=False, break_on_hyphens=False)
+            text = "\n".join(map(fill, text.split("\n")))
+        self.print(text, style=style, markup=False, soft_wrap=True)
 
     def _render_buffer(self, buffer: Iterable[Segment]) -> str:
         return super()._render_buffer(
@@ -29,15 +37,15 @@ class _PrintableConsole(Console):
         )
 
 
-def out() -> Console:
+def out() -> PrintableConsole:
     """Console for results, on stdout."""
-    return _PrintableConsole(highlight=False, emoji=False)
+    return PrintableConsole(highlight=False, emoji=False)
 
 
 @cache
-def err() -> Console:
+def err() -> PrintableConsole:
     """Console for progress and remarks, on stderr: the same one for all, so that remarks stay above a bar."""
-    return _PrintableConsole(stderr=True, highlight=False, emoji=False)
+    return PrintableConsole(stderr=True, highlight=False, emoji=False)
 
 
 def print_json(value: Any) -> None:
@@ -46,8 +54,8 @@ def print_json(value: Any) -> None:
 
 
 def remark(text: str, style: str = "") -> None:
-    """Print a line on stderr, as it is: above the bar of a progress that is shown."""
-    err().print(text, style=style, markup=False, soft_wrap=True)
+    """Print a line on stderr: above the bar of a progress that is shown."""
+    err().say(text, style)
 
 
 def findings_shown(summary: Mapping[str, Any]) -> Iterator[Table]:

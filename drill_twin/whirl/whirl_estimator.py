@@ -49,6 +49,7 @@ def criterion_text(
     carrier: Carrier,
     contact_known: bool = True,
     swing: float = 0.0,
+    rough: float = 0.0,
 ) -> str:
     """Describe the criterion of a mark's `state`.
 
@@ -62,12 +63,15 @@ def criterion_text(
         ratio: Whirl ratio.
         carrier: Carriers of the orbits.
         swing: Radius of its swing on the low side, over the clearance.
+        rough: Share of the last revolutions in which its motion was rough.
         contact_known: Whether the distance from the axis of the hole is known; a downhole sub knows it about its mean.
     """
     whirl, synchronous = float(orbit.radius[0, mark]), float(orbit.synchronous[mark])
     sense = "forward" if ratio > 0.0 else "backward"
     digits = 2 if abs(ratio) >= FEW_DIGITS else 3
-    orbit_text = f"radius {100 * float(orbit.radius[row, mark]):.0f} % of the clearance, ratio {ratio:+.{digits}f}"
+    radius = float(orbit.radius[row, mark])
+    beyond = " (about its mean place, which is off the axis, or the wall gives)" if radius > 1.0 else ""
+    orbit_text = f"radius {100 * radius:.0f} % of the clearance{beyond}, ratio {ratio:+.{digits}f}"
     match state:
         case MotionState.NOT_OBSERVABLE if orbit.samples_per_revolution < criteria.fewest_samples:
             return (
@@ -93,7 +97,11 @@ def criterion_text(
             return f"asynchronous radius {100 * whirl:.1f} %, synchronous {100 * synchronous:.1f} % of the clearance"
         case MotionState.IRREGULAR:
             coherence, unevenness = float(orbit.coherence[row, mark]), float(orbit.unevenness[row, mark])
-            return f"{orbit_text}, coherence {coherence:.2f}, unevenness {unevenness:.2f}"
+            return (
+                f"{orbit_text}, rough for {100 * rough:.0f} % of the last {criteria.irregularity_memory:g} revolutions "
+                f"(coherence below {criteria.coherence:g} or unevenness above {criteria.unevenness:g}); now coherence "
+                f"{coherence:.2f}, unevenness {unevenness:.2f}"
+            )
         case MotionState.SPIRAL:
             return f"{orbit_text} ({sense}), a helix: planarity, now {shape.planarity:.2f}, was below {criteria.planar}"
         case MotionState.SECOND_BENDING:
@@ -242,6 +250,7 @@ class WhirlEstimator:
             text = criterion_text(
                 found, state.orbit, state.shape, state.criteria, mark, row, ratio, carrier=state.carrier,
                 contact_known=self._contact_known, swing=float(state.onsets.swing[mark]),
+                rough=float(motion.irregularity.share[mark]),
             )  # fmt: skip
             if found not in UNDOUBTED and (why := self.doubt(mark)):
                 text = f"{text}; {why}"

@@ -57,3 +57,11 @@ def test_without_a_terminal_progress_is_a_line_now_and_then(capsys, monkeypatch)
             now[0] += 6.0
         bar.show("fourth", 4)
     assert re.fullmatch(r"third, 3 of 4 runs, \d+ s left\n", capsys.readouterr().err)
+
+
+def test_in_a_terminal_a_line_is_broken_between_words_and_a_path_stays_whole(capsys):
+    path = "/a/" + "long/" * 10 + "path"
+    show.PrintableConsole(width=40, force_terminal=True, highlight=False).say(f"{'words ' * 20}{path}")
+    said = capsys.readouterr().out.splitlines()
+    assert max(map(len, said[:-1])) <= 40
+    assert said[-1] == path

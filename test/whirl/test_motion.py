@@ -48,6 +48,9 @@ def test_each_state_from_its_label(state, rate):
     assert late.count(state) > share * len(late)
     assert found[-1].motion_confidence > 0.8
     assert found[-1].motion_criterion
+    if state is MotionState.IRREGULAR:
+        texts = [of.motion_criterion for of in found if of.motion is state]
+        assert all("rough for " in text and "(coherence below 0.85 or unevenness above 0.3)" in text for text in texts)
     summary = analyzer.summary()
     assert summary.motion[-1].state is state
     starts = [period.start_s for period in summary.motion]
