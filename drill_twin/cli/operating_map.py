@@ -124,7 +124,7 @@ def _shown(found: OperatingMap, scene: Scene) -> Iterator[str]:
         yield f"  {REGIMES[code].value}: {count / whole:.1%} of the ranges"
     unknown = 1.0 - float(found.known.mean())
     if unknown:
-        yield f"  {unknown:.0%} of the ranges lie between no runs: what is said there is that of the nearest run"
+        yield f"  {unknown:.0%} of the ranges (hatched) have no runs on all sides; there it is that of the nearest run"
     if not found.windows:
         yield "  no safe window: nowhere in these ranges do enough runs show that the string stays calm"
     for weight, speed in found.windows:

@@ -51,7 +51,8 @@ def boundaries(found: OperatingMap) -> list[Boundary]:
     if found.has_second_boundary:
         ends = found.lines(found.keeps_whirling)
         lines.append(Boundary("an existing whirl dies", ends, "#000000", "dashed", 1.8))
-    return [*lines, Boundary("whirl begins from rest", found.lines(found.whirls), "#000000", "solid", 2.2)]
+    lines.append(Boundary("whirl begins from rest", found.lines(found.whirls), "#000000", "solid", 2.2))
+    return [line for line in lines if line.segments]
 
 
 def grows(found: OperatingMap) -> Mask:
@@ -124,11 +125,12 @@ def _draw(axes: Axes, found: OperatingMap) -> None:
         axes.add_collection(
             LineCollection(segments, colors=line.colour, linestyles=line.style, linewidths=line.width, label=line.label)
         )
-    for label, failed, style, size in (("runs", False, ".", 1.6), ("", True, "x", 5.0)):
+    for label, failed, style, size in (("runs", False, ".", 4.0), ("", True, "x", 5.0)):
         runs = [plane.command(node) for node, made in found.runs_at_nodes.items()
                 if (made[0].regime is Regime.FAILED) == failed]  # fmt: skip
         if runs:
-            axes.plot(*shown(runs).T, style, color="white" if failed else "black", markersize=size, label=label)
+            colour = "white" if failed else "black"
+            axes.plot(*shown(runs).T, style, color=colour, markersize=size, label=label, clip_on=False)
     for number, ((load, most), (slow, fast)) in enumerate(found.windows):
         x, y = shown([(load, slow), (most, slow), (most, fast), (load, fast), (load, slow)]).T
         axes.plot(x, y, color="white", linewidth=4.0)
