@@ -56,9 +56,11 @@ def spectrum(recording: Recording) -> Figure:
             break
         radius = recording.units.show(found.radius, "offset")
         highest = max(highest, float(radius.max()))
-        panel.semilogy(sign * found.frequency, radius, label=place.name, **mark_style(mark))
+        panel.plot(sign * found.frequency, radius, label=place.name, **mark_style(mark))
     _lines(panel, recording)
-    panel.set_ylim(max(highest, 1e-6) * 1e-4, max(highest, 1e-6) * 2.0)
+    if highest:
+        panel.set_yscale("log")
+        panel.set_ylim(1e-4 * highest, 2.0 * highest)
     panel.set_xlabel("frequency [Hz], positive = the sense of rotation")
     panel.set_ylabel(f"radius of the orbit [{recording.units.offset}]")
     if highest:
