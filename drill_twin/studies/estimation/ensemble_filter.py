@@ -34,12 +34,13 @@ _CORRECTED = ("weight_on_bit", "bit_speed", "bit_torque")
 """Virtual sensors that the correction of torsion and axial motion changes."""
 _LATERAL = ("radius", "bending_stress")
 """Those that the correction of the lateral motion changes too; the largest wall force, of an impact, follows none."""
-_FOLLOWED = ("radius", "bit_speed", "wall_force")
+_FOLLOWED = ("radius", "bit_speed")
 """Virtual sensors whose bands hold with a sub as without."""
 _FEW, _IMPACT = 2.0, 1.1
-"""Factors of the bands of the others with a sub, as so few members have too little spread in the many directions of a
-motion that it corrects, and of the largest wall force. Found on 17 truths of `pa6_bench`; judged on others
-(docs/bands.md)."""
+"""Factors of the spread with a sub, as so few members have too little in the many directions of a motion that it
+corrects: of the bands of the other virtual sensors, and of what the surface measures where a misfit is judged; and of
+the band of the largest wall force, of an impact. Found on 57 truths of `pa6_bench`; judged on others (docs/bands.md).
+"""
 _WHIRLS = 0.5
 """Share of members that whirl, above which none is followed ahead."""
 
@@ -132,7 +133,8 @@ class EnsembleFilter:
         self.time = 0.0
         self._errors = ChannelErrors(self.channels, options.error)
         self._resampling = RegimeResampling(options.members, options.seed)
-        self._innovations, self._alarm = Innovations(self.channels), ModelMismatchAlarm(self.channels)
+        self._innovations = Innovations(self.channels, _FEW if subs else 1.0)
+        self._alarm = ModelMismatchAlarm(self.channels)
         self._jumps = Jumps(self.channels, self.members.keys)
         self._restarts = Restarts(self.members, self._computed)
         self._phase = PhaseCorrection(self.members, options.error)
@@ -213,9 +215,10 @@ class EnsembleFilter:
 
     def _wider(self, name: str, factor: float) -> float:
         """Factor of the band of a virtual sensor, from that of what is not measured."""
+        impact = _IMPACT if name == "wall_force" else 1.0
         if not self.members.subs or name in _FOLLOWED:
-            return _IMPACT * factor if name == "wall_force" else factor
-        return _FEW * max(factor, math.sqrt(self._phase.chi_square))
+            return impact * factor
+        return impact * _FEW * max(factor, math.sqrt(self._phase.chi_square))
 
     @property
     def _nearest(self) -> int:

@@ -38,8 +38,14 @@ class Innovations:
         normalised: The same over what members and stated errors predict for it, shape (C,).
     """
 
-    def __init__(self, channels: Sequence[str]) -> None:
-        self._channels = list(channels)
+    def __init__(self, channels: Sequence[str], few: float = 1.0) -> None:
+        """Begin.
+
+        Args:
+            channels: Names.
+            few: Factor by which the spread of the members may be too small, where a misfit is judged.
+        """
+        self._channels, self._few = list(channels), few
         self._windows: deque[_Window] = deque(maxlen=WINDOWS)
         self._stated: Array = np.zeros(len(channels))
         self._above = np.zeros(len(channels), dtype=int)  # windows in a row with a chi-square above its limit
@@ -59,8 +65,8 @@ class Innovations:
         self._windows.append(window)
         self._stated = stated
         square = (measured - window.mean) ** 2
-        self.misfit = _rms(square / np.maximum(scale, np.finfo(float).tiny)[:, None] ** 2)
-        self.normalised = _rms(square / (window.spread**2 + stated[:, None] ** 2))
+        self.misfit = _rms(square / np.maximum(scale, np.finfo(float).tiny ** 0.25)[:, None] ** 2)
+        self.normalised = _rms(square / ((self._few * window.spread) ** 2 + stated[:, None] ** 2))
 
     def forget(self) -> None:
         """Forget all windows: numbers have jumped, and are drawn anew."""
@@ -72,7 +78,7 @@ class Innovations:
         """Goodness of each channel over the last windows, against the stated errors; once for each window."""
         measured, mean, spread = (np.concatenate(parts, axis=1) for parts in zip(*self._windows, strict=True))
         count = len(self._windows)
-        limit = limit_of_windows(count) if count >= _FEWEST else math.nan
+        limit = self._few**2 * limit_of_windows(count) if count >= _FEWEST else math.nan
         found = {}
         for k, name in enumerate(self._channels):
             of = goodness(measured[k], mean[k], spread[k], noise_of(measured[k]), float(self._stated[k]), limit)

@@ -68,13 +68,18 @@ _TORSION = Case(
     truths={_STICKING: (0.68, 0.78), _SLIDING: (0.35, 0.45), LOAD: (0.9, 1.08)},
 )  # fmt: skip
 """A string in torsion alone, whose drive holds its speed."""
+_BENCH = Case("pa6_bench", _ROD, horizon=4.0, imu=_NEAR_BIT)
+_WALL, _BIT = "wall_friction.coefficient", "bit_friction.coefficient"
 CASES: Mapping[str, Case] = {
     "torsion": _TORSION,
     "load_jump": replace(_TORSION, jump=LOAD),
     "friction_jump": replace(_TORSION, jump=_STICKING),
     "stiffness_jump": replace(_TORSION, jump=STIFFNESS),
-    "pa6_bench": Case("pa6_bench", _ROD, horizon=4.0, imu=_NEAR_BIT),
-    "pa6_calm": Case("pa6_bench", _ROD, horizon=4.0, overrides={"wob": 10.0, "rpm": 36}, imu=_NEAR_BIT),
+    "pa6_bench": _BENCH,
+    "pa6_load_jump": replace(_BENCH, jump=LOAD, truths={LOAD: (0.95, 1.05)}),
+    "pa6_wall_friction_jump": replace(_BENCH, jump=_WALL, truths={_WALL: (0.19, 0.31)}),
+    "pa6_bit_friction_jump": replace(_BENCH, jump=_BIT, truths={_BIT: (0.08, 0.15)}),
+    "pa6_calm": replace(_BENCH, overrides={"wob": 10.0, "rpm": 36}),
     "stick_slip": Case(
         "two_mass",
         {
