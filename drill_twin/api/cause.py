@@ -48,7 +48,7 @@ class Cause:
 def why(result: Result, *, progress: Callable[[str, float, float], None] | None = None) -> Cause:
     """Find why a run whirled.
 
-    The lateral modes under the set-points at the end of the run say whether the string leaves its balance by itself.
+    The lateral modes under the set-points at the onset say whether the string leaves its balance by itself.
     Then the run is repeated under its recorded set-points, to 30 s after the onset at most, each time with one change:
     an effect that can feed whirl left out, a tenth of bow and eccentricity, less of the weight, the speed, the wall
     friction. An effect is named as a cause only where the repeat without it does not whirl, no mode grows in it, and
@@ -83,7 +83,7 @@ class _Search(Repeats):
     def cause(self) -> Cause:
         """Sentences, from the modes and all repeats."""
         self.progress("modes", 0, len(self.plans()))
-        table = self.modes(self.scene, self.command)
+        table = self.modes(self.scene, self.steady)
         fastest = table.fastest(LATERAL) if table else None
         if self.onset is None:
             return Cause((f"The run does not whirl, at {self.point} at its end.", self.mode_text(table, fastest)))
@@ -91,8 +91,8 @@ class _Search(Repeats):
         on_axis = table is not None and table.on_axis
         if on_axis and fastest is not None and fastest.growth > 0.0:
             try:
-                sentences[-1] += buckling(self.scene, self.command)
-                sentences.append(limits(self.scene, self.command, self.units))
+                sentences[-1] += buckling(self.scene, self.steady)
+                sentences.append(limits(self.scene, self.steady, self.units))
             except RunError as error:
                 sentences.append(f"The weight and speed at which the growth ends are not known ({error}).")
         trials = tuple(self.trials())
@@ -119,6 +119,8 @@ class _Search(Repeats):
         if table is None or fastest is None:
             return f"Modes are not known ({self.unknown_modes or 'none lateral'})."
         where = "about the axis of the hole" if table.on_axis else "about the balance on the wall"
+        if self.units.set_point(self.steady.weight_on_bit, self.steady.rotation) != self.point:
+            where += " at the onset"
         frequency, lines = self.summary["whirl_frequency_hz"], self.summary["spectrum_lines"]
         if frequency is None and lines:
             frequency = lines[0]["frequency_hz"]
@@ -148,7 +150,9 @@ class _Search(Repeats):
             forced = self.summary["lasting_motion"] == MotionState.SYNCHRONOUS_WHIRL.value
             kind = " (forced, at the speed of rotation)" if forced else ""
             return f"Cause{kind}: {'; '.join(causes)}."
-        return f"The cause is not known; repeats of the run that were checked: {'; '.join(told) or 'none'}."
+        calm = [trial.change for trial in trials if trial.of_effects and trial.outcome.startswith("no whirl, ")]
+        alone = f"; {', '.join(calm)} it is no whirl, but more than half of the motion stays" if calm else ""
+        return f"The cause is not known{alone}; repeats of the run that were checked: {'; '.join(told) or 'none'}."
 
 
 def _stops(trials: Sequence[Trial]) -> str:

@@ -103,6 +103,16 @@ class Repeats:
         return self.units.set_point(self.command.weight_on_bit, self.command.rotation)
 
     @property
+    def steady(self) -> Command:
+        """Weight and speed of the modes: means of `BEFORE` up to the onset, else those at the end."""
+        if self.onset is None:
+            return self.command
+        last = min(max(round(self.onset / self.period), 1), len(self.commands))
+        before = self.commands[max(0, last - round(BEFORE / self.period)) : last]
+        weight, speed = np.mean([(of.weight_on_bit, of.rotation) for of in before], axis=0).tolist()
+        return Command(weight, speed)
+
+    @property
     def at_onset(self) -> str:
         """Weight on the bit and speed of the top drive at the onset, means of `BEFORE`."""
         time, last = self.rig.time, self.onset or 0.0
@@ -204,19 +214,20 @@ class Repeats:
         found = played.summary
         end, motion, frequency = found["whirl_end_s"], found["lasting_motion"], found["whirl_frequency_hz"]
         left = self.motion(played.recording) / self.moving
+        lateral = f", {left:.0%} of the lateral motion" if math.isfinite(left) else ""
         if found["onset_s"] is None:
             if growth is not None and growth > 0.0:
                 length = len(self.commands) * self.period
-                return False, f"no whirl within {length:.3g} s, but a mode {rate(growth)}, so it comes later"
-            told = f"no whirl, {left:.0%} of the lateral motion" if math.isfinite(left) else "no whirl"
+                return False, f"no whirl within {length:.3g} s{lateral}, but a mode {rate(growth)}, so it comes later"
+            told = f"no whirl{lateral}"
             if (self.summary["stick_slip_index"] or 0.0) >= SWINGS and found["stick_slip_index"] is not None:
                 told += f", stick-slip index {found['stick_slip_index']:.2f}"
             return not left > LEFT, told if growth is None else f"{told}; the slowest mode {rate(growth)}"
         if end is not None and self.summary["whirl_end_s"] is None:
             return True, f"the whirl ends at {end:.2f} s"
         if motion in CALM:
-            return False, f"whirls from {found['onset_s']:.2f} s, for a part of the time"
+            return False, f"whirls from {found['onset_s']:.2f} s, for a part of the time{lateral}"
         told = motion if frequency is None else f"{motion} at {frequency:.2f} Hz"
         if self.summary["lasting_motion"] in BACKWARD and motion in FORWARD:
-            return True, f"no backward whirl, but {told}"
-        return False, f"still whirls: {told}"
+            return True, f"no backward whirl, but {told}{lateral}"
+        return False, f"still whirls: {told}{lateral}"

@@ -8,7 +8,7 @@ from rod_scenes import ROLLING, WALLED, quiet_scene
 from typer.testing import CliRunner
 
 import drill_twin as dt
-from drill_twin.api.repeats import Repeats
+from drill_twin.api.repeats import Repeats, Trial
 from drill_twin.cli.app import app
 
 SOON = {"wob": 5, "rig.weight_on_bit.duration": 2, "rig.rotation.duration": 2}
@@ -38,16 +38,25 @@ def test_the_record_of_a_rig_cannot_be_repeated(tmp_path):
         dt.why(dt.read_bag(record))
 
 
-def test_weight_and_speed_at_the_onset_are_those_of_the_ramp():
+def test_weight_and_speed_at_the_onset_are_those_of_the_ramp(monkeypatch):
     run = dt.Simulation("pa6_bench", {"wob": 10, "rpm": 390, "effects.bow.amplitude": "2 mm"}).run(duration=8)
     repeats = Repeats(run.recording, run.summary, lambda *_: None)
     before = (run.rig.time > repeats.onset - 1.0) & (run.rig.time <= repeats.onset)
     turns = float(run.rig.top_drive_speed[before].mean())
     assert repeats.at_onset.endswith(f"at {repeats.units.text(turns, 'rotation')}")
     assert turns < 0.9 * repeats.command.rotation
+    assert repeats.steady.rotation == pytest.approx(turns, rel=0.02)  # modes are those at the onset
     plans = [plan.split(" (")[0] for _, plan, *_ in repeats.plans()]
     assert plans[:2] == ["without internal damping", "without wall friction"]
     assert plans[-1] == "at 0.5 of the wall friction"
+    outcome = "no whirl, 88% of the lateral motion; the slowest mode decays with 0.2 1/s"
+    trial = Trial("without wall friction", True, False, outcome, "", None, -0.2)
+    monkeypatch.setattr(Repeats, "trials", lambda _: iter([trial]))
+    cause = dt.why(run)
+    assert not cause.causes
+    assert "The cause is not known; without wall friction it is no whirl, but more than half of the" in str(cause)
+    assert f"without wall friction: {outcome}" in str(cause)
+    assert "Small motion about the axis of the hole at the onset" in str(cause)
 
 
 @pytest.mark.long
