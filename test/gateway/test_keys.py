@@ -5,12 +5,12 @@ import asyncio
 import hashlib
 import os
 import shutil
-import socket
 import threading
 import time
 from pathlib import Path
 
 import pytest
+from ports import free_port
 from variants import one_of
 
 pytest.importorskip("asyncua", reason="needs asyncua: pip install 'drill_twin[opcua]'")
@@ -178,10 +178,7 @@ def test_others_are_served_while_a_password_is_checked(folder, monkeypatch):
         return check(keys, name, password)
 
     monkeypatch.setattr(Keys, "is_user", slow)
-    with socket.socket() as one:
-        one.bind(("127.0.0.1", 0))
-        port = one.getsockname()[1]
-    server = OpcUaServer(("127.0.0.1", port), [], [], Control([], 2.0, lambda: None), read_keys(folder))
+    server = OpcUaServer(("127.0.0.1", free_port()), [], [], Control([], 2.0, lambda: None), read_keys(folder))
 
     async def both():
         async with await _client(server.url, folder, LONG) as good:

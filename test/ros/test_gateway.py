@@ -12,6 +12,7 @@ import time
 from pathlib import Path
 
 import pytest
+from ports import free_port
 
 asyncua = pytest.importorskip("asyncua", reason="needs asyncua: pip install 'drill_twin[opcua]'")
 
@@ -21,12 +22,6 @@ from drill_twin.gateway.opc_ua.server import MOST_CLIENTS  # noqa: E402
 HERE = Path(__file__).resolve().parent / "gateway"
 STEADY = "rig.weight_on_bit.duration=0.1 s; rig.rotation.duration=0.1 s"
 GOOD, UNCERTAIN = 0, 0x40900000
-
-
-def free_port():
-    with socket.socket() as one:
-        one.bind(("127.0.0.1", 0))
-        return one.getsockname()[1]
 
 
 def run(*command, **environment):

@@ -3,12 +3,12 @@
 
 import json
 import math
-import socket
 import subprocess
 import sys
 from pathlib import Path
 
 import pytest
+from ports import free_port
 
 asyncua = pytest.importorskip("asyncua", reason="needs asyncua: pip install 'drill_twin[opcua]'")
 
@@ -54,9 +54,7 @@ def rig(module_bench, tmp_path_factory):
         make_keys(keys, "urn:drill_twin:gateway", "localhost", {"driller": PASSWORD})
     (server / TRUSTED / "client.der").write_bytes((trusted / CERTIFICATE).read_bytes())
     bench = module_bench(folder)
-    with socket.socket() as one:
-        one.bind(("127.0.0.1", 0))
-        port = one.getsockname()[1]
+    port = free_port()
     bench.start("simulator", overrides=STEADY)
     bench.gateway = bench.start(
         "gateway", port=port, keys=str(server), heartbeat_timeout=1.0, safe_weight_on_bit=5.0, safe_ramp_time=0.2
@@ -157,18 +155,8 @@ def _applied(state):
 
 
 def test_keys_are_made_by_the_command_and_none_is_needed_on_this_host_only(bench):
-    command = [
-        sys.executable,
-        "-m",
-        "drill_twin.cli",
-        "ros",
-        "keys",
-        "keys",
-        "--user",
-        "me",
-        "--password",
-        "you and me",
-    ]
+    asked = ["ros", "keys", "keys", "--user", "me", "--password", "you and me"]
+    command = [sys.executable, "-m", "drill_twin.cli", *asked]
     assert bench.command("keys", command).wait() == 0
     keys = bench.folder / "keys"
     assert (keys / "private_key.pem").stat().st_mode & 0o77 == 0
@@ -187,9 +175,7 @@ def test_keys_are_made_by_the_command_and_none_is_needed_on_this_host_only(bench
 
 @pytest.mark.parametrize("host", ["::1", pytest.param("localhost", marks=pytest.mark.long)])
 def test_without_keys_this_host_may_be_called_by_any_of_its_names(bench, host):
-    with socket.socket() as one:
-        one.bind(("127.0.0.1", 0))
-        port = one.getsockname()[1]
+    port = free_port()
     process = bench.start("gateway", host=host, port=port)
     bench.until_status("gateway", bool)
     shown = f"[{host}]" if ":" in host else host

@@ -5,7 +5,6 @@ import json
 import math
 import os
 import shutil
-import socket
 import subprocess
 import sys
 from contextlib import nullcontext
@@ -14,6 +13,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from ports import free_port
 
 asyncua = pytest.importorskip("asyncua", reason="needs asyncua: pip install 'drill_twin[opcua]'")
 
@@ -39,12 +39,6 @@ follow:
   weight_on_bit:    {node: "nsu=urn:rig;s=WOBSet", unit: N, stale_after: 1}
   surface_rotation: {node: "nsu=urn:rig;s=RPMSet", unit: rpm, stale_after: 1}
 """
-
-
-def free_port():
-    with socket.socket() as one:
-        one.bind(("127.0.0.1", 0))
-        return one.getsockname()[1]
 
 
 class Server:

@@ -3,10 +3,10 @@
 
 import json
 import math
-import socket
 
 import numpy as np
 import pytest
+from ports import free_port
 
 from drill_twin.core.rig_channels import RIG_JOINTS
 from drill_twin.io.messages.cdr import JointStateTemplate
@@ -27,12 +27,6 @@ COARSE = (
 )
 """Kernel of the paper's rod."""
 NAN = [math.nan] * 4
-
-
-def free_port():
-    with socket.socket() as one:
-        one.bind(("127.0.0.1", 0))
-        return one.getsockname()[1]
 
 
 def estimated(raw):

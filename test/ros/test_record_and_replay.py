@@ -35,9 +35,9 @@ INPUTS = (TWIN_SCENE, MARKS_STATE, RIG_STATE)
 """Topics that the analysis needs."""
 
 FINDINGS = (WHIRL_STATE, WHIRL_MOTION, WHIRL_ONSET, TWIN_SUMMARY)
-# A weight far above the buckling load at once, so that whirl begins within seconds.
+# A weight far above the buckling load at once, so that whirl begins within the first second.
 EAGER = "rig.weight_on_bit.duration=0.5 s; wob=60; rig.rotation.duration=0.5 s; effects.bow.amplitude=2 mm"
-DURATION = 6.0
+DURATION = 3.0
 
 
 @pytest.fixture(scope="module")

@@ -168,17 +168,7 @@ def test_a_run_asked_to_stop_within_a_frame_keeps_the_frames_before(tmp_path, sh
 
 def test_a_command_in_an_endless_frame_ends_when_asked(tmp_path):
     """Ten million steps a frame: without slices the process would go on for minutes."""
-    command = [
-        sys.executable,
-        "-m",
-        "drill_twin.cli",
-        "run",
-        "pa6_bench",
-        "--wob",
-        "300 N",
-        "--set",
-        "numerics.step=1 ns",
-    ]
+    command = [sys.executable, "-m", "drill_twin.cli", "run", "pa6_bench", "--wob=300 N", "--set=numerics.step=1 ns"]
     child = subprocess.Popen(
         [*command, "--out", str(tmp_path / "out")], stderr=subprocess.PIPE, text=True, cwd=tmp_path,
         env=dict(os.environ, PYTHONUNBUFFERED="1", PYTHONPATH=os.pathsep.join(sys.path)),

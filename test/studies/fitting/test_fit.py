@@ -6,8 +6,10 @@ import json
 import numpy as np
 import pytest
 from scipy.io import savemat
+from typer.testing import CliRunner
 
 import drill_twin as dt
+from drill_twin.cli.app import app
 from drill_twin.core.errors import ArgumentError, SceneError, TableError
 from drill_twin.io.bag.series import CommandSeries
 from drill_twin.studies.fitting.record import channel_column
@@ -30,16 +32,17 @@ def record(tmp_path_factory):
     return path
 
 
-def test_hidden_numbers_lie_in_their_intervals_and_the_fitted_scene_has_them(process, record, tmp_path):
+def test_hidden_numbers_lie_in_their_intervals_and_the_fitted_scene_has_them(record, tmp_path):
     options = [f"--free={key}={span}" for key, span in FREE.items()]
     options += [
         f"--set={key}={value}" for key, value in (OVER | {"wob": "55 kN", "numerics.frame_rate": "10 Hz"}).items()
     ]
-    done = process(
+    command = [
         "fit", record, "--scene", "two_mass", *options, "--channel", "bit_speed=bit speed [rpm]", "--to", "30 s",
         "--rate", "10 Hz", "--members", "32", "--rounds", "24", "--out", tmp_path / "fit", "--json",
-    )  # fmt: skip
-    assert done.returncode == 0, done.stderr
+    ]  # fmt: skip
+    done = CliRunner().invoke(app, list(map(str, command)))
+    assert done.exit_code == 0, done.output
     found = json.loads(done.stdout)
     assert found["likelihood_power"] == 1.0
     assert found["undetermined"] == []
