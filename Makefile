@@ -125,17 +125,21 @@ KILLS := 50
 # Field checks: a message refuses an int where a float belongs, which the wheels would send as rubbish.
 PYTEST := ROS_PYTHON_CHECK_FIELDS=1 $(PYTHON) -m pytest
 
-# Two workers share the files, those of test/ros three, in a turn of their own: they wait for processes, and a worker that compiles
-# would keep these waiting. Long ones, which kill and load the nodes, want the machine for themselves. A test of processes that
-# fails is run once more and reported as such: a machine that others use may keep a node from its processor for seconds.
+# Two workers share the files, and three those of test/ros, which run beside them with more right to the processor: they wait for
+# processes half of their time, which the others fill. A job in the background would ignore Ctrl-C, which some tests send (env). Long
+# ones, which kill and load the nodes, want the machine for themselves. A test of processes that fails is run once more and reported
+# as such: a machine that others use may keep a node from its processor for seconds.
 # Files in the order of their names, not of their numbers of tests: the few that compile most are then not the last.
 # `make test` runs the tests of the package; those of the evidence (`testpaths` has both) go with the long ones.
 ROS_PYTEST := $(PYTEST) --reruns 1 --reruns-delay 3 -rR
+BESIDE := out/test_without_ros.log
 
 test: setup-test
-	@found=0; \
-	$(PYTEST) -n 2 --dist loadfile --no-loadscope-reorder --ignore=test/ros test || found=$$?; \
+	@mkdir -p out; found=0; echo 'with ROS; the tests without ROS run beside these and are shown when both are over'; \
+	nice -n 5 env --default-signal=INT $(PYTEST) -n 2 --dist loadfile --no-loadscope-reorder --ignore=test/ros test > $(BESIDE) 2>&1 & \
 	$(ROS_PYTEST) -n 3 --dist loadfile test/ros || found=$$?; \
+	wait $$! || found=$$?; \
+	cat $(BESIDE); \
 	exit $$found
 
 test-long: setup-test

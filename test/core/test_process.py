@@ -35,7 +35,7 @@ def test_places_where_an_exception_is_lost(name, file, lost):
     assert hasattr(engine.ExecutionEngine, "_raw_object_cache_notify")
 
 
-@pytest.mark.parametrize(("asked_for", "threads"), [(None, 1), ("2", min(2, os.cpu_count() or 1))])
+@pytest.mark.parametrize(("asked_for", "threads"), [(None, 1), ("2", min(2, len(os.sched_getaffinity(0))))])
 def test_blas_has_one_thread_unless_a_number_is_asked_for(asked_for, threads):
     code = (
         "import os; from drill_twin.core.process import use_one_thread_of_blas; use_one_thread_of_blas(); "
