@@ -34,6 +34,8 @@ LARGEST = 5.0
 """Largest coefficient of friction [-], that of `new`."""
 MOST = 20
 """Most coefficients."""
+ON_BOTTOM = 5e3
+"""Weight on bit from which a row is one on bottom: the zero of a rig's weight is no better [N]."""
 
 
 class Points(NamedTuple):
@@ -43,6 +45,8 @@ class Points(NamedTuple):
     """[m]."""
     value: Array
     """[N] or [N m]."""
+    on_bottom: int = 0
+    """Rows left out, with a weight on the bit: the curves are of a bit off bottom."""
 
 
 def coefficients(text: str) -> list[float]:
@@ -64,7 +68,7 @@ def coefficients(text: str) -> list[float]:
 
 
 def read_measured(path: Path) -> dict[str, Points]:
-    """Measured points of a record over depth, by operation and `torque`.
+    """Measured points of a record over depth, by operation and `torque`, off bottom where it has the weight on bit.
 
     Raises:
         TableError: It cannot be read, has no depth or none of the loads, or a column without a unit.
@@ -80,20 +84,24 @@ def read_measured(path: Path) -> dict[str, Points]:
         )
     found = {}
     places = columns.si(depth, columns.unit(depth, LENGTH), LENGTH, "depth")
+    drilling = np.zeros(places.size, bool)
+    for name in columns.named("weight_on_bit"):
+        drilling |= columns.si(name, columns.unit(name, FORCE), FORCE, "weight on bit") > ON_BOTTOM
     for of, name in named.items():
         if name:
             dimension = TORQUE if of == "torque" else FORCE
             values = columns.si(name, columns.unit(name, dimension), dimension, of)
             known_rows = np.isfinite(values) & np.isfinite(places)
-            found[of] = Points(places[known_rows], values[known_rows])
+            kept = known_rows & ~drilling
+            found[of] = Points(places[kept], values[kept], int((known_rows & drilling).sum()))
     return found
 
 
 def friction_of(found: OverDepth, points: Mapping[str, Points]) -> dict[str, Array]:
     """Coefficients that the measured points mean, NaN outside of the range."""
     return {
-        of: found.friction_of_torque(*of_load) if of == "torque" else found.friction_of(of, *of_load)
-        for of, of_load in points.items()
+        of: found.friction_of_torque(one.depth, one.value) if of == "torque" else found.friction_of(of, *one[:2])
+        for of, one in points.items()
         if of != "off bottom"  # has no axial friction
     }
 
@@ -106,7 +114,7 @@ def over_depth_data(found: OverDepth, points: Mapping[str, Points]) -> dict[str,
         "hookload_n": {one.name: rows.tolist() for one, rows in zip(found.operations, found.hookload, strict=True)},
         "torque_off_bottom_nm": found.torque.tolist(),
         "measured": {
-            of: {"depth_m": one.depth.tolist(), "value": one.value.tolist(),
+            of: {"depth_m": one.depth.tolist(), "value": one.value.tolist(), "rows_on_bottom": one.on_bottom,
                  **({"friction": [None if math.isnan(mu) else mu for mu in means[of].tolist()]} if of in means else {})}
             for of, one in points.items()
         },
@@ -137,6 +145,12 @@ def shown(found: OverDepth, points: Mapping[str, Points]) -> Iterator[Table | st
             f"measured {of}: friction {np.median(inside):.3g} (median of {inside.size}, {inside.min():.3g} to "
             f"{inside.max():.3g}); {values.size - inside.size} points outside of the range"
         )
+    for of, one in points.items():
+        if one.on_bottom:
+            yield (
+                f"measured {of}: {one.on_bottom} rows with more than {units.text(ON_BOTTOM, 'force')} on the bit left "
+                "out, the curves are of a bit off bottom"
+            )
 
 
 def broomstick(found: OverDepth, points: Mapping[str, Points]) -> Figure:

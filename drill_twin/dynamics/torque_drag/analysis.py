@@ -11,6 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from drill_twin.core.arrays import Array
+from drill_twin.core.errors import RunError
 from drill_twin.dynamics.discretisation.discretise import axis_at, contact_radius
 from drill_twin.dynamics.discretisation.resolution import MOST, resolution_of
 from drill_twin.dynamics.rotordynamics.equations import TIME_DEPENDENT, EquationsOfMotion
@@ -165,6 +166,10 @@ def steady(scene: Scene) -> Scene:
     return scene.model_copy(update={"effects": effects.model_copy(update=changes), "rig": still, "numerics": numerics})
 
 
+BISECTIONS = 20
+"""Steps in which the largest weight is sought that a string has by itself."""
+
+
 def analyse(scene: Scene, operations: Sequence[Operation]) -> Statics:
     """Balance, soft string and margins of a scene in each operation.
 
@@ -213,7 +218,22 @@ def hole_and_string(scene: Scene, model: DiscreteModel, bit_depth: float | None 
 def _loads(scene: Scene, solver: SlidingBalance, string: HoleAndString, operation: Operation) -> OperationLoads:
     equations = solver.equations
     model, wall = equations.model, getattr(equations.parameters, "wall", None)
-    balance = solver.solve(operation)
+    try:
+        balance = solver.solve(operation)
+    except RunError:
+        if soft_string(string, operation).hookload >= 0.0:
+            raise
+        low, high = 0.0, operation.weight_on_bit
+        for _ in range(BISECTIONS):
+            middle = 0.5 * (low + high)
+            pushed = soft_string(string, operation._replace(weight_on_bit=middle)).hookload < 0.0
+            low, high = (low, middle) if pushed else (middle, high)
+        units = scene.unit_system
+        raise RunError(
+            f"{scene.name}: expected at most {units.text(low, 'force', '.3g')} on the bit in the operation "
+            f'"{operation.name}", which the string has by itself (soft string), found '
+            f"{units.text(operation.weight_on_bit, 'force')}: the top would have to push; take less (--wob)"
+        ) from None
     along = along_string(scene, model, wall, balance.u)
     buckling = string.buckling(along.tension)
     torque = np.abs(along.torque)

@@ -48,8 +48,9 @@ def read_survey(file: Path, system: str) -> list[dict[str, float]]:
     if first["depth"] > 0.0:
         if first["inclination"] > math.radians(1.0):
             raise SceneError(
-                f"{rows[0].place}: expected a first station at 0, the rotary table, found {first['depth']:.6g} m at "
-                f"{math.degrees(first['inclination']):.4g} deg; add the stations above it"
+                f"{rows[0].place}: expected a first station at 0, the rotary table, found "
+                f"{rows[0].length_text('md', first['depth'])} at {math.degrees(first['inclination']):.4g} deg; "
+                "add the stations above it"
             )
         stations.insert(0, first | {"depth": 0.0})
         rows.insert(0, rows[0])
@@ -73,28 +74,29 @@ def _station(row: Row) -> dict[str, float]:
             f"{math.degrees(found['inclination']):.4g} deg; correct it"
         )
     if found["depth"] < 0.0:
-        raise SceneError(f"{row.place}: expected a depth from 0, found {found['depth']:.6g} m; take the row out")
+        raise SceneError(
+            f"{row.place}: expected a depth from 0, found {row.length_text('md', found['depth'])}; take the row out"
+        )
     return found
 
 
 def _follows(row: Row, above: dict[str, float], here: dict[str, float]) -> None:
-    run = here["depth"] - above["depth"]
+    run, depth = here["depth"] - above["depth"], row.length_text("md", here["depth"])
     if run == 0.0:
         raise SceneError(
-            f"{row.place}: expected a depth below the row above, found {here['depth']:.6g} m again; take "
-            "one of them out"
+            f"{row.place}: expected a depth below the row above, found {depth} again; take one of them out"
         )
     if run < 0.0:
         raise SceneError(
-            f"{row.place}: expected a depth below the row above ({above['depth']:.6g} m), found {here['depth']:.6g} m: "
-            "the survey goes back; sort the rows, or correct this one"
+            f"{row.place}: expected a depth below the row above ({row.length_text('md', above['depth'])}), "
+            f"found {depth}: the survey goes back; sort the rows, or correct this one"
         )
     pair = np.array([[above["inclination"], above["azimuth"]], [here["inclination"], here["azimuth"]]])
     turn = float(dogleg(pair[:, 0], pair[:, 1])[0])
     if turn > JUMP * run:
         raise SceneError(
-            f"{row.place}: expected at most 20 deg/30 m, found a jump of {math.degrees(turn):.4g} deg in {run:.4g} m; "
-            "correct inclination and azimuth, or add the stations between"
+            f"{row.place}: expected at most 20 deg/30 m, found a jump of {math.degrees(turn):.4g} deg in "
+            f"{row.length_text('md', run)}; correct inclination and azimuth, or add the stations between"
         )
 
 
@@ -154,11 +156,13 @@ class WellPlan(NamedTuple):
     def data(self) -> dict[str, Any]:
         """Data of the scene file, with units."""
         stations = read_survey(self.survey, self.units)
+        shown = self.units or ("field" if typed_in_pounds(self.weight_on_bit) else "")
+        system = unit_system(shown or "si")
         bottom = _quantity("--depth", self.depth, LENGTH) if self.depth else stations[-1]["depth"]
         if bottom > stations[-1]["depth"]:
             raise SceneError(
-                f"--depth: expected a bit within the survey ({stations[-1]['depth']:.6g} m), found {bottom:.6g} m; add "
-                "the planned stations to the survey"
+                f"--depth: expected a bit within the survey ({system.text(stations[-1]['depth'], 'length', '.6g')}), "
+                f"found {short(self.depth)}; add the planned stations to the survey"
             )
         pieces = read_tally(self.tally, self.units, bottom)
         length = math.fsum(piece.length for piece in pieces)
@@ -169,7 +173,7 @@ class WellPlan(NamedTuple):
         _check_fit(pieces, hole, casing)
         bit = _quantity("--bit", self.bit, LENGTH) if self.bit else hole
         if bit > hole * (1.0 + 1e-9):
-            raise SceneError(f"--bit: expected at most the hole ({hole:.6g} m), found {bit:.6g} m")
+            raise SceneError(f"--bit: expected at most the hole ({short(self.hole)}), found {short(self.bit)}")
         weight = _quantity("--wob", self.weight_on_bit, FORCE, 0.0, "" if self.units == "field" else "N")
         turn = _quantity("--rpm", self.rotation, ANGULAR_SPEED, 0.0, "rpm")
         straight = all(station["inclination"] == 0.0 for station in stations)
@@ -179,7 +183,6 @@ class WellPlan(NamedTuple):
             for top, bottom, inner in casing
         ]
         long = length > LONG
-        shown = self.units or ("field" if typed_in_pounds(self.weight_on_bit) else "")
         long_text = unit_system(shown or "auto", length, weight).text(length, "length")
         return {
             "name": self.name,
@@ -225,7 +228,7 @@ class WellPlan(NamedTuple):
 
     def _casing(self) -> list[tuple[float, float, float]]:
         """Top, bottom and inner diameter of the casing that is innermost there [m], from the top down."""
-        found, top = [], 0.0
+        found, top, above = list[tuple[float, float, float]](), 0.0, "0 m"
         for casing in self.casing:
             inner, _, shoe = casing.partition(" to ")
             if not shoe:
@@ -240,11 +243,11 @@ class WellPlan(NamedTuple):
                 )
             if depth <= top:
                 raise SceneError(
-                    f'--casing "{casing}": expected a shoe below {top:.6g} m, found {depth:.6g} m; give the casings '
+                    f'--casing "{casing}": expected a shoe below {above}, found {shoe.strip()}; give the casings '
                     "from the top down, each with the depth to which it is the innermost"
                 )
             found.append((top, depth, diameter))
-            top = depth
+            top, above = depth, shoe.strip()
         return found
 
 

@@ -44,6 +44,11 @@ class Row(NamedTuple):
         """Cell without spaces around; empty if the row has none."""
         return self.cells.get(column, "").strip()
 
+    def length_text(self, column: str, value: float) -> str:
+        """Length [m] as text in the unit of a column of lengths along the hole, for messages."""
+        unit = self.units.get(column) or UNITS[self.system].get("depth", "m")
+        return f"{value / factor_of(unit, LENGTH):.6g} {unit}"
+
     def number(self, column: str, kind: str) -> float:
         """Number of a cell in SI; NaN if it is empty.
 

@@ -88,9 +88,11 @@ def read_tally(file: Path, system: str, bottom: float) -> list[Piece]:
             f'"{REST}" at most, found {len(open_rows)} of {len(rows)}'
         )
     if total > bottom * (1.0 + 1e-9) or (open_rows and total >= bottom):
+        last = (open_rows or rows)[-1]
         raise SceneError(
-            f"{(open_rows or rows)[-1].place}: expected a tally of at most the measured depth of the bit "
-            f'({bottom:.6g} m), found {total:.6g} m; shorten the drill pipe or give its length as "{REST}"'
+            f"{last.place}: expected a tally of at most the measured depth of the bit "
+            f"({last.length_text('length', bottom)}), found {last.length_text('length', total)}; "
+            f'shorten the drill pipe or give its length as "{REST}"'
         )
     return [
         _piece(row, bottom - total if math.isnan(length) else length) for row, length in zip(rows, lengths, strict=True)

@@ -50,6 +50,18 @@ def test_measured_points_mean_their_friction(found, tmp_path):
     assert len(broomstick(found, points).axes) == 2
 
 
+def test_rows_with_weight_on_bit_are_left_out_and_counted(found, tmp_path):
+    """Torque measured while drilling has that of the bit in it."""
+    at, torque = found.depth[4], found.torque[1, 4] / 1e3
+    file = tmp_path / "measured.csv"
+    file.write_text(f"bit depth [m],WOB [kN],torque [kN.m]\n{at},0.4,{torque}\n{at},90,{torque + 3}\n{at},,{torque}\n")
+    points = read_measured(file)
+    assert points["torque"].value == pytest.approx([1e3 * torque] * 2)
+    said = "\n".join(map(str, shown(found, points)))
+    assert "measured torque: friction 0.25 (median of 2" in said
+    assert "measured torque: 1 rows with more than 5 kN on the bit left out" in said
+
+
 def test_what_is_no_range_and_no_record_over_depth_is_refused(tmp_path):
     assert coefficients("0.15..0.35:5") == pytest.approx([0.15, 0.2, 0.25, 0.3, 0.35])
     assert coefficients("0.3,0.2") == [0.2, 0.3]

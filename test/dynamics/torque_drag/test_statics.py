@@ -179,3 +179,11 @@ def test_shipped_wells_have_a_balance_in_each_operation(name: str) -> None:
         assert loads.surface_torque == pytest.approx(
             loads.soft.surface_torque, rel=0.08, abs=0.05 * found["drill"].surface_torque
         )
+
+
+def test_more_weight_on_bit_than_the_string_has_is_named_with_what_it_has():
+    with pytest.raises(RunError, match=r'at most .* kN on the bit in the operation "slide"') as raised:
+        dt.statics("wells/s_shaped", {"wob": "1500 kN"})
+    most = float(str(raised.value).partition("at most ")[2].split()[0])
+    assert 200.0 < most < 900.0
+    assert "--set numerics.elements" not in str(raised.value)
