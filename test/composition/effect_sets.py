@@ -74,12 +74,15 @@ def covering() -> tuple[Choice, ...]:
             drawn = {key for key in drawn if set(EFFECTS[key].requires) <= listed}
             if allowed(frozenset(drawn)):
                 pool.append(frozenset(drawn))
-    wanted = set().union(*(pairs_of(on) for on in pool))
+    states = np.array([[key in on for key in _DRAWN] for on in pool])
+    a, b = np.triu_indices(len(_DRAWN), 1)
+    held = (2 * states[:, a] + states[:, b])[..., None] == np.arange(4)
+    wanted = held.any(axis=0)
     chosen: list[Choice] = []
-    while wanted:
-        best = max(pool, key=lambda on: len(pairs_of(on) & wanted))
-        chosen.append(best)
-        wanted -= pairs_of(best)
+    while wanted.any():
+        best = int(np.argmax((held & wanted).sum(axis=(1, 2))))
+        chosen.append(pool[best])
+        wanted &= ~held[best]
     return (*chosen, *(_with_all_others(key) for key in APART))
 
 

@@ -91,6 +91,7 @@ def test_a_demo_whose_simulator_is_killed_fails_and_leaves_no_process(bench, dem
     assert not Bag(bench.folder / "demo" / "bag_0").truncated
 
 
+@pytest.mark.long
 def test_a_demo_that_is_interrupted_ends_its_nodes_in_order(bench, demo):
     process = demo("--duration", "60")
     children = _started(bench, process)

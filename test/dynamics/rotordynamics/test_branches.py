@@ -7,24 +7,22 @@ import pytest
 
 from drill_twin.api import rotordynamics as api
 from drill_twin.core.errors import SceneError
-from drill_twin.dynamics.rotordynamics.equations import EquationsOfMotion
 from drill_twin.dynamics.rotordynamics.steady.branches import branch, key_of, load_of, passes, speed_of
 from drill_twin.dynamics.rotordynamics.steady.steady_whirl import TurningEquations
-from drill_twin.dynamics.rotordynamics.steady.whirl_states import whirl_states
 from drill_twin.scene.set_points.command import Command
 from drill_twin.studies.whirl_states import PARAMETERS
 
 FAST = Command(40.0, 6.5 * math.tau)
 
 
-@pytest.fixture(scope="module")
-def turning(bench):
-    return TurningEquations(EquationsOfMotion(bench))
+@pytest.fixture
+def turning(fast):
+    return TurningEquations(fast[0])
 
 
-@pytest.fixture(scope="module")
-def state(turning):
-    return next(one for one in whirl_states(turning.equations, FAST, random_starts=0) if one.is_stable)
+@pytest.fixture
+def state(fast):
+    return next(one for one in fast[1] if one.is_stable)
 
 
 def test_a_branch_over_speed_turns_back_at_a_fold_where_stability_is_lost(turning, state):

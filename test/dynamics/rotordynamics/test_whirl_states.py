@@ -31,12 +31,6 @@ from drill_twin.studies.whirl_states import simulated_whirl, with_command
 FAST = Command(40.0, 6.5 * math.tau)
 
 
-@pytest.fixture(scope="module")
-def fast(bench):
-    equations = EquationsOfMotion(bench)
-    return equations, whirl_states(equations, FAST, random_starts=0)
-
-
 def departure(scene, state, seconds, push=0.0):
     """Times, distance from the state over the clearance, and angle of the whirl, in a simulation that begins on it."""
     dynamics = Dynamics(scene)
