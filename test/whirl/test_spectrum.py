@@ -23,6 +23,7 @@ def test_forward_and_backward_lines_apart(segment):
     assert forward.radius == pytest.approx(0.05, rel=0.02)
     assert backward.radius == pytest.approx(0.03, rel=0.05)
     assert spectrum.peak(1.8, 2.2).frequency == pytest.approx(2.0, abs=0.005)
+    assert spectrum.peak(-0.02, 0.02).radius < 0.005  # the offset, 0.02, is taken out
 
 
 def test_beside_hides_the_rotation_line():
