@@ -213,9 +213,7 @@ def static_scene(scene: Scene) -> Scene:
     turn = rig.rotation.model_copy(update={"initial": 0.0, "value": 0.0})
     still = rig.model_copy(update={"weight_on_bit": weight, "rotation": turn, "start": "axis"})
     numerics = scene.numerics.model_copy(update={"tolerance": min(scene.tolerance, NEWTON_TOLERANCE)})
-    return scene.model_copy(
-        update={"rig": still, "effects": effects.model_copy(update=stilled), "numerics": numerics},
-    )
+    return scene.model_copy(update={"rig": still, "effects": effects.model_copy(update=stilled), "numerics": numerics})
 
 
 def rotating_scene(scene: Scene) -> Scene:

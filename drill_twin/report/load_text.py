@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 from drill_twin.core.units.system import UnitSystem, unit_system
-from drill_twin.report.severity import WORDS
+from drill_twin.report.severity import level_text
 from drill_twin.whirl.motion.stick_slip_index import TIME_BASE
 
 Summary = Mapping[str, Any]
@@ -40,10 +40,10 @@ def severity_rows(summary: Summary) -> Iterator[Row]:
         if found:
             mark = max(found, key=lambda mark: found[mark][f"{name}_rms_m_s2"])
             rms, peak = (units.text(found[mark][f"{name}_{of}_m_s2"], "acceleration", ".2g") for of in ("rms", "peak"))
-            at = found[mark][f"{name}_level"]
-            yield f"{name} acceleration", f"{rms} rms, {peak} peak at {mark}: level {at} of 7 ({WORDS[at]})"
+            at = level_text(found[mark][f"{name}_level"])
+            yield f"{name} acceleration", f"{rms} rms, {peak} peak at {mark}: {at}"
     if (at := summary["stick_slip_level"]) is not None:
-        yield "stick-slip severity", f"level {at} of 7 ({WORDS[at]})"
+        yield "stick-slip severity", level_text(at)
     assumed = ", of the rock that the scene assumes" if summary["version"] else ""
     if summary["rate_of_penetration_m_s"] is not None:
         yield "rate of penetration", f"{units.text(summary['rate_of_penetration_m_s'], 'rate', '.3g')}{assumed}"

@@ -1,8 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Quantities that a rig's tools print: acceleration of the marks, severity levels, rate of penetration and its energy.
 
-Levels 0 to 7 are those often printed for downhole tools that report vibration, as of Heisig, Sancho and Macpherson
-(1998, SPE 49206), which was not at hand to compare; a tool's own limits are in its manual.
+Bounds of the levels 0 to 7 are of this program, not of a vendor: a tool's own are in its manual.
 """
 
 from __future__ import annotations
@@ -52,6 +51,11 @@ def severity(bag: Recording) -> dict[str, Any]:
 def level(value: float, bounds: tuple[float, ...]) -> int:
     """Level of a value: the number of bounds that it reaches."""
     return bisect_right(bounds, value)
+
+
+def level_text(at: int) -> str:
+    """Level as text, with whose bounds it has."""
+    return f"level {at} of 7 ({WORDS[at]}; bounds of this program, not of a vendor)"
 
 
 def accelerations(bag: Recording) -> tuple[float | None, dict[str, dict[str, float | int]]]:

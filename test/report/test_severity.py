@@ -6,7 +6,7 @@ import math
 import pytest
 
 from drill_twin.report import read_recording
-from drill_twin.report.severity import ACCELERATION, STICK_SLIP, level, severity
+from drill_twin.report.severity import ACCELERATION, STICK_SLIP, level, level_text, severity
 
 
 @pytest.mark.parametrize(
@@ -16,6 +16,8 @@ from drill_twin.report.severity import ACCELERATION, STICK_SLIP, level, severity
 )  # fmt: skip
 def test_levels(value, bounds, expected):
     assert level(value, bounds) == expected
+    assert level_text(expected).startswith(f"level {expected} of 7 (")
+    assert level_text(expected).endswith("bounds of this program, not of a vendor)")
 
 
 def test_acceleration_of_two_circular_motions(known_bag):

@@ -166,10 +166,6 @@ def steady(scene: Scene) -> Scene:
     return scene.model_copy(update={"effects": effects.model_copy(update=changes), "rig": still, "numerics": numerics})
 
 
-BISECTIONS = 20
-"""Steps in which the largest weight is sought that a string has by itself."""
-
-
 def analyse(scene: Scene, operations: Sequence[Operation]) -> Statics:
     """Balance, soft string and margins of a scene in each operation.
 
@@ -221,16 +217,11 @@ def _loads(scene: Scene, solver: SlidingBalance, string: HoleAndString, operatio
     try:
         balance = solver.solve(operation)
     except RunError:
-        if soft_string(string, operation).hookload >= 0.0:
+        most, units = lock_up_weight(string, operation), scene.unit_system
+        if operation.weight_on_bit <= most:
             raise
-        low, high = 0.0, operation.weight_on_bit
-        for _ in range(BISECTIONS):
-            middle = 0.5 * (low + high)
-            pushed = soft_string(string, operation._replace(weight_on_bit=middle)).hookload < 0.0
-            low, high = (low, middle) if pushed else (middle, high)
-        units = scene.unit_system
         raise RunError(
-            f"{scene.name}: expected at most {units.text(low, 'force', '.3g')} on the bit in the operation "
+            f"{scene.name}: expected at most {units.text(most, 'force', '.3g')} on the bit in the operation "
             f'"{operation.name}", which the string has by itself (soft string), found '
             f"{units.text(operation.weight_on_bit, 'force')}: the top would have to push; take less (--wob)"
         ) from None
