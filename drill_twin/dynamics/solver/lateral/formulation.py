@@ -188,23 +188,10 @@ def bind(effects: Effects) -> Formulation:
             tension = scratch.axial[WEIGHT] - scratch.ends[TOP, 2, RESIDUAL]
         full = outdated(scratch.reuse, half_step, first_iteration)
         for _ in range(2):
-            added = (
-                assemble(
-                    parameters,
-                    rod,
-                    scratch,
-                    time,
-                    half_step,
-                    first_iteration,
-                    number,
-                    state.place,
-                    state.trial,
-                    state.v,
-                    tension,
-                    full,
-                )
-                + at_bit
-            )
+            added = at_bit + assemble(
+                parameters, rod, scratch, time, half_step, first_iteration, number, state.place, state.trial, state.v,
+                tension, full,
+            )  # fmt: skip
             same = abs(added - scratch.reuse[ADDED]) <= CHANGE * abs(scratch.reuse[ADDED])
             if not same:
                 state.clock[FACTOR] = np.inf  # the rate of convergence without contact does not apply to contact
