@@ -148,30 +148,23 @@ _AS_HERE = (
     "kN m", "N m", "daN m", "ft lbf", "kN", "N", "daN", "kgf", "tf", "lbf", "klbf", "rpm", "rev/s", "rad/s", "m", "ft",
     "s", "sec", "min", "h", "hr",
 )  # fmt: skip
+_OTHERS = {
+    ("daN m", 1000.0): "kdanm",
+    ("ft lbf", 1.0): "ftlb ftlbs lbfft",
+    ("ft lbf", 1000.0): "kftlb kftlbf klbfft",
+    ("daN", 1000.0): "kdan",
+    ("kgf", 1000.0): "kkgf",
+    ("tf", 1.0): "t tonf",
+    ("lbf", 1.0): "lb lbs",
+    ("klbf", 1.0): "klb klbs 1000lbf",
+    ("rpm", 1.0): "1/min c/min rev/min",
+    ("rev/s", 1.0): "c/s rps",
+    ("ft", 1.0): "f",
+    ("h", 24.0): "d",
+}
+"""Unit of this package, how many -> other spellings of it."""
 _SPELLINGS: dict[str, tuple[str, float]] = {unit.lower().translate(_PRODUCT): (unit, 1.0) for unit in _AS_HERE} | {
-    "kdanm": ("daN m", 1000.0),
-    "ftlb": ("ft lbf", 1.0),
-    "ftlbs": ("ft lbf", 1.0),
-    "lbfft": ("ft lbf", 1.0),
-    "kftlb": ("ft lbf", 1000.0),
-    "kftlbf": ("ft lbf", 1000.0),
-    "klbfft": ("ft lbf", 1000.0),
-    "kdan": ("daN", 1000.0),
-    "kkgf": ("kgf", 1000.0),
-    "t": ("tf", 1.0),
-    "tonf": ("tf", 1.0),
-    "lb": ("lbf", 1.0),
-    "lbs": ("lbf", 1.0),
-    "klb": ("klbf", 1.0),
-    "klbs": ("klbf", 1.0),
-    "1000lbf": ("klbf", 1.0),
-    "1/min": ("rpm", 1.0),
-    "c/min": ("rpm", 1.0),
-    "rev/min": ("rpm", 1.0),
-    "c/s": ("rev/s", 1.0),
-    "rps": ("rev/s", 1.0),
-    "f": ("ft", 1.0),
-    "d": ("h", 24.0),
+    spelling: meant for meant, spellings in _OTHERS.items() for spelling in spellings.split()
 }
 """Spellings, lower case and without the sign of a product -> unit of this package, how many."""
 
