@@ -20,22 +20,22 @@ PICTURE = "import('/state.js').then(({{ state: {{ picture }} }}) => {})"
 
 
 class Browser:
-    """One page in headless Chromium, driven through its DevTools protocol."""
+    """One page in headless Chromium, driven through its DevTools protocol; a live one has shown a picture."""
 
-    def __init__(self, folder, url):
+    def __init__(self, folder, url, width=1400, *, live=True):
         found = next(filter(None, map(shutil.which, BROWSERS)), None)
         if found is None:
             pytest.skip(f"needs a browser: none of {', '.join(BROWSERS)} is installed")
         log = folder / "browser.log"
-        words = ["--headless", "--no-sandbox", "--disable-gpu", "--remote-debugging-port=0", "--window-size=1400,860"]
+        words = ["--headless", "--no-sandbox", "--disable-gpu", f"--window-size={width},860"]
         with log.open("wb") as stream:
             self._process = subprocess.Popen(
-                [found, *words, f"--user-data-dir={folder / 'browser'}", url],
+                [found, *words, "--remote-debugging-port=0", f"--user-data-dir={folder / 'browser'}", url],
                 stdout=stream,
                 stderr=stream,
                 start_new_session=True,
             )
-        self._open = ExitStack()
+        self._open, self._live = ExitStack(), live
         try:
             self._connect(log, url)
         except BaseException:
@@ -53,11 +53,12 @@ class Browser:
         target = until(pages, "the page")[0]["webSocketDebuggerUrl"]
         self._socket = self._open.enter_context(connect(target, max_size=None))
         self._number = 0
-        until(self._shows_a_picture, "the first picture")
+        until(self._is_shown, "the page, and its first picture")
 
-    def _shows_a_picture(self):
+    def _is_shown(self):
         """While the page still loads, its context comes and goes, and a question may find none."""
-        shows = f"document.readyState === 'complete' && {PICTURE.format('picture !== null')}"
+        shows = "performance.getEntriesByType('navigation')[0]?.loadEventEnd > 0"
+        shows += f" && {PICTURE.format('picture !== null')}" * self._live
         answer = self._ask("Runtime.evaluate", expression=shows, awaitPromise=True)
         return answer.get("result", {}).get("result", {}).get("value") is True
 

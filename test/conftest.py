@@ -57,8 +57,8 @@ def browse(tmp_path):
     """Open a page in a browser."""
     browsers = []
 
-    def begin(url):
-        browsers.append(Browser(tmp_path, url))
+    def begin(url, *given, **more):
+        browsers.append(Browser(tmp_path, url, *given, **more))
         return browsers[-1]
 
     yield begin
