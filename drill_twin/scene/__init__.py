@@ -7,14 +7,6 @@ from drill_twin.scene.paths import added_scenes, config_dir, presets, scene_path
 from drill_twin.scene.schema import MarkPlace, Scene
 
 __all__ = [
-    "MarkPlace",
-    "Scene",
-    "added_scenes",
-    "config_dir",
-    "load_scene",
-    "parse_scene",
-    "presets",
-    "scene_json_schema",
-    "scene_path",
-    "well_scenes",
-]
+    "MarkPlace", "Scene", "added_scenes", "config_dir", "load_scene", "parse_scene", "presets", "scene_json_schema",
+    "scene_path", "well_scenes",
+]  # fmt: skip

@@ -13,25 +13,7 @@ from drill_twin.whirl.motion.stick_slip import StickSlip
 from drill_twin.whirl.spectrum import Peak, Spectrum, centre_line, spectrum_over_time, two_sided_spectrum
 
 __all__ = [
-    "AnalysisError",
-    "Analyzer",
-    "BitMotion",
-    "BitOnlyAnalyzer",
-    "Criteria",
-    "Findings",
-    "MarkInfo",
-    "MotionCode",
-    "MotionPeriod",
-    "MotionState",
-    "Onset",
-    "Peak",
-    "Quality",
-    "Spectrum",
-    "StickSlip",
-    "StickSlipCode",
-    "StickSlipPeriod",
-    "Summary",
-    "centre_line",
-    "spectrum_over_time",
-    "two_sided_spectrum",
-]
+    "AnalysisError", "Analyzer", "BitMotion", "BitOnlyAnalyzer", "Criteria", "Findings", "MarkInfo", "MotionCode",
+    "MotionPeriod", "MotionState", "Onset", "Peak", "Quality", "Spectrum", "StickSlip", "StickSlipCode",
+    "StickSlipPeriod", "Summary", "centre_line", "spectrum_over_time", "two_sided_spectrum",
+]  # fmt: skip

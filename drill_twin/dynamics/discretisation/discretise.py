@@ -49,18 +49,10 @@ def discretise(scene: Scene, rod: Rod) -> DiscreteModel:
     joints = np.array([0.0 if s.adjusted_mass is None else s.adjusted_mass / s.density - s.area for s in sections])
     fluid = (mud.density, mud.viscosity, mud.inside == "mud", joints[numbers]) if mud is not None else ()
     return DiscreteModel(
-        rod,
-        scene.hole.radius,
-        scene.hole.top_inclination,
-        bore_at(scene, at),
-        contact_radius(scene, at),
-        numbers,
-        scene.numerics.seed,
-        bit_frame(axis_at(scene, np.array([scene.length]))),
-        tuple(section.yield_strength for section in sections),
-        getattr(scene.effects, "bow", None),
-        *fluid,
-    )
+        rod, scene.hole.radius, scene.hole.top_inclination, bore_at(scene, at), contact_radius(scene, at), numbers,
+        scene.numerics.seed, bit_frame(axis_at(scene, np.array([scene.length]))),
+        tuple(section.yield_strength for section in sections), getattr(scene.effects, "bow", None), *fluid,
+    )  # fmt: skip
 
 
 def _section_numbers(scene: Scene, rod: Rod) -> NDArray[np.int64]:

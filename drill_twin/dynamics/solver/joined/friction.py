@@ -19,11 +19,7 @@ Law = tuple[float, float, float, float, float, float]
 
 
 def bind_law(
-    *,
-    arctan: bool = False,
-    sliding: bool = False,
-    stribeck: bool = False,
-    step: bool = False,
+    *, arctan: bool = False, sliding: bool = False, stribeck: bool = False, step: bool = False
 ) -> tuple[Any, Any]:
     """The law of a variant and its fall over slip; the branches of the others leave no machine code."""
 
