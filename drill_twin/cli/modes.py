@@ -120,7 +120,7 @@ def _table(table: ModeTable, name: str, units: UnitSystem) -> Table:
         if part is not None:
             at = part.equations.model.rod.arc[abs(mode.shape).argmax()]
             lateral = (
-                mode.plane, units.number(mode.eigenvalue.imag, "rotation"), units.number(at, "length", ".3g"),
+                mode.plane, units.number(mode.eigenvalue.imag, "rotation"), units.number(at, "length", ".0f"),
                 f"{100.0 * mode.share:.0f}",
             )  # fmt: skip
             shown = [shown[0], *(lateral if mode.kind == "lateral" else [""] * 4), *shown[2:4], f"{mode.growth:+.2g}"]

@@ -72,7 +72,7 @@ def surface_rows(summary: Summary) -> Iterator[Row]:
         if lost or odd:
             longest = max(lost, key=lambda gap: gap[1] - gap[0], default=None)
             gap = f", the longest from {longest[0]:.2f} to {longest[1]:.2f} s" if longest else ""
-            spike = f", the first at {odd[0]:.2f} s" if odd else ""
+            spike = f", the first at {odd[0]:.2f} s; not in the figures above" if odd else ""
             yield f"gaps, {name}", f"gaps: {len(lost)}{gap}; samples in spikes: {len(odd)}{spike}"
     if not any(channel["gaps"] or channel["spikes"] for channel in found["channels"].values()):
         yield "gaps and spikes", "none"
