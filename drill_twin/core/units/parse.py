@@ -149,19 +149,11 @@ _AS_HERE = (
     "s", "sec", "min", "h", "hr",
 )  # fmt: skip
 _OTHERS = {
-    ("daN m", 1000.0): "kdanm",
-    ("ft lbf", 1.0): "ftlb ftlbs lbfft",
-    ("ft lbf", 1000.0): "kftlb kftlbf klbfft",
-    ("daN", 1000.0): "kdan",
-    ("kgf", 1000.0): "kkgf",
-    ("tf", 1.0): "t tonf",
-    ("lbf", 1.0): "lb lbs",
-    ("klbf", 1.0): "klb klbs 1000lbf",
-    ("rpm", 1.0): "1/min c/min rev/min",
-    ("rev/s", 1.0): "c/s rps",
-    ("ft", 1.0): "f",
-    ("h", 24.0): "d",
-}
+    ("daN m", 1000.0): "kdanm", ("ft lbf", 1.0): "ftlb ftlbs lbfft", ("ft lbf", 1000.0): "kftlb kftlbf klbfft",
+    ("daN", 1000.0): "kdan", ("kgf", 1000.0): "kkgf", ("tf", 1.0): "t tonf", ("lbf", 1.0): "lb lbs",
+    ("klbf", 1.0): "klb klbs 1000lbf", ("rpm", 1.0): "1/min c/min rev/min", ("rev/s", 1.0): "c/s rps",
+    ("ft", 1.0): "f", ("h", 24.0): "d",
+}  # fmt: skip
 """Unit of this package, how many -> other spellings of it."""
 _SPELLINGS: dict[str, tuple[str, float]] = {unit.lower().translate(_PRODUCT): (unit, 1.0) for unit in _AS_HERE} | {
     spelling: meant for meant, spellings in _OTHERS.items() for spelling in spellings.split()

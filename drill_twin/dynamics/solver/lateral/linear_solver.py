@@ -195,10 +195,25 @@ class Workspace(NamedTuple):
 
 
 def make_workspace(elements: int) -> Workspace:
-    """Arrays of zeros for a string of so many elements, their shapes in the order of the fields."""
+    """Arrays of zeros for a string of so many elements."""
     n = elements
-    shapes: tuple[tuple[int, ...], ...] = (
-        (n, 4, 4), (n + 1, 4, 4), (n, 4, 4), (n + 1, 4, 4), (n + 1, 4), (5,), (2, 7, 8), (3,), (n + 1, 4), (4,),
-        (RESULTANTS,), (4,), (4, 4), (4, 16), (2, 4), (2, 4), (2, 4), (2, 4),
-    )  # fmt: skip
-    return Workspace(*map(np.zeros, shapes))
+    return Workspace(
+        lower=np.zeros((n, 4, 4)),
+        diagonal=np.zeros((n + 1, 4, 4)),
+        upper=np.zeros((n, 4, 4)),
+        inverse=np.zeros((n + 1, 4, 4)),
+        right=np.zeros((n + 1, 4)),
+        reuse=np.zeros(5),
+        ends=np.zeros((2, 7, 8)),
+        command=np.zeros(3),
+        lever=np.zeros((n + 1, 4)),
+        axial=np.zeros(4),
+        resultants=np.zeros(RESULTANTS),
+        load=np.zeros(4),
+        stiff=np.zeros((4, 4)),
+        ke=np.zeros((4, 16)),
+        re=np.zeros((2, 4)),
+        ue=np.zeros((2, 4)),
+        ve=np.zeros((2, 4)),
+        dv=np.zeros((2, 4)),
+    )

@@ -141,10 +141,30 @@ class Workspace(NamedTuple):
 
 
 def make_workspace(elements: int) -> Workspace:
-    """Arrays of zeros for a string of so many elements, their shapes in the order of the fields."""
+    """Arrays of zeros for a string of so many elements."""
     n = elements
-    shapes: tuple[tuple[int, ...], ...] = (
-        (n, 7, 8), (n + 1, 7, 8), (n, 7, 8), (7, 8), (2, 7, 8), (2, 7), (2, 7, 14), (3,), (RESULTANTS,), (8,),
-        (3, 3), (3, 3), (3, 3), (3, 3), (4, 3), (4,), (4, 4), (9, 16), (4, 3, 4), (3, 4), (4, 3), (4, 3), (4, 3),
-    )  # fmt: skip
-    return Workspace(*map(np.zeros, shapes))
+    return Workspace(
+        lower=np.zeros((n, 7, 8)),
+        diagonal=np.zeros((n + 1, 7, 8)),
+        upper=np.zeros((n, 7, 8)),
+        spare=np.zeros((7, 8)),
+        ends=np.zeros((2, 7, 8)),
+        reaction=np.zeros((2, 7)),
+        end_rows=np.zeros((2, 7, 14)),
+        command=np.zeros(3),
+        resultants=np.zeros(RESULTANTS),
+        force=np.zeros(8),
+        saa=np.zeros((3, 3)),
+        sab=np.zeros((3, 3)),
+        sba=np.zeros((3, 3)),
+        sbb=np.zeros((3, 3)),
+        coupling=np.zeros((4, 3)),
+        load=np.zeros(4),
+        stiff=np.zeros((4, 4)),
+        ke=np.zeros((9, 16)),
+        kc=np.zeros((4, 3, 4)),
+        re=np.zeros((3, 4)),
+        ue=np.zeros((4, 3)),
+        ve=np.zeros((4, 3)),
+        dv=np.zeros((4, 3)),
+    )
