@@ -150,7 +150,7 @@ class _Search(Repeats):
             forced = self.summary["lasting_motion"] == MotionState.SYNCHRONOUS_WHIRL.value
             kind = " (forced, at the speed of rotation)" if forced else ""
             return f"Cause{kind}: {'; '.join(causes)}."
-        calm = [trial.change for trial in trials if trial.of_effects and trial.outcome.startswith("no whirl, ")]
+        calm = [trial.change for trial in trials if trial.of_effects and trial.moves]
         alone = f"; {', '.join(calm)} it is no whirl, but more than half of the motion stays" if calm else ""
         return f"The cause is not known{alone}; repeats of the run that were checked: {'; '.join(told) or 'none'}."
 

@@ -77,6 +77,8 @@ class Trial(NamedTuple):
     """Frequency of its whirl."""
     growth_per_s: float | None
     """Growth of the lateral mode that grows fastest, with this change; None: not known, or the repeat whirls."""
+    moves: bool = False
+    """It does not whirl, nor would it later, but more than `LEFT` of the run's lateral motion is left."""
 
 
 class Repeats:
@@ -173,6 +175,7 @@ class Repeats:
                 fastest = table.fastest(LATERAL) if table else None
                 growth = None if fastest is None else fastest.growth
             ends, outcome = self.outcome(played, growth)
+            moves = found["onset_s"] is None and not ends and not (growth is not None and growth > 0.0)
             if ends:
                 beside = [
                     self.outcome(self.played(scene, weight, speed * share), growth)[0] for share in self.whirls_beside
@@ -182,7 +185,8 @@ class Repeats:
                 outcome += f" ({sum(beside)} of {len(beside)} at {shares} of the speed)" if beside else " (one repeat)"
         except RunError as error:
             return Trial(change, of_effects, False, f"could not be followed: {error}", "", None, None)
-        return Trial(change, of_effects, ends, outcome, found["lasting_motion"], found["whirl_frequency_hz"], growth)
+        motion, frequency = found["lasting_motion"], found["whirl_frequency_hz"]
+        return Trial(change, of_effects, ends, outcome, motion, frequency, growth, moves)
 
     def played(self, scene: Scene, weight: float, speed: float) -> Result:
         """Run of a scene under shares of the recorded weight and speed.

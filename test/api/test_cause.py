@@ -50,8 +50,9 @@ def test_weight_and_speed_at_the_onset_are_those_of_the_ramp(monkeypatch):
     assert plans[:2] == ["without internal damping", "without wall friction"]
     assert plans[-1] == "at 0.5 of the wall friction"
     outcome = "no whirl, 88% of the lateral motion; the slowest mode decays with 0.2 1/s"
-    trial = Trial("without wall friction", True, False, outcome, "", None, -0.2)
-    monkeypatch.setattr(Repeats, "trials", lambda _: iter([trial]))
+    trial = Trial("without wall friction", True, False, outcome, "", None, -0.2, moves=True)
+    by_chance = Trial("without bow", True, False, "no whirl, 0% of the lateral motion (1 of 2 beside)", "", None, -0.2)
+    monkeypatch.setattr(Repeats, "trials", lambda _: iter([trial, by_chance]))
     cause = dt.why(run)
     assert not cause.causes
     assert "The cause is not known; without wall friction it is no whirl, but more than half of the" in str(cause)
