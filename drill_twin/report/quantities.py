@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from typing import Any
 
 import numpy as np
@@ -22,7 +22,6 @@ from drill_twin.physics.effects.wall import parameters as wall_parameters
 from drill_twin.physics.model.mesh import build_rod
 from drill_twin.report.recording import Recording
 from drill_twin.report.string_curve import along_hole, refined
-from drill_twin.report.surface import without_spikes
 from drill_twin.scene import Scene
 from drill_twin.scene.set_points import extremes
 from drill_twin.whirl.spectrum import WINDOW, centre_line, precession_record
@@ -76,10 +75,10 @@ def fatigue(bag: Recording) -> dict[str, dict[str, float | None]] | None:
 KEYS = ("weight_on_bit_n", "hookload_n", "top_drive_torque_nm", "bit_torque_nm", "drag_n")
 
 
-def loads(bag: Recording) -> dict[str, dict[str, float] | None]:
+def loads(bag: Recording, kept: Mapping[str, Array]) -> dict[str, dict[str, float] | None]:
     """Mean from `settled_from` on, least and largest of the whole recording; None for what the bag does not hold.
 
-    Spikes of a record are left out.
+    Channels of `kept` (`surface.without_spikes`) take the place of the recorded ones.
 
     Keys: `weight_on_bit_n`, `hookload_n`, `top_drive_torque_nm`, `bit_torque_nm` (of the rock on the bit, negative with
     right-handed rotation), as on `/rig/state`, and `drag_n`: hookload plus weight on bit less the weight of the string
@@ -87,7 +86,7 @@ def loads(bag: Recording) -> dict[str, dict[str, float] | None]:
     """
     if not len(bag.rig):
         return dict.fromkeys(KEYS)
-    rig, kept = bag.rig, without_spikes(bag)
+    rig = bag.rig
     weight = string_weight(bag.scene) if bag.scene_known else np.nan
     names = ("bit_force", "hookload", "top_drive_torque", "bit_torque")
     series = [kept.get(name, getattr(rig, name)) for name in names]
@@ -96,9 +95,9 @@ def loads(bag: Recording) -> dict[str, dict[str, float] | None]:
     return {key: _statistics(values, late) for key, values in zip(KEYS, series, strict=True)}
 
 
-def applied(bag: Recording) -> dict[str, dict[str, float] | None]:
+def applied(bag: Recording, kept: Mapping[str, Array]) -> dict[str, dict[str, float] | None]:
     """Statistics of weight on bit [N] and rotation of the top drive [rad/s] from `settled_from` on."""
-    rig, kept = bag.rig, without_spikes(bag)
+    rig = bag.rig
     late = rig.time >= settled_from(bag)
     series = (kept.get(name, getattr(rig, name)) for name in ("bit_force", "top_drive_speed"))
     weight, speed = (_statistics(values[late]) for values in series)

@@ -16,7 +16,7 @@ from drill_twin.io.bag.reader import Bag
 from drill_twin.report.quantities import applied, fatigue, loads, precession, settled_from, soft_wall, wall_depth
 from drill_twin.report.recording import Recording, read_recording
 from drill_twin.report.severity import severity
-from drill_twin.report.surface import surface
+from drill_twin.report.surface import surface, without_spikes
 from drill_twin.whirl import AnalysisError, MotionPeriod, two_sided_spectrum
 
 SLOWEST = 0.1
@@ -85,7 +85,7 @@ def summarise(bag: Recording | Bag | str | Path) -> dict[str, Any]:
     elif isinstance(bag, Bag):
         bag = Recording(bag)
     found, run, log = bag.summary, bag.log.info, bag.log
-    onset, wall = found.onset, wall_depth(bag)
+    onset, wall, kept = found.onset, wall_depth(bag), without_spikes(bag)
     summary = {
         "scene": bag.scene.name if bag.scene_known else None,
         "units": bag.units.name,
@@ -116,11 +116,11 @@ def summarise(bag: Recording | Bag | str | Path) -> dict[str, Any]:
         "bit_spectral_peak_hz": bit_peak(bag),
         "sub": None if found.sub is None else asdict(found.sub),
         "settled_s": settled_from(bag),
-        "applied": applied(bag),
+        "applied": applied(bag, kept),
         "load_at": bag.scene.rig.weight_on_bit.at if bag.scene_known else None,
-        "loads": loads(bag),
+        "loads": loads(bag, kept),
         **severity(bag),
-        "surface": surface(bag),
+        "surface": surface(bag, kept),
         "fatigue": fatigue(bag),
         "wall": wall,
         "realtime_factor": log.realtime_factor,

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -32,8 +33,8 @@ SLOWEST = 0.1
 """Lowest frequency of a swing [Hz]."""
 
 
-def surface(bag: Recording) -> dict[str, Any] | None:
-    """Quantities of the surface channels; None for a recording with marks, or without states of the rig.
+def surface(bag: Recording, kept: Mapping[str, Array]) -> dict[str, Any] | None:
+    """Quantities of the channels of `without_spikes`; None for a recording with marks, or without states of the rig.
 
     Keys: `rate_hz`, samples in a second; `channels`, by name of the channel `gaps` (pairs of times [s]) and `spikes`
     (times [s] of their samples, which the others leave out); `torque_swing`, None without torque: `last_nm` and
@@ -41,9 +42,9 @@ def surface(bag: Recording) -> dict[str, Any] | None:
     `last` and `largest`, and `period_s` of the last; `stick_slip_index_by_torque` (`index_by_torque`), None where the
     speed of the bit is known or the string is not.
     """
-    kept, time = without_spikes(bag), bag.rig.time
     if not kept:
         return None
+    time = bag.rig.time
     interval, channels = float(np.median(np.diff(time))), {}
     for name, values in kept.items():
         known = np.isfinite(getattr(bag.rig, name))

@@ -125,11 +125,10 @@ def _draw(axes: Axes, found: OperatingMap) -> None:
         axes.add_collection(
             LineCollection(segments, colors=line.colour, linestyles=line.style, linewidths=line.width, label=line.label)
         )
-    for label, failed, style, size in (("runs", False, ".", 4.0), ("", True, "x", 5.0)):
+    for label, failed, style, size, colour in (("runs", False, ".", 4.0, "black"), ("", True, "x", 5.0, "white")):
         runs = [plane.command(node) for node, made in found.runs_at_nodes.items()
                 if (made[0].regime is Regime.FAILED) == failed]  # fmt: skip
         if runs:
-            colour = "white" if failed else "black"
             axes.plot(*shown(runs).T, style, color=colour, markersize=size, label=label, clip_on=False)
     for number, ((load, most), (slow, fast)) in enumerate(found.windows):
         x, y = shown([(load, slow), (most, slow), (most, fast), (load, fast), (load, slow)]).T

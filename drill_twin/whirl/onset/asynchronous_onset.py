@@ -201,9 +201,8 @@ def watch(onsets: Onsets, averaged: AveragedRadius, history: History, criteria: 
             return True
         if math.isnan(onsets.time[k]) or averaged.radius[k] < averaged.release[k]:
             continue
-        swings = onsets.low_side[k] and now - onsets.revolutions[k] < criteria.sweep_window  # too early to drop it
-        waits = swings or now - onsets.revolutions[k] < criteria.sustain
-        if math.isnan(onsets.began[k]) and not onsets.falling[k] and not waits:
+        least = criteria.sweep_window if onsets.low_side[k] else criteria.sustain  # a swing is dropped, not confirmed
+        if math.isnan(onsets.began[k]) and not onsets.falling[k] and not now - onsets.revolutions[k] < least:
             return True
     for k in range(m):
         if math.isnan(onsets.began[k]) and not onsets.falling[k]:
