@@ -181,13 +181,3 @@ def range_of(scene: Scene, key: str, given: str | tuple[float, float]) -> tuple[
     if not low <= high:
         raise ArgumentError(f"{key}: expected a lower and a higher number, found {given!r}")
     return low, high
-
-
-def points_of(scene: Scene, key: str, text: str) -> list[float]:
-    """Equally spaced values of a number of a scene in SI, from text such as "10..110:6 N"; five if it has no count.
-
-    Raises:
-        ArgumentError, SceneError: As `range_of`.
-    """
-    low, high = range_of(scene, key, text)
-    return parse_range(key, text)._replace(low=low, high=high).points(5)

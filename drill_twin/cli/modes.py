@@ -148,20 +148,21 @@ def _change(value: float) -> str:
 def _assembly(table: ModeTable, part: Assembly, units: UnitSystem) -> Iterator[str]:
     """Sentences on the extent of the assembly, its cut, and the critical speeds."""
     from drill_twin.dynamics.rotordynamics.assembly import ABOVE, LEAN, MOVED
+    from drill_twin.dynamics.rotordynamics.assembly_modes import critical_ranges
 
     lateral, rotation = table.of("lateral"), abs(table.balance.command.rotation)
-    speeds = [mode.eigenvalue.imag for mode in lateral if mode.of_collars]
-    named = ", ".join(units.number(speed, "rotation") for speed in speeds)
-    line = f"critical speeds of the lowest {units.text(part.collars, 'length')}, up to twice the rotation: "
-    if speeds and rotation > 0.0:
+    named = ", ".join(
+        units.number(first, "rotation")
+        + (f" to {units.number(rest[-1], 'rotation')} ({1 + len(rest)} modes)" if rest else "")
+        for first, *rest in critical_ranges(table)
+    )
+    if named and rotation > 0.0:
         away = table.nearest_critical() / rotation - 1.0
-        named += f" {units.rotation}; the nearest is {abs(away):.1%} {'above' if away > 0.0 else 'below'} the rotation"
-    yield line + (named or "none")
+        named += f"; the nearest is {abs(away):.1%} {'above' if away > 0.0 else 'below'} the rotation"
+    place = f"the lowest {units.text(part.collars, 'length')}"
+    yield f"critical speeds of {place}, up to twice the rotation, in {units.rotation}: {named or 'none'}"
     if others := [str(mode.number) for mode in lateral if not mode.of_collars]:
-        yield (
-            f"lateral {', '.join(others)}: more than half of the motion is of pipe above the collars, which lies in "
-            "its trough; they are no critical speeds of the assembly"
-        )
+        yield f"lateral {', '.join(others)}: not counted, most energy is in the pipe above (near 50 %: in both)"
     moved = max((abs(mode.cut_change) / abs(mode.eigenvalue) for mode in lateral), default=0.0)
     yield (
         f"the pipe is cut {units.text(ABOVE, 'length')} above the assembly; with the cut at "

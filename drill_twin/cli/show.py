@@ -62,7 +62,8 @@ def findings_shown(summary: Mapping[str, Any]) -> Iterator[Table]:
     """Tables of a summary: findings, marks and timeline; what limits the findings goes to stderr."""
     from drill_twin.report.text import findings, limitations, provenance
 
-    yield Table((), [*_without_radii(findings(summary)), *provenance(summary)])
+    rows = [row for row in findings(summary) if not row[0].startswith("largest radius")]
+    yield Table((), [*rows, *provenance(summary)])
     if marks := list(_marks(summary)):
         yield Table(("mark", "largest radius", "over the threshold", "motion at the end"), marks, right=(2,))
     if found := summary["acceleration"]:
@@ -82,10 +83,6 @@ def marks_shown(summary: Mapping[str, Any]) -> Iterator[Table]:
 
 def _period(period: Mapping[str, Any]) -> tuple[str, str, str, str]:
     return f"{period['start_s']:.2f} s", f"{period['end_s']:.2f} s", period["state"], period["criterion"]
-
-
-def _without_radii(rows: Iterable[tuple[str, str]]) -> list[tuple[str, str]]:
-    return [row for row in rows if not row[0].startswith("largest radius")]
 
 
 def _marks(summary: Mapping[str, Any]) -> Iterable[tuple[str, str, str, str]]:

@@ -19,6 +19,7 @@ from drill_twin.report.charts import plotly_packed, view_data
 from drill_twin.report.figures import CAPTIONS, OVER_TIME, left_out
 from drill_twin.report.load_text import load_rows, units_of
 from drill_twin.report.recording import Recording
+from drill_twin.report.severity import level_text
 from drill_twin.report.string_curve import FLAT, deviated
 from drill_twin.report.text import (
     NOT_VALIDATED,
@@ -123,10 +124,10 @@ def _first_cards(summary: Mapping[str, Any]) -> str:
     found, at = summary["acceleration"], summary["stick_slip_level"]
     mark = max(found, key=lambda mark: found[mark]["lateral_rms_m_s2"], default=None)
     rms = None if mark is None else units_of(summary).text(found[mark]["lateral_rms_m_s2"], "acceleration", ".2g")
-    level = "" if mark is None else f" rms at {mark}, level {found[mark]['lateral_level']} of 7"
+    level = "" if mark is None else f" rms at {mark}, {level_text(found[mark]['lateral_level'])}"
     ended = transient(summary)
     onset = f"onset of a transient, ended at {summary['whirl_end_s']:.2f} s" if ended else "onset of whirl"
-    index = "stick-slip index of the bit, last 20 s" + ("" if at is None else f", level {at} of 7")
+    index = "stick-slip index of the bit, last 20 s" + ("" if at is None else f", {level_text(at)}")
     return (
         '<div class="cards">'
         + card(summary["onset_s"], "{:.2f} s", onset)

@@ -54,7 +54,8 @@ def applied(summary: Summary) -> str:
     weight, speed = found["weight_on_bit_n"], found["rotation_rad_s"]
     parts = []
     if weight is not None:
-        parts.append(f"weight on bit {_over_time(summary, weight, 'force')}{_at_top(summary)}")
+        top = " (load applied at the top: the weight of the string adds to it)" if summary["load_at"] == "top" else ""
+        parts.append(f"weight on bit {_over_time(summary, weight, 'force')}{top}")
     if speed is not None:
         parts.append(f"top drive at {_over_time(summary, speed, 'rotation')}")
     return f"From {summary['settled_s']:.1f} s on: {', '.join(parts) or 'no weight and no speed were recorded'}."
@@ -66,11 +67,6 @@ def _over_time(summary: Summary, found: Mapping[str, float], quantity: str) -> s
     varies = found["max"] - found["min"] > _VARIES * abs(found["mean"])
     over = f" on average, {units.span(found['min'], found['max'], quantity)}" if varies else ""
     return units.text(found["mean"], quantity) + over
-
-
-def _at_top(summary: Summary) -> str:
-    """Place at which the load is applied, if that is not the bit."""
-    return " (load applied at the top: the weight of the string adds to it)" if summary["load_at"] == "top" else ""
 
 
 def findings(summary: Summary) -> Iterator[Row]:

@@ -90,6 +90,8 @@ def growth_data(growth: GrowthMap) -> dict[str, Any]:
 
 
 SHAPES = 6
+FLOOR = 1e-6
+"""Bottom of the axes of the forced response over their top, at least."""
 CONTACTS = 4
 """Contacts drawn, from the bit up."""
 PLACES = 200
@@ -139,8 +141,8 @@ def response_figure(response: ForcedResponse, table: ModeTable, scene: Scene) ->
         load = units.text(command.weight_on_bit, "force")
         head(
             figure,
-            f"{scene.name}: forced response at {load}; dotted: critical speeds, red: its rotation\n"
-            "linear; pale: beyond the clearance, where the wall limits it",
+            f"{scene.name}: forced response at {load}; dotted: critical speeds (pale: of the pipe above),\n"
+            "red: the rotation; linear; pale curves: beyond the clearance, where the wall limits it",
         )
         panels = figure.subplots(2 if touching else 1, 2, sharex=True, sharey="row", squeeze=False)
         top, bottom = (0.8, 0.1) if touching else (0.7, 0.16)
@@ -163,10 +165,12 @@ def response_figure(response: ForcedResponse, table: ModeTable, scene: Scene) ->
             panel.set_yscale("log")
             panel.axvline(units.show(abs(command.rotation), "rotation"), color=VERMILION, linewidth=0.9)
             for mode in table.of(LATERAL):
-                if mode.of_collars and 0.0 < mode.eigenvalue.imag < response.speeds[-1]:
-                    panel.axvline(
-                        units.show(mode.eigenvalue.imag, "rotation"), color=GREY, linestyle=":", linewidth=0.9
-                    )
+                if 0.0 < mode.eigenvalue.imag < response.speeds[-1]:
+                    at, solid = units.show(mode.eigenvalue.imag, "rotation"), 1.0 if mode.of_collars else 0.35
+                    panel.axvline(at, color=GREY, linestyle=":", linewidth=0.9, alpha=solid)
+        for row in panels:
+            low, high = row[0].get_ylim()
+            row[0].set_ylim(bottom=max(low, FLOOR * high))
         panels[0, 0].set_ylabel(f"amplitude [{units.offset}]")
         panels[0, 0].legend(loc="lower left", bbox_to_anchor=(0.0, 1.12), ncol=4, fontsize=8.5)
         if touching:

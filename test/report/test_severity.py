@@ -30,3 +30,8 @@ def test_acceleration_of_two_circular_motions(known_bag):
         assert mark["lateral_level"] == 0
     assert found["acceleration_rate_hz"] == pytest.approx(100.0)
     assert found["rate_of_penetration_m_s"] is None  # this bit does not drill
+
+
+def test_a_card_says_whose_the_bounds_are(known_report):
+    assert "lateral acceleration rms at" in (page := known_report.page.read_text("utf-8"))
+    assert "level 0 of 7 (none; bounds of this program, not of a vendor)</span>" in page

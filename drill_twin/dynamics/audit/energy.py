@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Energy and angular momentum of a state, in numpy."""
+"""Energy of a state, in numpy."""
 
 from typing import NamedTuple
 
@@ -117,14 +117,6 @@ def wall_energy(model: DiscreteModel, wall: Wall, u: Array) -> float:
     depth = np.maximum(off - bore.clearance, 0.0)
     power = 1.0 if wall.linear else 1.5
     return float(np.sum(0.5 * model.at_places(rod.length) * wall.stiffness * depth ** (power + 1.0) / (power + 1.0)))
-
-
-def angular_momentum(rod: Rod, u: Array, v: Array) -> float:
-    """Angular momentum about the hole's axis [kg m2/s], spin included."""
-    q, dq = element_unknowns(u), element_unknowns(v)
-    orbital = np.einsum("ei,eij,ej->", q[..., 0], rod.mass, dq[..., 1])
-    orbital -= np.einsum("ei,eij,ej->", q[..., 1], rod.mass, dq[..., 0])
-    return float(orbital + np.sum(rod.spin_mass * 0.5 * (v[:-1, 6] + v[1:, 6])))
 
 
 def gauss_positions(rod: Rod, u: Array) -> Array:

@@ -35,6 +35,8 @@ STAYS = 0.01
 """Change of an eigenvalue, over its size, up to which a mode does not move with the cut."""
 LIGHT = 0.15
 """Damping ratio below which a mode has a critical speed: above it, it is hardly felt."""
+NEAR = 0.05
+"""Step from one critical speed to the next, over the speed, below which both are in one range."""
 
 
 def lateral_modes(assembly: Assembly, fastest: float) -> list[Mode]:
@@ -89,6 +91,17 @@ def assembly_modes(
             if all(same.eigenvalue != other.eigenvalue for other in kept):
                 kept.append(same._replace(number=len(kept) + 1, change=change, cut_change=away))
     return first, assembly, kept
+
+
+def critical_ranges(table: ModeTable) -> list[list[float]]:
+    """Critical speeds of the collars [rad/s], rising; in one list, with a step below `NEAR` from each to the next.
+
+    Collars in their trough swing from sqrt(w sqrt(1 + mu^2) / (c m)) on, by the weight across the hole w and the mass m
+    per length, the clearance c and the friction mu; each further half-wave adds a speed a little above it.
+    """
+    speeds = np.sort([mode.eigenvalue.imag for mode in table.of(LATERAL) if mode.of_collars])
+    gaps = np.flatnonzero(np.diff(speeds) >= NEAR * speeds[:-1])
+    return [near.tolist() for near in np.split(speeds, gaps + 1) if near.size]
 
 
 def table_of(scene: Scene, command: Command, fastest: float, resting: Resting, count: int) -> ModeTable:

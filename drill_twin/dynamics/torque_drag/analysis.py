@@ -25,6 +25,7 @@ from drill_twin.dynamics.torque_drag.soft_string import (
     SoftString,
     lock_up_weight,
     soft_string,
+    straight_weight,
 )
 from drill_twin.physics.effects.bit_torque_stribeck import BitTorqueStribeck
 from drill_twin.physics.effects.gravity import line_weight
@@ -217,13 +218,13 @@ def _loads(scene: Scene, solver: SlidingBalance, string: HoleAndString, operatio
     try:
         balance = solver.solve(operation)
     except RunError:
-        most, units = lock_up_weight(string, operation), scene.unit_system
-        if operation.weight_on_bit <= most:
+        straight, most = straight_weight(string, operation), lock_up_weight(string, operation)
+        if not operation.weight_on_bit > min(straight, most):
             raise
+        given, bent, pushed = (scene.unit_system.text(w, "force") for w in (operation.weight_on_bit, straight, most))
         raise RunError(
-            f"{scene.name}: expected at most {units.text(most, 'force', '.3g')} on the bit in the operation "
-            f'"{operation.name}", which the string has by itself (soft string), found '
-            f"{units.text(operation.weight_on_bit, 'force')}: the top would have to push; take less (--wob)"
+            f'{scene.name}: expected a balance in the operation "{operation.name}", found none at {given}: by the soft '
+            f"string its pipe buckles from {bent} on, and takes at most {pushed} without a push. Take less (--wob)"
         ) from None
     along = along_string(scene, model, wall, balance.u)
     buckling = string.buckling(along.tension)

@@ -17,6 +17,7 @@ Pipe snakes at a compression, and forms a helix at a larger one.
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from enum import IntEnum
 from typing import NamedTuple
 
@@ -182,16 +183,31 @@ def lock_up_weight(string: HoleAndString, operation: Operation) -> float:
 
     Zero where the string does not slide in by its own weight at all.
     """
+    return _largest_weight(string, operation, lambda soft: soft.hookload > 0.0)
 
-    def hookload(weight: float) -> float:
-        return soft_string(string, operation._replace(weight_on_bit=weight)).hookload
+
+def straight_weight(string: HoleAndString, operation: Operation) -> float:
+    """Weight on bit from which the string buckles, with the sinusoidal load [N]; 0 where it does without any."""
+
+    def straight(soft: SoftString) -> bool:
+        tension = 0.5 * (soft.tension[1:] + soft.tension[:-1])
+        return string.buckling(tension).margins(tension)[0] > 1.0
+
+    return _largest_weight(string, operation, straight)
+
+
+def _largest_weight(string: HoleAndString, operation: Operation, holds: Callable[[SoftString], bool]) -> float:
+    """Weight on bit up to which something holds of the soft string [N]."""
+
+    def held(weight: float) -> bool:
+        return holds(soft_string(string, operation._replace(weight_on_bit=weight)))
 
     low, high = 0.0, 1e3
-    if hookload(low) <= 0.0:
+    if not held(low):
         return 0.0
-    while hookload(high) > 0.0 and high < MOST_WEIGHT:
+    while held(high) and high < MOST_WEIGHT:
         low, high = high, 2.0 * high
     for _ in range(20):
         middle = 0.5 * (low + high)
-        low, high = (middle, high) if hookload(middle) > 0.0 else (low, middle)
+        low, high = (middle, high) if held(middle) else (low, middle)
     return low

@@ -78,12 +78,6 @@ class EnsembleResult:
         return np.array([run.simulated for run in self.runs])
 
     @property
-    def kernel_share(self) -> float:
-        """Share of the processor time of all members that was spent in the compiled loop."""
-        total = sum(run.processor_seconds for run in self.runs)
-        return sum(run.kernel_seconds for run in self.runs) / total if total else float("nan")
-
-    @property
     def processor_seconds(self) -> float:
         """Processor time of all members [s]."""
         return sum(run.processor_seconds for run in self.runs)

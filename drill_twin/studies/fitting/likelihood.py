@@ -11,8 +11,6 @@ import numpy as np
 from drill_twin.core.arrays import Array
 from drill_twin.studies.goodness import noise_of
 
-FEATURES = ("mean", "deviation", "low", "high", "rate")
-"""Features of a window: mean, logarithm of the standard deviation, 5 and 95 % quantiles, crossings of the mean."""
 FLOOR = 0.01
 """Least error of model and sensor together, over the standard deviation of the record."""
 _LEAST = 1e-77
@@ -117,7 +115,10 @@ LIKELIHOODS: Mapping[str, Callable[[Channels, Channels, float, float, int], Arra
 
 
 def features(values: Array, period: float, window: float) -> Array:
-    """Features of windows that follow one another, shape (M, windows, 5), of values of shape (M, T)."""
+    """Features of windows that follow one another, shape (M, windows, 5), of values of shape (M, T).
+
+    Mean, logarithm of the standard deviation, 5 and 95 % quantiles, crossings of the mean.
+    """
     length = max(8, round(window / period))
     count = max(1, values.shape[1] // length)
     parts = values[:, : count * length].reshape(len(values), count, -1)

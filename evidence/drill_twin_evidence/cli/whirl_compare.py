@@ -12,6 +12,7 @@ import typer
 from drill_twin.cli.options import JsonOption, SceneArgument, SetOption, WorkersOption, overrides, time_option
 
 if TYPE_CHECKING:
+    from drill_twin.scene import Scene
     from drill_twin_evidence.whirl_compare.points import Point
 
 GRID = "LO..HI:N"
@@ -37,7 +38,7 @@ def whirl_compare(
     """
     from dataclasses import asdict
 
-    from drill_twin.api.scenes import as_scene, points_of
+    from drill_twin.api.scenes import as_scene
     from drill_twin.cli.emit import emit
     from drill_twin.cli.show import shown_progress
     from drill_twin.core.table import Table
@@ -45,7 +46,7 @@ def whirl_compare(
     from drill_twin_evidence.whirl_compare.points import sentences
 
     own = as_scene(scene, overrides(change))
-    weights, turns = (points_of(own, key, text) for key, text in (("wob", wob), ("rpm", rpm)))
+    weights, turns = (_points(own, key, text) for key, text in (("wob", wob), ("rpm", rpm)))
     kept = f"the same command goes on from {record}" if record else "nothing was kept; with --record it would be"
     with shown_progress("points", len(weights) * len(turns), kept=kept) as bar:
         points = compare(
@@ -55,6 +56,15 @@ def whirl_compare(
     columns = ("load N", "rev/s", "simulated", "ratio", "second", "stable states", "verdict", "tested")
     table = Table(columns, [_cells(point) for point in points], title=own.name, right=(0, 1, 3, 4))
     emit([asdict(point) for point in points], [table, " ".join(sentences(points))], json=json)
+
+
+def _points(scene: Scene, key: str, text: str) -> list[float]:
+    """Equally spaced values of a number of a scene in SI, from text such as "10..110:6 N"; five without a count."""
+    from drill_twin.api.scenes import range_of
+    from drill_twin.core.units.ranges import parse_range
+
+    low, high = range_of(scene, key, text)
+    return parse_range(key, text)._replace(low=low, high=high).points(5)
 
 
 def _cells(point: Point) -> tuple[str, ...]:

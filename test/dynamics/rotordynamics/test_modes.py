@@ -11,6 +11,7 @@ from drill_twin.api import rotordynamics
 from drill_twin.core.errors import RunError
 from drill_twin.dynamics.discretisation.joint import collars_of
 from drill_twin.dynamics.rotordynamics.assembly import Extent
+from drill_twin.dynamics.rotordynamics.assembly_modes import critical_ranges
 from drill_twin.dynamics.rotordynamics.campbell import campbell, growth_map, mac
 from drill_twin.dynamics.rotordynamics.eigenvalues import MOST_UNKNOWNS, Pencil, eigenvalues_only
 from drill_twin.dynamics.rotordynamics.equations import EquationsOfMotion, meshed
@@ -114,6 +115,14 @@ def test_critical_speeds_are_those_of_modes_of_the_collars(equations):
     well = load_scene(CONFIG / "wells" / "s_shaped.yaml")
     assert collars_of(well) == 112.5
     assert Extent.of(well).assembly == 262.5
+
+
+def test_critical_speeds_near_each_other_are_one_range(equations):
+    """Collars in their trough swing in one, two, three half-waves at nearly one speed."""
+    table = modes(equations, Command(5.0, 12.57))
+    shown = [table.of("lateral")[0]._replace(eigenvalue=1j * speed) for speed in (4.9, 13.29, 4.82, 5.15)]
+    pipe = shown[0]._replace(eigenvalue=5.3j, share=0.4)
+    assert critical_ranges(table._replace(modes=(*shown, pipe))) == [[4.82, 4.9], [5.15], [13.29]]
 
 
 @pytest.mark.parametrize("without", [(), ("wall_friction",)])

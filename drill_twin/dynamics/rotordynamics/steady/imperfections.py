@@ -99,7 +99,8 @@ def locked_states(turning: TurningEquations, command: Command) -> tuple[WhirlSta
             # plain Newton from the axis, which may be unstable
             first = shortest if number else FIRST_STEP
             whirl = _relaxed(turning, SteadyWhirl(command, start, command.rotation), first)
-            if whirl is not None and not any(_apart(whirl, other) < 1e-3 * turning.clearance for other in found):
+            same = 1e-3 * turning.clearance
+            if whirl is not None and not any(np.hypot(*(whirl.u - other.u)[:, :2].T).max() < same for other in found):
                 found.append(whirl)
         return tuple(state_of(turning, whirl, is_locked=True) for whirl in found)
 
@@ -146,7 +147,3 @@ def _relaxed(turning: TurningEquations, whirl: SteadyWhirl, shortest: float) -> 
         length = min(length * float(np.clip(1.5 * last / max(force, 1e-300), 0.5, 3.0)), LONGEST * shortest)
         last = force
     return None
-
-
-def _apart(one: SteadyWhirl, other: SteadyWhirl) -> float:
-    return float(np.hypot(*(one.u[:, :2] - other.u[:, :2]).T).max())

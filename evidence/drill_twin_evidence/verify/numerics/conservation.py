@@ -8,8 +8,9 @@ from collections.abc import Iterator
 import numpy as np
 
 from drill_twin.core.arrays import Array
-from drill_twin.dynamics.audit.energy import angular_momentum, energy, gauss_positions
+from drill_twin.dynamics.audit.energy import element_unknowns, energy, gauss_positions
 from drill_twin.dynamics.twin.twin import Twin
+from drill_twin.physics.model.mesh import Rod
 from drill_twin.scene.set_points.command import Command
 from drill_twin_evidence.verify.case import FORMS, LATERAL, case
 from drill_twin_evidence.verify.row import Row
@@ -86,6 +87,14 @@ def angular_momentum_of_a_damped_conical_swing() -> Iterator[Row]:
     before, after = _conical_swing({"internal_damping": {"bending_time": 0.02}}, "spatial")
     yield Row("angular momentum after half a second [kg m2/s]", "that at the start and the drive's impulse", BALANCE,
               before, after, 1e-4)  # fmt: skip
+
+
+def angular_momentum(rod: Rod, u: Array, v: Array) -> float:
+    """Angular momentum about the hole's axis [kg m2/s], spin included."""
+    q, dq = element_unknowns(u), element_unknowns(v)
+    orbital = np.einsum("ei,eij,ej->", q[..., 0], rod.mass, dq[..., 1])
+    orbital -= np.einsum("ei,eij,ej->", q[..., 1], rod.mass, dq[..., 0])
+    return float(orbital + np.sum(rod.spin_mass * 0.5 * (v[:-1, 6] + v[1:, 6])))
 
 
 def _conical_swing(effects: dict[str, dict[str, float]], form: str) -> tuple[float, float]:
