@@ -179,7 +179,7 @@ def _run(case: Case) -> Iterator[tuple[tuple[str, str], float | str]]:
     yield ("whirl ratio", "-"), number_or_nan(summary["whirl_ratio"])
     for mark, radius in summary["max_radius_m"].items():
         yield (
-            (f"largest radius, {mark}, of the clearance (above 100: into the wall)", "%"),
+            (f"largest radius, {mark}, of its clearance (above 100: into the wall)", "%"),
             100.0 * number_or_nan(radius) / summary["clearance_m"][mark],
         )
     yield ("bit at the end", ""), summary["bit"] or ""
@@ -253,7 +253,7 @@ def page(
         "half.</p>"
         f"{''.join(f'<p>{escape(note)}</p>' for note in notes)}"
         f"<h2>Verdict</h2><section>{''.join(f'<p><b>{escape(said)}</b></p>' for said in verdict)}"
-        f"{costs.html()}</section>"
+        f"<p>{escape(costs.title)}</p>{costs.html()}</section>"
         f"{tables}"
         '<h2>Over time</h2><section><div class="picture">'
         f'<img alt="the runs over time" src="data:image/png;base64,{picture}"></div>'

@@ -33,6 +33,8 @@ on the wall friction forgets a push."""
 PUSH = 1e-4
 """Standard deviation of the lateral velocity at mid-span that sets a run of another seed apart [m/s]."""
 NONE = "no difference that the runs can show"
+CHANCE = "?"
+"""In place of the better case: the means differ by more than the tolerance, and chance explains it."""
 
 
 class ComparedCost(NamedTuple):
@@ -43,7 +45,7 @@ class ComparedCost(NamedTuple):
     values: tuple[tuple[float, ...], ...]
     """By case, one a seed."""
     better: tuple[str, ...]
-    """For each case but the first: `A` (the first), its own letter, or empty where no difference is shown."""
+    """For each case but the first: `A` (the first), its own letter, `CHANCE`, or empty within the tolerance."""
 
 
 def again(
@@ -98,7 +100,9 @@ def costs(runs: Sequence[Sequence[Case]], tolerance: float) -> list[ComparedCost
                 tuple(
                     float(table[name].values[k])
                     for seed, table in enumerate(tables)
-                    if name in table and _counts(runs, seed, k) and math.isfinite(float(table[name].values[k]))
+                    if name in table
+                    and (seed == 0 or runs[seed][k] is not runs[0][k])  # a bag stands for all seeds
+                    and math.isfinite(float(table[name].values[k]))
                 )
                 for k in range(len(runs[0]))
             )
@@ -113,11 +117,6 @@ def costs(runs: Sequence[Sequence[Case]], tolerance: float) -> list[ComparedCost
     ]  # fmt: skip
 
 
-def _counts(runs: Sequence[Sequence[Case]], seed: int, case: int) -> bool:
-    """True for a run of its own, not a bag that stands for every seed."""
-    return seed == 0 or runs[seed][case] is not runs[0][case]
-
-
 def _better(
     one: Sequence[float], other: Sequence[float], sign: float, tolerance: float, letter: str, count: int
 ) -> str:
@@ -125,8 +124,10 @@ def _better(
         return ""
     first, second = float(np.mean(one)), float(np.mean(other))
     chance = chance_difference(list(one), list(other), 1.0 - (1.0 - CONFIDENCE) / count)
-    if abs(second - first) <= max(tolerance * max(abs(first), abs(second)), chance):
+    if abs(second - first) <= tolerance * max(abs(first), abs(second)):
         return ""
+    if abs(second - first) <= chance:
+        return CHANCE
     return letter if sign * second < sign * first else "A"
 
 
@@ -165,7 +166,9 @@ def _verdict(found: Sequence[ComparedCost], case: int, units: UnitSystem) -> str
     for who, costs in wins.items():
         if costs:
             return f"{who} is better than {letter if who == 'A' else 'A'}: {told[who]}"
-    return f"A and {letter}: {NONE}"
+    unsure = ", ".join(of.name for of in found if of.better[case] == CHANCE)
+    more = f"; {unsure}: the means differ, which {len(found[0].values[0])} runs do not tell from chance (more --seeds)"
+    return f"A and {letter}: {NONE}{more if unsure else ''}"
 
 
 def _told(of: ComparedCost, case: int, units: UnitSystem) -> str:

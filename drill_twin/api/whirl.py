@@ -15,7 +15,7 @@ from drill_twin.core.arrays import Array
 from drill_twin.core.units.dimension import ANGULAR_SPEED, LENGTH
 from drill_twin.io.messages.stamps import NANOSECONDS
 from drill_twin.report.summary import timeline
-from drill_twin.whirl import AnalysisError, Analyzer, Findings, MarkInfo, MotionPeriod, Onset, Summary
+from drill_twin.whirl import AnalysisError, Analyzer, MarkInfo, MotionPeriod, Onset, Summary
 
 CLEARANCE_TAKEN = (
     "no clearance was given: the largest distance from the axis is taken for it, so radii count as shares of the "
@@ -124,17 +124,13 @@ def analyze(
     if len(labels) != marks:
         raise AnalysisError(f"names: expected {marks}, one for each column of x, found {len(labels)}")
     analyzer = Analyzer([MarkInfo(name, float(k), on, outer, free) for k, name in enumerate(labels)])
-    rows = [
-        _row(analyzer.push(int(stamp), position[k], None if angle is None else angle[k], float(speed[k])))
-        for k, stamp in enumerate(np.rint(times * NANOSECONDS).astype(np.int64))
-    ]
+    rows = []
+    for k, stamp in enumerate(np.rint(times * NANOSECONDS).astype(np.int64)):
+        of = analyzer.push(int(stamp), position[k], None if angle is None else angle[k], float(speed[k]))
+        rows.append((of.orbit_radius.copy(), of.precession, of.ratio, of.confidence))
     summary = analyzer.summary()
     radii, precession, ratio, confidence = np.moveaxis(np.array(rows), 1, 0)
     return Whirl(times, labels, radii, precession, ratio, confidence, summary, (*summary.notes, *notes))
-
-
-def _row(findings: Findings) -> tuple[Array, Array, Array, Array]:
-    return findings.orbit_radius.copy(), findings.precession, findings.ratio, findings.confidence
 
 
 def _times(time: ArrayLike) -> Array:

@@ -95,7 +95,7 @@ def draw_runs(
                 for panel in panels:
                     panel.axvline(run.summary.onset.time_s, **{**style, "linewidth": 1.2}, linestyle=(0, (4, 2)))
         labels = [name for name, _ in runs]
-        labels[-1] += " (dashed: onset of whirl)"
+        labels[-1] += " (dashed: onset of whirl)" if any(run.summary.onset for run, _ in styled_runs) else ""
         handles = panels[-1].get_lines()[: len(runs)]
         figure.legend(handles, labels, loc="upper right", bbox_to_anchor=(RIGHT, 1.0), ncols=2, borderaxespad=0.3)
     return figure
