@@ -88,15 +88,17 @@ class _Search(Repeats):
         if self.onset is None:
             return Cause((f"The run does not whirl, at {self.point} at its end.", self.mode_text(table, fastest)))
         sentences = [self.what(), self.mode_text(table, fastest)]
-        on_axis = table is not None and table.on_axis
+        on_axis, sought = table is not None and table.on_axis, "The cause"
         if on_axis and fastest is not None and fastest.growth > 0.0:
             try:
-                sentences[-1] += buckling(self.scene, self.steady)
+                if buckled := buckling(self.scene, self.steady):
+                    sentences[-1] += buckled
+                    sought = "Buckling takes it off the axis; what then makes it whirl"
                 sentences.append(limits(self.scene, self.steady, self.units))
             except RunError as error:
                 sentences.append(f"The weight and speed at which the growth ends are not known ({error}).")
         trials = tuple(self.trials())
-        sentences.insert(2, self.named(trials))
+        sentences.insert(2, self.named(trials, sought))
         sentences.append(_stops([trial for trial in trials if not trial.of_effects]))
         causes = tuple(trial.change for trial in trials if trial.of_effects and trial.ends_whirl)
         return Cause(tuple(sentences), causes, trials)
@@ -136,8 +138,8 @@ class _Search(Repeats):
             f"whirl, at {near.frequency:.2f} Hz, {rate(near.growth)}."
         )
 
-    def named(self, trials: tuple[Trial, ...]) -> str:
-        """The cause, or what was checked."""
+    def named(self, trials: tuple[Trial, ...], sought: str) -> str:
+        """The cause, or what is sought and was checked."""
         told = [f"{trial.change}: {trial.outcome}" for trial in trials if trial.of_effects]
         causes = [
             f"{trial.change} the same run gives {trial.outcome}"
@@ -152,7 +154,7 @@ class _Search(Repeats):
             return f"Cause{kind}: {'; '.join(causes)}."
         calm = [trial.change for trial in trials if trial.of_effects and trial.moves]
         alone = f"; {', '.join(calm)} it is no whirl, but more than half of the motion stays" if calm else ""
-        return f"The cause is not known{alone}; repeats of the run that were checked: {'; '.join(told) or 'none'}."
+        return f"{sought} is not known{alone}; repeats of the run that were checked: {'; '.join(told) or 'none'}."
 
 
 def _stops(trials: Sequence[Trial]) -> str:

@@ -57,6 +57,8 @@ def test_weight_and_speed_at_the_onset_are_those_of_the_ramp(monkeypatch):
     assert not cause.causes
     assert "The cause is not known; without wall friction it is no whirl, but more than half of the" in str(cause)
     assert f"without wall friction: {outcome}" in str(cause)
+    monkeypatch.setattr("drill_twin.api.cause.buckling", lambda *_: " The weight buckles the string.")
+    assert "Buckling takes it off the axis; what then makes it whirl is not known; without wall" in str(dt.why(run))
     assert "Small motion about the axis of the hole at the onset" in str(cause)
 
 
