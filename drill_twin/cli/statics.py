@@ -125,7 +125,7 @@ def _set_point(found: Statics, units: UnitSystem) -> str:
     return f"{text}, at the top: {units.text(last.weight_on_bit, 'force')} at the bit"
 
 
-def _shown(found: Statics, units: UnitSystem) -> Iterator[Table]:
+def _shown(found: Statics, units: UnitSystem) -> Iterator[Table | str]:
     operations, u = found.operations, units
 
     def column(values: Iterable[float], quantity: str = "") -> list[str]:
@@ -163,6 +163,11 @@ def _shown(found: Statics, units: UnitSystem) -> Iterator[Table]:
         title=f"margins: limit over load where least, below 1 it is passed; largest stress in {u.stress}",
         right=range(1, 8),
     )  # fmt: skip
+    if bent := [of.operation.name for of in operations if of.worst_state and of.along.side_force.max() < 1e-6]:
+        yield (
+            f"{', '.join(bent)}: past a buckling load, but in balance on the axis: hookload, stress and yield are "
+            "without the bend and the friction of the helix; the soft string has its friction"
+        )
     yield Table(
         ("operation", *(contact.name for contact in operations[0].contacts)),
         [

@@ -187,13 +187,15 @@ def view_data(recording: Recording) -> str:
     height = recording.marks.position[::every, :, 2]
     paths = np.stack((centre.real / radius, centre.imag / radius, height / length), axis=-1)
     onset, well = recording.summary.onset, well_geometry(recording.scene)
+    units = recording.units
+    names = [name.replace("[m]", f"[{units.length}]").replace("[mm]", f"[{units.offset}]") for name in well["names"]]
     data: dict[str, Any] = {
         "full": _FULL,
-        "units": {of: [recording.units.show(1.0, of), getattr(recording.units, of)] for of in ("length", "offset")},
+        "units": {of: [units.show(1.0, of), getattr(units, of)] for of in ("length", "offset")},
         "radius": radius,
         "length": length,
         "top": assembly_top(recording.scene),
-        "well": well | {"names": [_in_units(name, recording) for name in well["names"]]},
+        "well": well | {"names": names},
         "pipe": contact_radius(recording.scene, np.clip(length + shapes[-1, :, 2], 0.0, length)).tolist(),
         "shapes": {
             "time": _times(recording.poses.time[times]),
@@ -208,11 +210,6 @@ def view_data(recording: Recording) -> str:
         "onset": onset.time_s if onset else None,
     }
     return json.dumps(data, allow_nan=False, separators=(",", ":"))
-
-
-def _in_units(name: str, recording: Recording) -> str:
-    """Heading of an axis in m or mm, in the units of the reader."""
-    return name.replace("[m]", f"[{recording.units.length}]").replace("[mm]", f"[{recording.units.offset}]")
 
 
 def plotly_packed() -> str:

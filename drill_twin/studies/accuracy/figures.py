@@ -33,7 +33,8 @@ def ablation_figure(ablation: Ablation) -> Figure:
         for axis, (name, title) in zip(axes, NAMES.items(), strict=False):
             _bars(
                 axis, rows, [_shown(change, name) for change in changes],
-                [_matters(change, name) for change in changes], [_unknown(change, name) for change in changes],
+                [bool(change.failure) or change.quantities[name].matters for change in changes],
+                [_unknown(change, name) for change in changes],
             )  # fmt: skip
             axis.set_xscale("log")
             axis.set_xlim(SMALLEST, LARGEST)
@@ -60,10 +61,6 @@ def _shown(change: Change, name: str) -> float:
     if change.failure:
         return LARGEST
     return float(np.clip(change.quantities[name].tolerances, SMALLEST, LARGEST))
-
-
-def _matters(change: Change, name: str) -> bool:
-    return bool(change.failure) or change.quantities[name].matters
 
 
 def _unknown(change: Change, name: str) -> bool:

@@ -187,3 +187,12 @@ def test_shipped_wells_have_a_balance_in_each_operation(name: str) -> None:
         assert loads.surface_torque == pytest.approx(
             loads.soft.surface_torque, rel=0.08, abs=0.05 * found["drill"].surface_torque
         )
+
+
+def test_a_balance_on_the_axis_past_a_buckling_load_is_told() -> None:
+    said = CliRunner().invoke(app, ["statics", "wells/vertical_3000", "--wob", "400 kN"]).stdout
+    assert "slide, drill: past a buckling load, but in balance on the axis" in " ".join(said.split())
+    assert (
+        "past a buckling load"
+        not in CliRunner().invoke(app, ["statics", "wells/vertical_3000", "--wob", "9 kN"]).stdout
+    )
