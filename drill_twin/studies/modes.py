@@ -138,17 +138,17 @@ def response_figure(response: ForcedResponse, table: ModeTable, scene: Scene) ->
     touching = [f"{units.text(low, 'length')} to {units.text(high, 'length')}" for low, high in response.contacts]
     with styled():
         figure = blank(6.4 if touching else 4.0)
-        load = units.text(command.weight_on_bit, "force")
+        load, whole = units.text(command.weight_on_bit, "force"), "assembly" if table.assembly else "string"
         head(
             figure,
-            f"{scene.name}: forced response at {load}; dotted: critical speeds (pale: of the pipe above),\n"
-            "red: the rotation; linear; pale curves: beyond the clearance, where the wall limits it",
+            f"{scene.name}: forced response at {load}; dotted: critical speeds, red: the rotation\n"
+            "linear; pale: of pipe above the collars, or beyond the clearance, where the wall limits it",
         )
         panels = figure.subplots(2 if touching else 1, 2, sharex=True, sharey="row", squeeze=False)
         top, bottom = (0.8, 0.1) if touching else (0.7, 0.16)
         figure.subplots_adjust(left=0.085, right=0.98, top=top, bottom=bottom, wspace=0.06, hspace=0.42)
         for k, cause in enumerate(causes):
-            for i, label in enumerate([*names, "largest of the assembly"]):
+            for i, label in enumerate([*names, f"largest of the {whole}"]):
                 colour = INK if i == len(names) else MARK_COLOURS[i % len(MARK_COLOURS)]
                 within = np.where(response.amplitude[:, k, i] <= limits[i], response.amplitude[:, k, i], np.nan)
                 panels[0, k].plot(turns, units.show(response.amplitude[:, k, i], "offset"), color=colour, alpha=0.25)

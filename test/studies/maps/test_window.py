@@ -11,6 +11,7 @@ import pytest
 from coarse_map import COARSE
 
 import drill_twin as dt
+from drill_twin.cli.operating_map import _shown
 from drill_twin.runs.ensemble import Threads
 from drill_twin.studies.maps import OperatingMap, Plane, Regime, Span
 from drill_twin.studies.maps.regimes import TorsionalSpeeds
@@ -64,6 +65,8 @@ def test_few_runs_are_shown_as_few_and_carry_no_window():
     found = made(lambda *_: Regime.SMOOTH, every=16)  # cells of half the ranges are known by nothing
     assert not found.known.any()
     assert (found.windows, found.basis) == ([], [])
+    scene = dt.load_scene("pa6_bench", {"wob": 40, "rpm": 90})
+    assert "40 N at 1.5 rev/s: smooth in the nearest run; not known there" in "".join(_shown(found, scene))
     assert made(lambda *_: Regime.SMOOTH, every=8).known.all()
     one = made(lambda *_: Regime.SMOOTH, every=8)
     some = replace(one, records={key: run for key, run in one.records.items() if key.i <= 8})
