@@ -27,7 +27,7 @@ def statics(
 ) -> Statics:
     """Hookload, torque, loads along the string and margins when tripping, rotating, sliding and drilling.
 
-    >>> loads = statics("s_shaped")["trip out"]
+    >>> loads = statics("wells/s_shaped")["trip out"]
     >>> loads.hookload, loads.along.side_force.max(), loads.margins
 
     Args:
