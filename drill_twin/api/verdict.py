@@ -140,7 +140,7 @@ def cost_table(found: Sequence[ComparedCost], units: UnitSystem) -> Table:
         cells = [_mean_text(size, row) for row in of.values]
         rows.append((Column(of.name, unit.strip("-")).title, *cells, ", ".join(one or "-" for one in of.better)))
     count = max((len(row) for of in found for row in of.values), default=0)
-    title = f"what costs bits and joints: mean +- standard deviation of {count} runs"
+    title = f"what costs bits and joints: mean +- standard deviation of {count} runs; ?: it may be chance"
     return Table(("cost", *letters, "better"), rows, title=title, right=range(1, 1 + len(letters)))
 
 
