@@ -8,6 +8,7 @@ import pytest
 
 import drill_twin as dt
 from drill_twin.api import rotordynamics
+from drill_twin.cli.modes import _shown
 from drill_twin.core.errors import RunError
 from drill_twin.dynamics.discretisation.joint import collars_of
 from drill_twin.dynamics.rotordynamics.assembly import Extent
@@ -101,6 +102,7 @@ def test_a_well_has_modes_of_its_assembly_and_a_forced_response(well):
     assert all(place > table.assembly.collars for mode, place in zip(lateral, at, strict=True) if mode.share < 0.1)
     if well == "s_shaped":  # a string of 3,000 m winds up and back in some six seconds
         assert table.of("torsional")[0].frequency == pytest.approx(0.1733, rel=2e-3)
+    assert any("added_mass.confined" in str(said) for said in _shown(table, None, scene))
     response = rotordynamics.forced_response(scene, table)
     peak = response.speeds[response.amplitude[:, 0, -1].argmax()]
     assert min(abs(mode.eigenvalue.imag - peak) for mode in lateral) < 0.02 * peak
