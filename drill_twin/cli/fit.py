@@ -84,12 +84,13 @@ def _shown(found: Posterior) -> Iterator[Table | Text | str]:
     rows = []
     for key in found.ranges:
         size, unit = shown_number(key, found.scene)
-        values = (found.best[key], *(found.quantile(key, share) for share in (0.05, 0.5, 0.95)))
+        low, high = found.intervals[key]
+        values = found.best[key], low, found.median(key), high
         rows.append((f"{key} [{unit}]" if unit else key, *(f"{size * value:.4g}" for value in values)))
     yield Table(
-        ("number", "best", "5 %", "median", "95 %"),
+        ("number", "best", "low", "median", "high"),
         rows,
-        title=f"{found.scene.name}: {len(found.values)} runs",
+        title=f"{found.scene.name}: {len(found.values)} runs, intervals of 90 %",
         right=(1, 2, 3, 4),
     )
     if found.sampling.power < 1.0:

@@ -17,7 +17,7 @@ from drill_twin.scene.overrides import full_key
 from drill_twin.scene.schema import unit_at
 from drill_twin.studies.fitting.likelihood import noise_in
 from drill_twin.studies.fitting.record import Record
-from drill_twin.studies.fitting.sampling import Sampling
+from drill_twin.studies.fitting.sampling import Sampling, in_ranges, weighted_quantile
 from drill_twin.studies.goodness import HALF_WIDTH, Goodness, correlation_limit, goodness, limit_of_samples, sentence
 
 if TYPE_CHECKING:
@@ -25,9 +25,8 @@ if TYPE_CHECKING:
 
 UNDETERMINED = 0.6
 """Width of a 90 % interval over that of the range, above which the record does not determine a number."""
-END, AT_AN_END = 0.05, 0.25
-"""Part of a range at each of its ends, and probability in it from which a number is at the end of its range: five
-times that of the prior."""
+AT_AN_END = 0.25
+"""Probability in the last `END` of a range from which a number is at its end: five times that of the prior."""
 AT_REST = tuple(f"effects.bit_torque_stribeck.{name}" for name in ("sticking", "decay", "exponent"))
 """Numbers of how friction falls from its value at rest. A record tells what happens once the bit has gained speed, and
 another law near rest explains it as well with other numbers (docs/fit.md)."""
@@ -63,7 +62,7 @@ class Posterior:
 
     def __repr__(self) -> str:
         """One line: scene, runs, and the 90 % interval of each number [SI]."""
-        numbers = (f"{key} {self.quantile(key, 0.05):.4g}..{self.quantile(key, 0.95):.4g}" for key in self.keys)
+        numbers = (f"{key} {low:.4g}..{high:.4g}" for key, (low, high) in self.intervals.items())
         doubt = ", the model does not explain the record" if self.unexplained else ""
         return f"<Posterior of {self.scene.name}: {len(self.values)} runs, {', '.join(numbers)}{doubt}>"
 
@@ -82,9 +81,15 @@ class Posterior:
         """Number of the run with the highest likelihood."""
         return int(np.argmax(self.sampling.log_likelihood))
 
-    def quantile(self, key: str, share: float) -> float:
-        """Quantile of a number."""
-        return float(weighted_quantile(self.values[:, self.keys.index(key)], self.sampling.weights, share))
+    @cached_property
+    def intervals(self) -> dict[str, tuple[float, float]]:
+        """Ends of the 90 % interval of each number [SI] by key."""
+        low, high = in_ranges(self.sampling.intervals, self.ranges).tolist()
+        return {key: (first, last) for key, first, last in zip(self.keys, low, high, strict=True)}
+
+    def median(self, key: str) -> float:
+        """Median of a number [SI]."""
+        return float(weighted_quantile(self.values[:, self.keys.index(key)], self.sampling.weights, 0.5))
 
     @cached_property
     def correlation(self) -> Array:
@@ -100,11 +105,11 @@ class Posterior:
     def undetermined(self) -> list[str]:
         """Sentences: numbers, or differences of numbers, that the record does not determine."""
         told = []
-        low, high = (weighted_quantile(self.sampling.cube, self.sampling.weights, share) for share in (0.05, 0.95))
+        low, high = self.sampling.intervals
         for key, share in zip(self.keys, high - low, strict=True):
             if share > UNDETERMINED:
                 told.append(f"{key}: the 90 % interval covers {share:.0%} of its range")
-        for key, low_end, high_end in zip(self.keys, *self._at_ends, strict=True):
+        for key, low_end, high_end in zip(self.keys, *self.sampling.at_ends, strict=True):
             if max(low_end, high_end) > AT_AN_END:
                 end = "lower" if low_end > high_end else "upper"
                 told.append(f"{key}: at the {end} end of its range; if the truth lies beyond, other numbers err too")
@@ -120,14 +125,6 @@ class Posterior:
     def of_law(self) -> list[str]:
         """Sentences on the numbers that hold for the scene's law of friction only."""
         return of_law(self.keys, self.scene)
-
-    @property
-    def _at_ends(self) -> tuple[Array, Array]:
-        """Probability in the lowest and in the highest `END` of each range, shape (d,) each."""
-        cube, weights = self.sampling.cube, self.sampling.weights
-        low: Array = weights @ (cube < END)
-        high: Array = weights @ (cube > 1.0 - END)
-        return low, high
 
     def residual(self, channel: str) -> Array:
         """Measured less computed by the best run, shape (T,); NaN where the record has no sample."""
@@ -189,8 +186,8 @@ class Posterior:
             "effective_draws": round(self.sampling.effective, 1),
             "likelihood_power": self.sampling.power,
             "numbers": {
-                key: {"best": self.best[key], "median": self.quantile(key, 0.5),
-                      "low": self.quantile(key, 0.05), "high": self.quantile(key, 0.95), "range": list(span)}
+                key: {"best": self.best[key], "median": self.median(key),
+                      "low": self.intervals[key][0], "high": self.intervals[key][1], "range": list(span)}
                 for key, span in self.ranges.items()
             },
             "correlation": self.correlation.round(3).tolist(),
@@ -199,16 +196,6 @@ class Posterior:
             "unexplained": self.unexplained,
             "goodness": {channel: one.to_dict() for channel, one in self.goodness.items()},
         }  # fmt: skip
-
-
-def weighted_quantile(values: Array, weights: Array, share: float) -> Array:
-    """Quantile of weighted draws, of shape (N,) or along the first axis of (N, T)."""
-    flat = values.reshape(len(values), -1)
-    order = np.argsort(flat, axis=0)
-    total = np.cumsum(weights[order], axis=0)
-    row = np.argmax(total >= share * total[-1], axis=0)
-    found: Array = np.take_along_axis(flat, np.take_along_axis(order, row[None], 0), 0)[0]
-    return found.reshape(values.shape[1:])
 
 
 def predictive_band(runs: Array, weights: Array, error: float, share: float) -> tuple[Array, Array]:

@@ -21,8 +21,20 @@ from drill_twin.core.arrays import Array
 
 Ranges = Mapping[str, tuple[float, float]]
 """Lowest and highest value [SI] by key."""
+END = 0.05
+"""Part of a range at each of its ends."""
 LOGARITHMIC = 20.0
 """Ratio of a range's ends from which it is uniform in the logarithm."""
+
+
+def weighted_quantile(values: Array, weights: Array, share: float) -> Array:
+    """Quantile of weighted draws, of shape (N,) or along the first axis of (N, T)."""
+    flat = values.reshape(len(values), -1)
+    order = np.argsort(flat, axis=0)
+    total = np.cumsum(weights[order], axis=0)
+    row = np.argmax(total >= share * total[-1], axis=0)
+    found: Array = np.take_along_axis(flat, np.take_along_axis(order, row[None], 0), 0)[0]
+    return found.reshape(values.shape[1:])
 
 
 def in_ranges(cube: Array, ranges: Ranges) -> Array:
@@ -66,6 +78,22 @@ class Sampling:
     def effective(self) -> float:
         """Effective number of draws, 1 / sum of squared weights (Kong 1992)."""
         return float(1.0 / np.sum(self.weights**2))
+
+    @property
+    def at_ends(self) -> Array:
+        """Probability in the lowest and in the highest `END` of each range, shape (2, d)."""
+        return np.array([self.weights @ (self.cube < END), self.weights @ (self.cube > 1.0 - END)])
+
+    @property
+    def intervals(self) -> Array:
+        """Ends of the intervals of 90 % in the unit cube, shape (2, d): 5 and 95 % quantiles.
+
+        An interval reaches an end of its range where the draws are there as often as those of the prior, or more often:
+        they cannot lie beyond it, so quantiles would leave out each truth that is near it.
+        """
+        low, high = (weighted_quantile(self.cube, self.weights, share) for share in (0.05, 0.95))
+        near_low, near_high = self.at_ends > END
+        return np.array([np.where(near_low, 0.0, low), np.where(near_high, 1.0, high)])
 
 
 def sample(

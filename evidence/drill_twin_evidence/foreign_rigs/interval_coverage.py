@@ -20,7 +20,6 @@ from drill_twin.core.arrays import Array
 from drill_twin.core.files.json_files import JsonLines
 from drill_twin.core.table import Table
 from drill_twin.studies.fitting.likelihood import of_series
-from drill_twin.studies.fitting.posterior import weighted_quantile
 from drill_twin.studies.fitting.sampling import in_ranges
 from drill_twin.studies.maps.window import proportion_text
 from drill_twin_evidence.foreign_rigs.own_law import OWN_RANGES, own_fit
@@ -38,7 +37,7 @@ from drill_twin_evidence.foreign_rigs.rigs import (
 RIG = RIGS["mild exponential"]
 WAYS = {"surface": SURFACE, "with a sub": (*SURFACE, "bit_speed")}
 """Channels of the record by the way of measuring."""
-NOISE, LEVEL, STEP = 0.01, 0.9, 2.5e-3
+NOISE, STEP = 0.01, 2.5e-3
 END = 0.1
 """Part of a range at each of its ends."""
 
@@ -70,7 +69,7 @@ def cover(seed: int) -> Twin:
             return of_series(measured, runs, PERIOD, 0.0, len(OWN_RANGES))
 
         values, found = own_fit(RIG, channels, likelihood, seed % 2**31, STEP)
-        low, high = (weighted_quantile(values, found.weights, 0.5 + side * LEVEL / 2) for side in (-1, 1))
+        low, high = in_ranges(found.intervals, OWN_RANGES)
         held = (low <= hidden) & (hidden <= high)
         twin["inside"][way] = dict(zip(OWN_RANGES, held.tolist(), strict=True))
         twin["runs"][way], twin["wide"][way] = len(values), found.power < 1.0

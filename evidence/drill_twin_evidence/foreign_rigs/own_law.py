@@ -9,7 +9,6 @@ import numpy as np
 
 from drill_twin.core.arrays import Array
 from drill_twin.studies.fitting import Sampling, sample
-from drill_twin.studies.fitting.posterior import weighted_quantile
 from drill_twin.studies.fitting.sampling import in_ranges
 from drill_twin_evidence.foreign_rigs.motion import STEP
 from drill_twin_evidence.foreign_rigs.rigs import (
@@ -63,6 +62,6 @@ def own_widths(rig: Rig, trial: Trial, noise: float = 0.01) -> dict[str, float]:
             total = total - 0.5 * np.sum((runs[channel][:, trial.present] - values) ** 2, axis=1) / error**2
         return total
 
-    values, sampling = own_fit(rig, tuple(trial.record.series), likelihood, seed=1, step=1e-3)
-    low, high = (weighted_quantile(values, sampling.weights, share) for share in (0.05, 0.95))
+    sampling = own_fit(rig, tuple(trial.record.series), likelihood, seed=1, step=1e-3)[1]
+    low, high = in_ranges(sampling.intervals, OWN_RANGES)
     return dict(zip(OWN_RANGES, (high - low).tolist(), strict=True))

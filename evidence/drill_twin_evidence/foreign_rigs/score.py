@@ -51,7 +51,7 @@ def fitted(name: str, seed: int) -> Row:
         of.record, SCENE, ranges, overrides=_overrides(name), begin=1.0, end=SECONDS - 0.2, rate=10.0, members=32,
         rounds=28, seed=seed,
     )  # fmt: skip
-    bands = {key: (found.quantile(key, 0.05), found.quantile(key, 0.95)) for key in ranges}
+    bands = dict(found.intervals)
     low, high = bands.pop("wob")
     bands[LOAD] = low / INDICATED, high / INDICATED
     own = own_widths(RIGS[name], of)

@@ -15,7 +15,8 @@ import numpy as np
 from drill_twin.api import Ensemble, Posterior
 from drill_twin.core.arrays import Array
 from drill_twin.scene.overrides import full_key
-from drill_twin.studies.fitting.posterior import predictive_band, weighted_quantile
+from drill_twin.studies.fitting.posterior import predictive_band
+from drill_twin.studies.fitting.sampling import weighted_quantile
 from drill_twin_evidence.validation.comparison import Comparison
 from drill_twin_evidence.validation.well_b import (
     DEEPER,

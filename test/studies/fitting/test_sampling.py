@@ -7,7 +7,8 @@ from scipy import special
 
 from drill_twin.studies.fitting import sample
 from drill_twin.studies.fitting.likelihood import error_variance, features, noise_in, of_features, of_series
-from drill_twin.studies.fitting.posterior import predictive_band, weighted_quantile
+from drill_twin.studies.fitting.posterior import predictive_band
+from drill_twin.studies.fitting.sampling import weighted_quantile
 
 
 def sampled(log_density, dimensions, **options):
@@ -55,6 +56,15 @@ def test_the_end_of_a_posterior_that_is_long_and_bent_is_reached():
         result = sample(likelihood, 4, members=32, rounds=40, effective=200, seed=seed)
         ends.append(float(weighted_quantile(result.cube[:, 1], result.weights, 0.95)))
     assert np.mean(ends) > 0.92  # 0.972; proposals of all draws alone end at 0.9
+
+
+def test_an_interval_reaches_the_end_of_a_range_where_the_draws_do():
+    _, result, _ = sampled(lambda z: 30.0 * special.ndtr(z[:, 0]) - 300.0 * (special.ndtr(z[:, 1]) - 0.5) ** 2, 2)
+    low, high = result.intervals
+    assert high[0] == 1.0
+    assert 0.85 < low[0] < 0.95  # 1 - ln(20) / 30 = 0.90
+    half = 1.645 / np.sqrt(600.0)
+    assert (low[1], high[1]) == (pytest.approx(0.5 - half, abs=0.015), pytest.approx(0.5 + half, abs=0.015))
 
 
 def test_without_information_the_draws_are_those_of_the_range():
