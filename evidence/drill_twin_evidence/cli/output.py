@@ -22,19 +22,21 @@ PageOption = Annotated[
 ]
 OnlyOption = Annotated[
     str,
-    typer.Option("--only", metavar="TEXT", help="Run only the cases whose name contains this text."),
+    typer.Option("--only", metavar="TEXT", help="Run only the case of this name, or those that contain it."),
 ]
 QuickOption = Annotated[bool, typer.Option("--quick", help="Leave out what takes long.")]
 ListOption = Annotated[bool, typer.Option("--list", help="Print the names of the cases and what they are for.")]
 
 
 def chosen(only: str, names: Iterable[str]) -> list[str]:
-    """Names that contain a text, in which `*` is any text and `?` a letter.
+    """A name, or the names that contain a text, in which `*` is any text and `?` a letter.
 
     Raises:
         ArgumentError: None does.
     """
     known = list(names)
+    if only in known:
+        return [only]
     if found := [name for name in known if fnmatchcase(name, f"*{only.replace('[', '[[]')}*")]:
         return found
     raise ArgumentError(f'--only: expected a part of {", ".join(known)}, found "{only}"')
