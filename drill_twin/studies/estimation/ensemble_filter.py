@@ -156,7 +156,8 @@ class EnsembleFilter:
         self._restarts.end(measured)
         self._innovations.take(predicted, measured, self._errors.scale, self._errors.stated)
         misfit, normalised = self._innovations.misfit, self._innovations.normalised
-        anew = self._jumps.take(predicted, self.members.normal, self._errors.stated, normalised)
+        shifts, stated = self._innovations.shifts, self._errors.stated
+        anew = self._jumps.take(predicted, self.members.normal, stated, normalised, shifts)
         found = corrections(predicted, measured, self._errors.deviation)
         lateral = self._phase(self.members, prediction.readings, readings, found) if self.members.subs else []
         corrected = applied(found, predicted)
@@ -196,10 +197,10 @@ class EnsembleFilter:
 
     def _start_again(self, start: float, told: Mask) -> None:
         """Follow again with the numbers that explain a jump; if none do, all are as they were, and held."""
-        restart = self._restarts.found(told, self._errors.stated)
+        restart = self._restarts.found(told, self._errors.stated, self._jumps.windows)
         self._jumps.explain(start, np.zeros_like(told) if restart is None else restart.chosen)
         if restart is None:
-            self.members.set_numbers(self._restarts.held)
+            self.members.set_numbers(self._restarts.held(self._jumps.windows))
         else:
             self._restarts.follow(restart)
             self._errors.forget()

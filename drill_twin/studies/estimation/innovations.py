@@ -20,14 +20,26 @@ _FEWEST = 10
 """Windows before the first judgement: numbers are still being found."""
 _LASTING = 3
 """Windows in a row from which a chi-square above its limit counts; a single window is the other alarm's."""
+_LATE, _STEADY, _MOST = range(3, 7), 0.5, 5.0
+"""Numbers of last windows whose mean innovations are compared with those of the windows before; the least deviation of
+these, over the predicted one, as they may be alike by chance; and the largest change that counts: one window is none.
+"""
 
 
 class _Window(NamedTuple):
-    """Measured, predicted mean and spread of a window, shape (C, S) each."""
+    """Measured, predicted mean and spread of a window, shape (C, S) each, and its mean innovation, shape (C,)."""
 
     measured: Array
     mean: Array
     spread: Array
+    average: Array
+
+
+class Shift(NamedTuple):
+    """Sum of the changes of the mean innovation over their deviation in the last windows, and the number of these."""
+
+    size: float
+    windows: int
 
 
 class Innovations:
@@ -61,7 +73,9 @@ class Innovations:
             scale: Largest size of each channel [SI], shape (C,).
             stated: Standard deviation that is stated for the error of a sample [SI], shape (C,).
         """
-        window = _Window(measured, predicted.mean(axis=0), predicted.std(axis=0, ddof=1))
+        window = _Window(
+            measured, predicted.mean(axis=0), predicted.std(axis=0, ddof=1), _average(predicted, measured, stated)
+        )
         self._windows.append(window)
         self._stated = stated
         square = (measured - window.mean) ** 2
@@ -72,11 +86,17 @@ class Innovations:
         """Forget all windows: numbers have jumped, and are drawn anew."""
         last = self._windows[-1]
         self._windows.clear()
-        self._windows.append(last._replace(measured=np.full_like(last.measured, np.nan)))
+        missing = np.full_like(last.measured, np.nan)
+        self._windows.append(last._replace(measured=missing, average=missing.mean(axis=1)))
+
+    @property
+    def shifts(self) -> list[Shift]:
+        """Change of the mean innovation of each channel in the last windows."""
+        return [shift_of(each) for each in np.array([window.average for window in self._windows]).T]
 
     def judged(self) -> Mapping[str, Goodness]:
         """Goodness of each channel over the last windows, against the stated errors; once for each window."""
-        measured, mean, spread = (np.concatenate(parts, axis=1) for parts in zip(*self._windows, strict=True))
+        measured, mean, spread = (np.concatenate(parts, axis=1) for parts in list(zip(*self._windows, strict=True))[:3])
         count = len(self._windows)
         limit = self._few**2 * limit_of_windows(count) if count >= _FEWEST else math.nan
         found = {}
@@ -85,6 +105,24 @@ class Innovations:
             self._above[k] = 0 if of.explained else self._above[k] + 1
             found[name] = of if self._above[k] >= _LASTING else replace(of, limit=math.nan)
         return found
+
+
+def shift_of(means: Array) -> Shift:
+    """Largest change of the last mean innovations, of three to six windows, from those before, if all are one way.
+
+    A bias that a model always had is none. It is 0 for fewer than `_FEWEST` windows before.
+
+    Args:
+        means: Mean innovations of windows over their predicted deviations, shape (W,); NaN where missing.
+    """
+    known, found = means[np.isfinite(means)], Shift(0.0, 0)
+    for windows in _LATE:
+        before, late = known[:-windows], known[-windows:]
+        if before.size >= _FEWEST:
+            change = (late - before.mean()) / max(float(before.std()), _STEADY)
+            size = abs(float(np.clip(change, -_MOST, _MOST).sum())) if abs(np.sign(change).sum()) == windows else 0.0
+            found = max(found, Shift(size, windows))
+    return found
 
 
 def widening(found: Mapping[str, Goodness]) -> float:
@@ -104,6 +142,18 @@ def widening_of_numbers(found: Mapping[str, Goodness]) -> float:
     """
     known = (one for one in found.values() if one.samples and one.independent > 0.0)
     return math.sqrt(max([1.0, *(one.chi_square * one.samples / one.independent for one in known)]))
+
+
+def _average(predicted: Array, measured: Array, stated: Array) -> Array:
+    """Mean innovation of a window over its predicted deviation, shape (C,); NaN where nothing was measured.
+
+    Of predicted samples, (N, C, S), measured ones, (C, S), and stated errors of a sample that are independent, (C,).
+    """
+    off = np.where(np.isfinite(measured), measured - predicted, np.nan)
+    count = np.isfinite(measured).sum(axis=1)
+    means = np.nansum(off, axis=2) / np.where(count > 0, count, np.nan)
+    variance = means.var(axis=0, ddof=1) + stated**2 / np.maximum(count, 1)
+    return np.asarray(means.mean(axis=0) / np.sqrt(variance))
 
 
 def _rms(squares: Array) -> Array:

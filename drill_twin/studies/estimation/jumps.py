@@ -1,6 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """Jumps of numbers: shown by the innovations of a channel, and explained by one that it tells, or by none.
 
+They are shown by windows that are not explained; or by a mean innovation that has changed and lasts, though samples err
+by less than is stated. Then a number that no channel tells from a window may have jumped, too.
+
 The filter has by then a spread that does not reach the new value. What explains the jump is found by restarts
 (`drill_twin.studies.estimation.restarts`) and is looked for anew; the other numbers are held as they were.
 """
@@ -13,9 +16,13 @@ import numpy as np
 
 from drill_twin.core.arrays import Array, Mask
 from drill_twin.studies.estimation.channel_errors import BEGIN, LIMIT
+from drill_twin.studies.estimation.innovations import Shift
 
 _WINDOWS = 2
 """Windows in a row, not explained, that show a jump."""
+_SHIFT = 13.0
+"""Change of the mean innovation, lasting, that shows a jump smaller than the stated error. Before jumps it was at most
+11 in 15 runs."""
 _ALONE, _APART, _LONGEST = 10, 20, 80
 """Windows after a jump in which the numbers that explain it are corrected alone, and before the next jump: a motion
 that has lost its phase with the load is no jump of friction. Where none explains it, all are held until the next, and
@@ -37,6 +44,7 @@ class Jumps:
     Attributes:
         since: Time of the jump [s] by key of each number that explains it, for `_APART` windows; of `UNEXPLAINED`, if
             none does.
+        windows: Last windows, which show the jump.
     """
 
     def __init__(self, channels: Sequence[str], keys: Sequence[str]) -> None:
@@ -46,6 +54,7 @@ class Jumps:
         self._odd = np.zeros(len(channels), dtype=int)
         self._wait = BEGIN  # windows before the next jump
         self._apart = _APART
+        self.windows = _WINDOWS
 
     @property
     def free(self) -> Mask | bool:
@@ -54,7 +63,7 @@ class Jumps:
             return True
         return np.array([key in self.since for key in self._keys])
 
-    def take(self, predicted: Array, numbers: Array, stated: Array, normalised: Array) -> Mask:
+    def take(self, predicted: Array, numbers: Array, stated: Array, normalised: Array, shifts: Sequence[Shift]) -> Mask:
         """Take a window before its correction; returns the numbers that may explain a jump, shape (d,).
 
         Args:
@@ -62,6 +71,7 @@ class Jumps:
             numbers: Their numbers, shape (N, d).
             stated: Stated errors of a sample, shape (C,).
             normalised: Rms innovation of each channel over the predicted one, shape (C,); NaN where not measured.
+            shifts: Changes of their mean innovations.
         """
         told = np.array([explained(predicted[:, k] / error, numbers) for k, error in enumerate(stated)])
         self._told = np.maximum(_KEPT * self._told, told)
@@ -69,8 +79,12 @@ class Jumps:
         if self._wait:
             self._wait -= 1
             return np.zeros(len(self._keys), dtype=bool)
-        jumped = self._odd >= _WINDOWS
-        may: Mask = jumped[self._told.argmax(axis=0)] & (self._told.max(axis=0) > _TELLS)
+        teller, known = self._told.argmax(axis=0), self._told.max(axis=0) > _TELLS
+        may: Mask = (self._odd >= _WINDOWS)[teller] & known
+        shifted = np.array([shift.size > _SHIFT for shift in shifts])
+        self.windows = _WINDOWS
+        if shifted.any() and not self._odd.any():
+            may, self.windows = shifted[teller] | ~known, max(shifts).windows
         if not may.any():
             self.since = {}
         return may

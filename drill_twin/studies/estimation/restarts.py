@@ -22,8 +22,6 @@ from drill_twin.studies.goodness import noise_of
 
 _BACK = 6, 4, 2
 """Windows to go back: friction at rest shows only when the bit breaks off, windows after it has changed."""
-_JUDGED = 2
-"""Last windows, which are compared: those that showed the jump."""
 _TRIALS, _WIDTHS = 16, (0.25, 0.06)
 """Values that are tried at a time, and the parts of the prior in which they lie about the best of the last ones."""
 _EXPLAINS = 1.0
@@ -60,20 +58,15 @@ class Restart(NamedTuple):
 
 
 class Restarts:
-    """The last windows of members, and restarts from their starts.
-
-    Attributes:
-        held: Numbers of the members before the windows that showed a jump, shape (N, d).
-    """
+    """The last windows of members, and restarts from their starts."""
 
     def __init__(self, members: EstimatorMembers, channels: Sequence[str]) -> None:
         self._members, self._channels = members, list(channels)
         self._past: deque[_Window] = deque(maxlen=max(_BACK))
 
-    @property
-    def held(self) -> Array:
-        """Numbers of the members before the windows that showed a jump, shape (N, d)."""
-        return self._past[-min(_JUDGED, len(self._past))].normal
+    def held(self, windows: int) -> Array:
+        """Numbers of the members before the last windows, shape (N, d)."""
+        return self._past[-min(windows, len(self._past))].normal
 
     def begin(self, commands: Array) -> None:
         """Begin a window, before the members are advanced over it."""
@@ -85,21 +78,23 @@ class Restarts:
         """End it with what was measured, shape (C, S), the channels of the surface first."""
         self._past[-1] = self._past[-1]._replace(measured=measured[: len(self._channels)])
 
-    def found(self, told: Mask, errors: Array) -> Restart | None:
+    def found(self, told: Mask, errors: Array, judged: int) -> Restart | None:
         """Numbers that explain the last windows, changed alone or all together; None if they do not.
 
         Args:
             told: Numbers that the channel tells, shape (d,).
             errors: Stated errors of a sample of each channel, shape (C,).
+            judged: Last windows, which are compared: those that show the jump.
         """
+        back = [windows for windows in _BACK if windows >= judged]
         alone = [np.arange(told.size) == number for number in np.flatnonzero(told)]
         for sets in (alone, [told] if len(alone) > 1 else []):
-            tried = [self._tried(back, each, None, 1.0, errors) for back in _BACK for each in sets]
+            tried = [self._tried(start, each, None, 1.0, errors, judged) for start in back for each in sets]
             if not tried:
                 continue
             best = min(tried, key=lambda one: one.misfit)
             for width in _WIDTHS:
-                again = self._tried(best.windows, best.chosen, best.centre, width, errors)
+                again = self._tried(best.windows, best.chosen, best.centre, width, errors, judged)
                 best = min(best, again, key=lambda one: one.misfit)
             if best.misfit < self._limit(errors):
                 return best
@@ -132,7 +127,9 @@ class Restarts:
         for number in failed:
             self._members.copy(sound[number % len(sound)], number)
 
-    def _tried(self, back: int, chosen: Mask, centre: Array | None, width: float, errors: Array) -> Restart:
+    def _tried(
+        self, back: int, chosen: Mask, centre: Array | None, width: float, errors: Array, judged: int
+    ) -> Restart:
         """Best of some values of the chosen numbers, in a part of the prior about a centre."""
         members, past = self._members, list(self._past)[-back:]
         count = min(_TRIALS, len(members))
@@ -148,10 +145,9 @@ class Restarts:
             except DrillTwinError:
                 misfits.append(np.inf)
             else:
-                judged = zip(rows[-_JUDGED:], past[-_JUDGED:], strict=True)
                 off = [
                     (np.array([row[name] for name in self._channels]) - window.measured) / stated
-                    for row, window in judged
+                    for row, window in zip(rows[-judged:], past[-judged:], strict=True)
                 ]
                 misfits.append(float(np.sqrt(np.nanmean(np.square(off)))))
             members.twins[number].restore(state)

@@ -8,6 +8,7 @@ import pytest
 from typer.testing import CliRunner
 
 from drill_twin.cli.app import app
+from drill_twin_evidence.cli.output import chosen
 from drill_twin_evidence.estimation.cases import CASES, JUMP
 from drill_twin_evidence.estimation.hidden_truth import follow
 from drill_twin_evidence.estimation.score import _warnings, lines, rate_interval, score
@@ -36,6 +37,11 @@ def test_several_members_give_error_against_members_and_processor_time():
 @pytest.mark.parametrize("option", ["--members=0", "--only=no_such_case"])
 def test_what_cannot_be_scored_is_refused(option):
     assert CliRunner().invoke(app, ["study", "estimator-score", option]).exit_code != 0
+
+
+def test_a_case_of_this_name_is_meant_alone():
+    assert chosen("load_jump", CASES) == ["load_jump"]
+    assert chosen("load_j", CASES) == ["load_jump", "pa6_load_jump"]
 
 
 def followed(onset: float, *warnings: float) -> dict:
@@ -72,6 +78,15 @@ def test_a_jump_is_followed_in_the_number_that_explains_it_alone(case, number):
         assert found.found_after(CASES[case].jump, 0.05) < 10.0
     else:
         assert "that none of the numbers explains" in found.estimates[-1].alarm
+
+
+def test_a_jump_within_the_stated_error_is_followed_with_a_sub():
+    key = CASES["pa6_bit_friction_jump"].jump
+    found = follow(CASES["pa6_bit_friction_jump"], 61, 37.0, 32, imu=True)
+    assert not any(each.alarm for each in found.estimates if JUMP - 6.0 < each.time <= JUMP)
+    assert found.estimates[-1].jumps.keys() == {key}
+    assert found.found_after(key, 0.05) <= 5.0
+    assert all(found.held.values())
 
 
 def test_a_campaign_that_was_broken_off_goes_on_with_the_same_truths(tmp_path):
