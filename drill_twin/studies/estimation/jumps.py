@@ -20,9 +20,9 @@ from drill_twin.studies.estimation.innovations import Shift
 
 _WINDOWS = 2
 """Windows in a row, not explained, that show a jump."""
-_SHIFT = 13.0
-"""Change of the mean innovation, lasting, that shows a jump smaller than the stated error. Before jumps it was at most
-11 in 15 runs."""
+_SHIFT, _CALM = 13.0, 2.0
+"""Change of the mean innovation, lasting, that shows a jump smaller than the stated error: before jumps it was at most
+11 in 15 runs; and the normalised innovation below which its windows are explained otherwise."""
 _ALONE, _APART, _LONGEST = 10, 20, 80
 """Windows after a jump in which the numbers that explain it are corrected alone, and before the next jump: a motion
 that has lost its phase with the load is no jump of friction. Where none explains it, all are held until the next, and
@@ -54,6 +54,7 @@ class Jumps:
         self._odd = np.zeros(len(channels), dtype=int)
         self._wait = BEGIN  # windows before the next jump
         self._apart = _APART
+        self._calm = np.zeros(len(channels), dtype=int)  # windows in a row that are explained
         self.windows = _WINDOWS
 
     @property
@@ -76,15 +77,20 @@ class Jumps:
         told = np.array([explained(predicted[:, k] / error, numbers) for k, error in enumerate(stated)])
         self._told = np.maximum(_KEPT * self._told, told)
         self._odd = np.where(normalised > LIMIT, self._odd + 1, 0)
+        self._calm = np.where(normalised > _CALM, 0, self._calm + 1)
         if self._wait:
             self._wait -= 1
             return np.zeros(len(self._keys), dtype=bool)
         teller, known = self._told.argmax(axis=0), self._told.max(axis=0) > _TELLS
         may: Mask = (self._odd >= _WINDOWS)[teller] & known
-        shifted = np.array([shift.size > _SHIFT for shift in shifts])
+        large = np.array([shift.size > _SHIFT for shift in shifts])
+        shifted = large & (self._calm >= [shift.windows for shift in shifts])
         self.windows = _WINDOWS
         if shifted.any() and not self._odd.any():
-            may, self.windows = shifted[teller] | ~known, max(shifts).windows
+            may, self.windows = (
+                shifted[teller] | ~known,
+                max(shift.windows for shift, of in zip(shifts, shifted, strict=True) if of),
+            )
         if not may.any():
             self.since = {}
         return may
