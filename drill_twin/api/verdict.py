@@ -166,9 +166,11 @@ def _verdict(found: Sequence[ComparedCost], case: int, units: UnitSystem) -> str
     for who, costs in wins.items():
         if costs:
             return f"{who} is better than {letter if who == 'A' else 'A'}: {told[who]}"
-    unsure = ", ".join(of.name for of in found if of.better[case] == CHANCE)
-    more = f"; {unsure}: the means differ, which {len(found[0].values[0])} runs do not tell from chance (more --seeds)"
-    return f"A and {letter}: {NONE}{more if unsure else ''}"
+    unsure = [of for of in found if of.better[case] == CHANCE]
+    runs = min((len(row) for of in unsure for row in (of.values[0], of.values[case + 1])), default=0)
+    names = ", ".join(of.name for of in unsure)
+    more = f"; {names}: the means differ, which {runs} runs do not tell from chance (more --seeds)" if unsure else ""
+    return f"A and {letter}: {NONE}{more}"
 
 
 def _told(of: ComparedCost, case: int, units: UnitSystem) -> str:

@@ -90,7 +90,7 @@ def _shown(found: Posterior) -> Iterator[Table | Text | str]:
     yield Table(
         ("number", "best", "low", "median", "high"),
         rows,
-        title=f"{found.scene.name}: {len(found.values)} runs, intervals of 90 %",
+        title=f"{found.scene.name}: {len(found.values)} runs, intervals of 90 % or more",
         right=(1, 2, 3, 4),
     )
     if found.sampling.power < 1.0:

@@ -104,7 +104,7 @@ def _shown(table: ModeTable, diagram: Campbell | None, scene: Scene) -> Iterator
     if table.assembly is not None:
         yield from _assembly(table, table.assembly, units)
         if (mud := scene.effects.added_mass) and not mud.confined:
-            yield "mud moves as in open fluid; --set added_mass.confined=true, as in this hole, lowers critical speeds"
+            yield "mud moves as in open fluid; --set added_mass.confined=true (concentric gap) lowers critical speeds"
     if diagram is not None:
         named = ", ".join(f"{units.text(speed, 'rotation')} (mode {mode + 1})" for mode, speed in diagram.critical)
         yield f"critical speeds: {named or 'none up to the largest speed'}"

@@ -166,7 +166,7 @@ def _shown(found: Statics, units: UnitSystem) -> Iterator[Table | str]:
     if bent := [of.operation.name for of in operations if of.worst_state and of.along.side_force.max() < 1e-6]:
         yield (
             f"{', '.join(bent)}: past a buckling load, but in balance on the axis: hookload, stress and yield are "
-            "without the bend and the friction of the helix; the soft string has its friction"
+            "those of straight pipe, without its bend and the friction of a helix"
         )
     yield Table(
         ("operation", *(contact.name for contact in operations[0].contacts)),

@@ -125,7 +125,8 @@ def shapes_figure(table: ModeTable, arc: Array, name: str, units: UnitSystem) ->
 def response_figure(response: ForcedResponse, table: ModeTable, scene: Scene) -> Figure:
     """Amplitudes and side forces over the speed for unbalance (left) and bend, critical speeds dotted.
 
-    Amplitudes beyond the clearance are pale: the response is linear, and the wall would limit them.
+    Amplitudes beyond the clearance are pale, as the response is linear, and the wall would limit them; so are critical
+    speeds of the pipe above the collars.
     """
     command, units = table.balance.command, scene.unit_system
     turns = units.show(response.speeds, "rotation")
@@ -142,7 +143,8 @@ def response_figure(response: ForcedResponse, table: ModeTable, scene: Scene) ->
         head(
             figure,
             f"{scene.name}: forced response at {load}; dotted: critical speeds, red: the rotation\n"
-            "linear; pale: of pipe above the collars, or beyond the clearance, where the wall limits it",
+            f"linear; pale: {'of pipe above the collars, or ' * bool(table.assembly)}beyond the clearance, where the "
+            "wall limits it",
         )
         panels = figure.subplots(2 if touching else 1, 2, sharex=True, sharey="row", squeeze=False)
         top, bottom = (0.8, 0.1) if touching else (0.7, 0.16)

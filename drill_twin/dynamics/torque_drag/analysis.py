@@ -219,6 +219,11 @@ def _loads(scene: Scene, solver: SlidingBalance, string: HoleAndString, operatio
         balance = solver.solve(operation)
     except RunError:
         straight, most = straight_weight(string, operation), lock_up_weight(string, operation)
+        if operation.axial_speed < 0.0 and most == 0.0:
+            raise RunError(
+                f'{scene.name}: expected a balance in the operation "{operation.name}", found none: by the soft string '
+                "friction holds its pipe, which does not slide in by its own weight. Take less friction, or rotate"
+            ) from None
         if not operation.weight_on_bit > min(straight, most):
             raise
         given, bent, pushed = (scene.unit_system.text(w, "force") for w in (operation.weight_on_bit, straight, most))

@@ -198,6 +198,7 @@ class EnsembleFilter:
     def _start_again(self, start: float, told: Mask) -> None:
         """Follow again with the numbers that explain a jump; if none do, all are as they were, and held."""
         restart = self._restarts.found(told, self._errors.stated, self._jumps.windows)
+        start -= (self._jumps.windows - 1) * self.pace.window
         self._jumps.explain(start, np.zeros_like(told) if restart is None else restart.chosen)
         if restart is None:
             self.members.set_numbers(self._restarts.held(self._jumps.windows))

@@ -54,7 +54,7 @@ class Jumps:
         self._odd = np.zeros(len(channels), dtype=int)
         self._wait = BEGIN  # windows before the next jump
         self._apart = _APART
-        self._calm = np.zeros(len(channels), dtype=int)  # windows in a row that are explained
+        self._calm = np.zeros(len(channels), dtype=int)  # windows in a row, measured and explained
         self.windows = _WINDOWS
 
     @property
@@ -77,7 +77,7 @@ class Jumps:
         told = np.array([explained(predicted[:, k] / error, numbers) for k, error in enumerate(stated)])
         self._told = np.maximum(_KEPT * self._told, told)
         self._odd = np.where(normalised > LIMIT, self._odd + 1, 0)
-        self._calm = np.where(normalised > _CALM, 0, self._calm + 1)
+        self._calm = np.where(normalised <= _CALM, self._calm + 1, 0)
         if self._wait:
             self._wait -= 1
             return np.zeros(len(self._keys), dtype=bool)

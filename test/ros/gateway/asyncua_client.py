@@ -49,6 +49,16 @@ async def _write(client, space, name, value):
     return "Good"
 
 
+async def _read_later(client, space, before):
+    """Values once simulated time has gone on; a busy machine may take a while."""
+    for _ in range(100):
+        found = await _read(client, space)
+        if found["SimulatedTime"]["value"] > before:
+            break
+        await asyncio.sleep(0.1)
+    return found
+
+
 async def main(what, url):
     async with Client(url) as client:
         client.uris = await client.get_namespace_array()
@@ -56,7 +66,8 @@ async def main(what, url):
         if what == "read":
             return await _read(client, space)
         found = {"read": await _read(client, space), "semantics": await _semantics(client, space)}
-        return found | {"written": await _write(client, space, "WOB", 100.0), "later": await _read(client, space)}
+        before, written = found["read"]["SimulatedTime"]["value"], await _write(client, space, "WOB", 100.0)
+        return found | {"written": written, "later": await _read_later(client, space, before)}
 
 
 print(json.dumps(asyncio.run(main(*sys.argv[1:]))))

@@ -245,16 +245,20 @@ def test_a_lasting_change_of_the_mean_innovation_is_shown_and_a_bias_is_not():
     assert shift_of(np.full(20, np.nan)) == (0.0, 0)
 
 
-def test_a_small_jump_may_be_of_a_number_that_no_channel_tells_from_a_window():
+@pytest.mark.parametrize(
+    ("late", "may_be"), [([0.9] * 5, True), ([0.9, 2.5, 0.9, 0.9, 0.9], False), ([np.nan] * 5, False)]
+)
+def test_a_small_jump_may_be_of_a_number_that_no_channel_tells_from_a_window(late, may_be):
     draw, jumps = np.random.default_rng(2), Jumps(["torque", "hookload"], ["friction", "load", "damping"])
     numbers = draw.standard_normal((32, 3))
     for window in range(20):
         parts = numbers[:, 0, None] * np.sin(np.arange(10.0)), numbers[:, 1, None] + np.zeros(10)
         predicted = np.stack(parts, axis=1) + 0.1 * draw.standard_normal((32, 2, 10))
         shifts = [Shift(14.0 if window == 19 else 3.0, 4), Shift(4.0, 2)]
-        may = jumps.take(predicted, numbers, np.ones(2), np.array([0.9, 0.8]), shifts)
-        assert may.tolist() == ([True, False, True] if window == 19 else [False] * 3)
-    assert jumps.windows == 4
+        normalised = np.array([late[window - 15] if window >= 15 else 0.9, 0.8])
+        may = jumps.take(predicted, numbers, np.ones(2), normalised, shifts)
+        assert may.tolist() == ([True, False, True] if may_be and window == 19 else [False] * 3)
+    assert jumps.windows == (4 if may_be else 2)
 
 
 def test_command_follows_a_record(record, tmp_path):
