@@ -96,7 +96,7 @@ class Innovations:
 
     def judged(self) -> Mapping[str, Goodness]:
         """Goodness of each channel over the last windows, against the stated errors; once for each window."""
-        measured, mean, spread = (np.concatenate(parts, axis=1) for parts in list(zip(*self._windows, strict=True))[:3])
+        measured, mean, spread = (np.concatenate([each[k] for each in self._windows], axis=1) for k in range(3))
         count = len(self._windows)
         limit = self._few**2 * limit_of_windows(count) if count >= _FEWEST else math.nan
         found = {}

@@ -87,10 +87,8 @@ class Jumps:
         shifted = large & (self._calm >= [shift.windows for shift in shifts])
         self.windows = _WINDOWS
         if shifted.any() and not self._odd.any():
-            may, self.windows = (
-                shifted[teller] | ~known,
-                max(shift.windows for shift, of in zip(shifts, shifted, strict=True) if of),
-            )
+            may = shifted[teller] | ~known
+            self.windows = max(shift.windows for shift, of in zip(shifts, shifted, strict=True) if of)
         if not may.any():
             self.since = {}
         return may
