@@ -127,8 +127,8 @@ PYTEST := ROS_PYTHON_CHECK_FIELDS=1 $(PYTHON) -m pytest
 
 # Two workers share the files, and three those of test/ros, which run beside them with more right to the processor: they wait for
 # processes half of their time, which the others fill. A job in the background would ignore Ctrl-C, which some tests send (env). Long
-# ones, which kill and load the nodes, want the machine for themselves. A test of processes that fails is run once more and reported
-# as such: a machine that others use may keep a node from its processor for seconds.
+# ones, which kill and load the nodes, want the machine for themselves. A test of processes that fails, or whose worker dies, is run
+# once more and reported as such: a machine that others use may keep a node from its processor for seconds.
 # Files in the order of their names, not of their numbers of tests: the few that compile most are then not the last.
 # `make test` runs the tests of the package; those of the evidence (`testpaths` has both) go with the long ones.
 ROS_PYTEST := $(PYTEST) --reruns 1 --reruns-delay 3 -rR

@@ -60,6 +60,23 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
             item.user_properties.append(("fault", mark.args))
 
 
+_CRASHED: set[str] = set()
+
+
+@pytest.hookimpl(optionalhook=True, trylast=True)
+def pytest_handlecrashitem(crashitem: str, report: pytest.TestReport) -> None:
+    """Report a test whose worker died as one that is run once more, as a failed one is; with how the worker died.
+
+    With `--dist loadfile` the tests that the worker had not finished go to another one anyway.
+    """
+    worker = report.node.gateway._io.popen  # type: ignore[attr-defined]
+    report.longrepr = f"{report.longrepr}; exit code of the worker: {worker.wait()}"
+    report.node.config.get_terminal_writer().line(report.longrepr)  # type: ignore[attr-defined]
+    if crashitem not in _CRASHED:
+        report.outcome = "rerun"  # type: ignore[assignment]
+    _CRASHED.add(crashitem)
+
+
 def pytest_sessionfinish() -> None:
     """End the process that has made the imports."""
     WARMED.close()
