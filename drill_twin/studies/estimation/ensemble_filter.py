@@ -133,10 +133,11 @@ class EnsembleFilter:
         self.time = 0.0
         self._errors = ChannelErrors(self.channels, options.error)
         self._resampling = RegimeResampling(options.members, options.seed)
-        self._innovations = Innovations(self.channels, _FEW if subs else 1.0)
+        few = _FEW if subs else 1.0
+        self._innovations = Innovations(self.channels, few)
         self._alarm = ModelMismatchAlarm(self.channels)
         self._jumps = Jumps(self.channels, self.members.keys)
-        self._restarts = Restarts(self.members, self._computed)
+        self._restarts = Restarts(self.members, self._computed, few)
         self._phase = PhaseCorrection(self.members, options.error)
         self._replaced, self._unmeasured = 0, 0.0
         self._recent: deque[dict[str, Array]] = deque(maxlen=WINDOWS)
@@ -153,7 +154,7 @@ class EnsembleFilter:
         start, self.time = self.time, self.time + self.pace.window
         predicted, measured, readings = self._compared(prediction, window)
         measured = self._errors.screen(predicted, measured)
-        self._restarts.end(measured)
+        self._restarts.end(measured, predicted.mean(axis=0))
         self._innovations.take(predicted, measured, self._errors.scale, self._errors.stated)
         misfit, normalised = self._innovations.misfit, self._innovations.normalised
         shifts, stated = self._innovations.shifts, self._errors.stated
@@ -197,15 +198,15 @@ class EnsembleFilter:
 
     def _start_again(self, start: float, told: Mask) -> None:
         """Follow again with the numbers that explain a jump; if none do, all are as they were, and held."""
-        restart = self._restarts.found(told, self._errors.stated, self._jumps.windows)
-        start -= (self._jumps.windows - 1) * self.pace.window
-        self._jumps.explain(start, np.zeros_like(told) if restart is None else restart.chosen)
-        if restart is None:
-            self.members.set_numbers(self._restarts.held(self._jumps.windows))
-        else:
+        jumps, stated = self._jumps, self._errors.stated
+        restart = self._restarts.found(told, stated, jumps.windows, small=jumps.small)
+        jumps.explain(start - (jumps.windows - 1) * self.pace.window, None if restart is None else restart.chosen)
+        if restart is not None:
             self._restarts.follow(restart)
             self._errors.forget()
             self._innovations.forget()
+        elif not jumps.small:
+            self.members.set_numbers(self._restarts.held(jumps.windows))
 
     def _band(self, name: str, values: Array, factor: float) -> Band:
         """Band of a virtual sensor; after a jump that no number explains, all that the members did of late."""

@@ -79,8 +79,8 @@ class Innovations:
         self._windows.append(window)
         self._stated = stated
         square = (measured - window.mean) ** 2
-        self.misfit = _rms(square / np.maximum(scale, np.finfo(float).tiny ** 0.25)[:, None] ** 2)
-        self.normalised = _rms(square / ((self._few * window.spread) ** 2 + stated[:, None] ** 2))
+        self.misfit = rms(square / np.maximum(scale, np.finfo(float).tiny ** 0.25)[:, None] ** 2)
+        self.normalised = rms(square / ((self._few * window.spread) ** 2 + stated[:, None] ** 2))
 
     def forget(self) -> None:
         """Forget all windows: numbers have jumped, and are drawn anew."""
@@ -156,7 +156,7 @@ def _average(predicted: Array, measured: Array, stated: Array) -> Array:
     return np.asarray(means.mean(axis=0) / np.sqrt(variance))
 
 
-def _rms(squares: Array) -> Array:
+def rms(squares: Array) -> Array:
     """Root of the mean of the finite squares, shape (C,), of shape (C, S); NaN where there is none."""
     known = np.isfinite(squares)
     count = known.sum(axis=1)

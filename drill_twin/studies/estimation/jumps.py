@@ -27,6 +27,8 @@ _ALONE, _APART, _LONGEST = 10, 20, 80
 """Windows after a jump in which the numbers that explain it are corrected alone, and before the next jump: a motion
 that has lost its phase with the load is no jump of friction. Where none explains it, all are held until the next, and
 the time to it doubles, as restarts cost some windows of computing."""
+_AGAIN = 3
+"""Windows after which a small jump that nothing explains is looked for again."""
 _TELLS = 0.5
 """Share of the variance of a number that its channel explains, from which the channel tells it."""
 _KEPT = 0.97
@@ -93,13 +95,28 @@ class Jumps:
             self.since = {}
         return may
 
-    def explain(self, start: float, chosen: Mask) -> None:
-        """Take the numbers that explain a jump, shape (d,), and the first time of the window that showed it [s]."""
-        found = {key: start for key, of in zip(self._keys, chosen, strict=True) if of}
-        again = not found and UNEXPLAINED in self.since
-        self.since = found or {UNEXPLAINED: self.since.get(UNEXPLAINED, start)}
-        self._apart = min(2 * self._apart, _LONGEST) if again else _APART
-        self._wait, self._odd[:] = self._apart, 0
+    @property
+    def small(self) -> bool:
+        """True where a change of the mean innovation shows the jump, and all windows are explained."""
+        return self.windows > _WINDOWS
+
+    def explain(self, start: float, chosen: Mask | None) -> None:
+        """Take what explains the last windows.
+
+        Args:
+            start: First time of the window that showed the jump [s].
+            chosen: Numbers that have jumped, shape (d,), none where the motion was lost; None if nothing explains it,
+                and a small jump is then none.
+        """
+        wait = _APART
+        if chosen is not None:
+            self.since = {key: start for key, of in zip(self._keys, chosen, strict=True) if of}
+        elif self.small:
+            self.since, wait = {}, _AGAIN
+        else:
+            wait = min(2 * self._apart, _LONGEST) if UNEXPLAINED in self.since else _APART
+            self.since = {UNEXPLAINED: self.since.get(UNEXPLAINED, start)}
+        self._odd[:], self._wait, self._apart = 0, wait, max(wait, _APART)
 
 
 def explained(predicted: Array, numbers: Array) -> Array:

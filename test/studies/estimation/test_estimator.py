@@ -227,9 +227,12 @@ def test_numbers_of_the_channel_that_jumps_may_explain_it_and_the_others_are_hel
     assert [k for k, told in enumerate(found) if any(told)] == [21]
     assert found[21] == [False, True]
     assert told_of_jumps({"load": 20.0}) == "looked for anew after a jump: load since 20.0 s"
-    jumps.explain(50.0, np.zeros(2, dtype=bool))
+    jumps.explain(50.0, None)
     assert not np.any(jumps.free)
     assert "50.0 s that none of the numbers explains" in told_of_jumps(jumps.since)
+    jumps.explain(60.0, np.zeros(2, dtype=bool))  # the motion was lost
+    assert jumps.free is True
+    assert told_of_jumps(jumps.since) == ""
 
 
 def test_a_lasting_change_of_the_mean_innovation_is_shown_and_a_bias_is_not():
