@@ -11,6 +11,7 @@ import subprocess
 import sys
 import time
 from collections.abc import Callable, Iterator
+from contextlib import suppress
 from functools import cache
 from pathlib import Path
 
@@ -67,12 +68,15 @@ _CRASHED: set[str] = set()
 def pytest_handlecrashitem(crashitem: str, report: pytest.TestReport) -> None:
     """Report a test whose worker died as one that is run once more, as a failed one is; with how the worker died.
 
-    With `--dist loadfile` the tests that the worker had not finished go to another one anyway.
+    With `--dist loadfile` the tests that the worker had not finished go to another one.
     """
-    worker = report.node.gateway._io.popen  # type: ignore[attr-defined]
-    report.longrepr = f"{report.longrepr}; exit code of the worker: {worker.wait()}"
-    report.node.config.get_terminal_writer().line(report.longrepr)  # type: ignore[attr-defined]
-    if crashitem not in _CRASHED:
+    node = report.node  # type: ignore[attr-defined]
+    with suppress(subprocess.TimeoutExpired):
+        node.gateway._io.popen.wait(10.0)
+    report.longrepr = f"{report.longrepr}; exit code of the worker: {node.gateway._io.popen.poll()}"
+    node.config.get_terminal_writer().line(report.longrepr)
+    option = node.config.getoption
+    if option("dist") == "loadfile" and option("reruns", 0) and crashitem not in _CRASHED:
         report.outcome = "rerun"  # type: ignore[assignment]
     _CRASHED.add(crashitem)
 

@@ -25,8 +25,8 @@ _SHIFT, _CALM = 13.0, 2.0
 11 in 15 runs; and the normalised innovation below which its windows are explained otherwise."""
 _ALONE, _APART, _LONGEST = 10, 20, 80
 """Windows after a jump in which the numbers that explain it are corrected alone, and before the next jump: a motion
-that has lost its phase with the load is no jump of friction. Where none explains it, all are held until the next, and
-the time to it doubles, as restarts cost some windows of computing."""
+that has lost its phase with the load is no jump of friction. Where none explains a large one, all are held until the
+next, and the time to it doubles, as restarts cost some windows of computing."""
 _AGAIN = 3
 """Windows after which a small jump that nothing explains is looked for again."""
 _TELLS = 0.5

@@ -39,10 +39,10 @@ _OVER_NOISE = 1.6
 """The same over the noise of what was measured, where that is larger."""
 _LOST = 2.0
 """Normalised innovation of members with unchanged numbers, up to which they explain what was measured: it was 0.3 to
-0.8 in five of six cases where the motion was lost, and 4 to 13 after jumps."""
+0.8 in five of six cases where the motion was lost, and 4 to 13 after jumps of load and of friction on the wall."""
 _GAIN = 0.85
-"""Misfit over that of unchanged numbers, up to which a small jump explains what was measured: it was 0.38 to 0.82 after
-jumps, and 0.87 to 2 in most cases where there was none."""
+"""Misfit over that of unchanged numbers, followed again or as the mean followed, up to which a small jump explains what
+was measured: it was 0.38 to 0.82 after jumps, and 0.87 to 2 in most cases where there was none."""
 
 
 class _Window(NamedTuple):
@@ -191,9 +191,10 @@ class Restarts:
         off = measured - computed
         misfits = np.nan_to_num(rms((off / stated).reshape(count, -1) ** 2), nan=np.inf)
         best, normalised = int(np.argmin(misfits)), np.inf
-        if np.isfinite(misfits).all():
-            variance = (self._few * computed.std(axis=0, ddof=1)) ** 2 + stated**2
-            square = off.mean(axis=0) ** 2 / variance
+        sound = np.isfinite(misfits)
+        if 2 * sound.sum() >= count:
+            variance = (self._few * computed[sound].std(axis=0, ddof=1)) ** 2 + stated**2
+            square = off[sound].mean(axis=0) ** 2 / variance
             normalised = float(np.nanmax(rms(square.swapaxes(0, 1).reshape(len(stated), -1))))
         return Restart(back, chosen, special.ndtr(values[best]), float(misfits[best]), normalised)
 

@@ -262,6 +262,10 @@ def test_a_small_jump_may_be_of_a_number_that_no_channel_tells_from_a_window(lat
         may = jumps.take(predicted, numbers, np.ones(2), normalised, shifts)
         assert may.tolist() == ([True, False, True] if may_be and window == 19 else [False] * 3)
     assert jumps.windows == (4 if may_be else 2)
+    if may_be:
+        jumps.explain(16.0, None)  # unchanged numbers do as well
+        assert jumps.since == {}
+        assert jumps.free is True
 
 
 def test_command_follows_a_record(record, tmp_path):
