@@ -139,7 +139,7 @@ class EnsembleFilter:
         self._jumps = Jumps(self.channels, self.members.keys)
         self._restarts = Restarts(self.members, self._computed, few)
         self._phase = PhaseCorrection(self.members, options.error)
-        self._replaced, self._unmeasured, self._lost = 0, 0.0, False
+        self._replaced, self._unmeasured, self._regained = 0, 0.0, False
         self._recent: deque[dict[str, Array]] = deque(maxlen=WINDOWS)
         self._distance: Array = np.zeros(options.members)
 
@@ -151,7 +151,7 @@ class EnsembleFilter:
         """
         self._restarts.begin(window.commands)
         frames, prediction = self.members.advance(window.commands, self._nearest)
-        start, self.time, self._lost = self.time, self.time + self.pace.window, False
+        start, self.time, self._regained = self.time, self.time + self.pace.window, False
         predicted, measured, readings = self._compared(prediction, window)
         measured = self._errors.screen(predicted, measured)
         self._restarts.end(measured, predicted.mean(axis=0))
@@ -202,7 +202,7 @@ class EnsembleFilter:
         restart = self._restarts.found(told, stated, jumps.windows, small=jumps.small)
         jumps.explain(start - (jumps.windows - 1) * self.pace.window, None if restart is None else restart.chosen)
         if restart is not None:
-            self._lost = not restart.chosen.any()
+            self._regained = not restart.chosen.any()
             self._restarts.follow(restart)
             self._errors.forget()
             self._innovations.forget()
@@ -212,7 +212,7 @@ class EnsembleFilter:
     def _band(self, name: str, values: Array, factor: float) -> Band:
         """Band of a virtual sensor; after a jump not explained or a lost motion, all that the members did of late."""
         own = Band.of(values, self._wider(name, factor))
-        if UNEXPLAINED not in self._jumps.since and not self._lost:
+        if UNEXPLAINED not in self._jumps.since and not self._regained:
             return own
         late = Band.of(np.concatenate([each[name] for each in self._recent]))
         return replace(own, low=min(own.low, late.low), high=max(own.high, late.high))

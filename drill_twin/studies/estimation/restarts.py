@@ -116,13 +116,13 @@ class Restarts:
             small: Whether the members, as they followed, explain these windows.
         """
         back = [windows for windows in _BACK if windows >= judged]
-        same = [self._tried(start, np.zeros_like(told), None, 1.0, errors, judged) for start in back]
-        again = min(same, key=lambda one: one.normalised)
-        if again.normalised < _LOST and not small:
-            return again
+        unchanged = [self._tried(start, np.zeros_like(told), None, 1.0, errors, judged) for start in back]
+        nearest = min(unchanged, key=lambda one: one.normalised)
+        if nearest.normalised < _LOST and not small:
+            return nearest
         limit = self._limit(errors)
         if small:
-            limit = min(limit, _GAIN * min(self._followed(errors, judged), *(one.misfit for one in same)))
+            limit = min(limit, _GAIN * min(self._followed(errors, judged), *(one.misfit for one in unchanged)))
         alone = [np.arange(told.size) == number for number in np.flatnonzero(told)]
         for sets in (alone, [told] if len(alone) > 1 else []):
             tried = [self._tried(start, each, None, 1.0, errors, judged) for start in back for each in sets]
