@@ -103,8 +103,7 @@ def _shown(found: Estimate, scene: Scene, troubles: dict[str, int]) -> Iterator[
     from drill_twin.studies.fitting.posterior import of_law, shown_number
     from drill_twin.studies.goodness import table as goodness_table
 
-    if found.alarm:
-        yield found.alarm
+    yield from filter(None, (found.alarm, found.remembered))
     rows = []
     for name, band in {**found.numbers, **found.sensors}.items():
         size, unit = shown_unit(name, scene.unit_system) if name in found.sensors else shown_number(name, scene)
@@ -130,4 +129,5 @@ def _line(found: Estimate) -> str:
 def _plain(found: Estimate) -> dict[str, Any]:
     plain = asdict(found)
     del plain["frames"]
-    return plain | {"alarm": found.alarm, "goodness": {name: of.to_dict() for name, of in found.goodness.items()}}
+    plain["goodness"] = {name: of.to_dict() for name, of in found.goodness.items()}
+    return plain | {"alarm": found.alarm, "remembered": found.remembered}

@@ -160,11 +160,6 @@ def correlation_limit(samples: int) -> float:
     return -float(special.ndtri(_UNLIKELY)) / math.sqrt(max(samples, 1))
 
 
-def limit_of_windows(windows: int) -> float:
-    """Chi-square that is exceeded by chance in one of 1,000 cases where the samples of a window err alike."""
-    return float(special.chdtri(windows, _UNLIKELY)) / windows
-
-
 def noise_of(values: Array) -> float:
     """Standard deviation of the noise of a series, shape (T,), NaN where missing, from its third differences.
 

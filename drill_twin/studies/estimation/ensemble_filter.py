@@ -15,7 +15,8 @@ from drill_twin.core.arrays import Array, Mask
 from drill_twin.core.errors import ArgumentError
 from drill_twin.core.rig_channels import INSTANT
 from drill_twin.scene import Scene
-from drill_twin.studies.estimation.channel_errors import ChannelErrors, ModelMismatchAlarm
+from drill_twin.studies.estimation.channel_errors import ChannelErrors
+from drill_twin.studies.estimation.doubts import Doubts
 from drill_twin.studies.estimation.estimate import Estimate, FilterWindow
 from drill_twin.studies.estimation.innovations import WINDOWS, Innovations, widening, widening_of_numbers
 from drill_twin.studies.estimation.jumps import UNEXPLAINED, Jumps
@@ -135,7 +136,7 @@ class EnsembleFilter:
         self._resampling = RegimeResampling(options.members, options.seed)
         few = _FEW if subs else 1.0
         self._innovations = Innovations(self.channels, few)
-        self._alarm = ModelMismatchAlarm(self.channels)
+        self._doubts = Doubts(self.channels)
         self._jumps = Jumps(self.channels, self.members.keys)
         self._restarts = Restarts(self.members, self._computed, few)
         self._phase = PhaseCorrection(self.members, options.error)
@@ -155,9 +156,11 @@ class EnsembleFilter:
         predicted, measured, readings = self._compared(prediction, window)
         measured = self._errors.screen(predicted, measured)
         self._restarts.end(measured, predicted.mean(axis=0))
-        self._innovations.take(predicted, measured, self._errors.scale, self._errors.stated)
-        misfit, normalised = self._innovations.misfit, self._innovations.normalised
-        shifts, stated = self._innovations.shifts, self._errors.stated
+        judged = self._innovations
+        judged.take(predicted, measured, self._errors.scale, self._errors.stated)
+        self._doubts.take(start, judged.surprises, judged.samples, judged.off, self._errors.scale)
+        misfit, normalised = judged.misfit, judged.normalised
+        shifts, stated = judged.shifts, self._errors.stated
         anew = self._jumps.take(predicted, self.members.normal, stated, normalised, shifts)
         found = corrections(predicted, measured, self._errors.deviation)
         lateral = self._phase(self.members, prediction.readings, readings, found) if self.members.subs else []
@@ -170,23 +173,22 @@ class EnsembleFilter:
         self._forget()
         sensors = self._sensors(prediction, found, lateral)
         self._recent.append(sensors)
-        self._alarm.take(start, normalised)
         self._unmeasured = 0.0 if np.isfinite(misfit).any() else self._unmeasured + self.pace.window
         predicted = np.concatenate((predicted, self._phase.predicted), axis=1)
         measured = np.concatenate((measured, self._phase.measured))
         deviation = np.concatenate((self._errors.deviation, self._phase.errors.deviation))
         self._resample(predicted, measured, deviation)
         self._weigh_distance(applied([*found, *lateral], predicted), measured, deviation)
-        goodness = self._innovations.judged()
+        goodness = judged.judged()
         factor, of_numbers = widening(goodness), widening_of_numbers(goodness)
-        return Estimate(
+        estimate = Estimate(
             time=self.time,
             numbers=self.members.bands(of_numbers),
             untold=self.members.untold(of_numbers),
             sensors={name: self._band(name, values, factor) for name, values in sensors.items()},
             whirls=float(prediction.whirls.mean()),
             chance=self._chance(window.commands, float(prediction.whirls.mean())),
-            unexplained=self._alarm.since,
+            unexplained=self._doubts.since,
             jumps=dict(self._jumps.since),
             misfit=dict(zip(self.channels, misfit.tolist(), strict=True)),
             goodness=goodness,
@@ -195,6 +197,9 @@ class EnsembleFilter:
             unmeasured=self._unmeasured,
             frames=frames,
         )
+        if estimate.alarm:
+            self._doubts.remember(start, self.time)
+        return replace(estimate, spans=self._doubts.spans)
 
     def _start_again(self, start: float, told: Mask) -> None:
         """Follow again with what explains a jump; after a large one not explained, numbers are held as they were."""
@@ -206,11 +211,14 @@ class EnsembleFilter:
             self._restarts.follow(restart)
             self._errors.forget()
             self._innovations.forget()
+            self._doubts.forget()
         elif not jumps.small:
             self.members.set_numbers(self._restarts.held(jumps.windows))
 
     def _band(self, name: str, values: Array, factor: float) -> Band:
-        """Band of a virtual sensor; after a jump not explained or a lost motion, all that the members did of late."""
+        """Band of a virtual sensor; none in doubt; all that members did of late after a lost motion."""
+        if self._doubts.since:
+            return Band(float(values.mean()), math.nan, math.nan, math.nan)
         own = Band.of(values, self._wider(name, factor))
         if UNEXPLAINED not in self._jumps.since and not self._regained:
             return own

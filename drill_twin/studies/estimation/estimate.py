@@ -8,9 +8,10 @@ from dataclasses import dataclass
 
 from drill_twin.core.arrays import Array
 from drill_twin.dynamics.twin.frame import Frame
+from drill_twin.studies.estimation.doubts import Span, told_of_spans
 from drill_twin.studies.estimation.jumps import told_of_jumps
 from drill_twin.studies.estimation.prediction import Band
-from drill_twin.studies.goodness import Goodness, sentence
+from drill_twin.studies.goodness import Goodness
 
 
 @dataclass(frozen=True)
@@ -40,7 +41,7 @@ class Estimate:
             places of the centre line at the marks at the end of the window [m], MARK/x and MARK/y.
         whirls: Share of the members that whirl.
         chance: Share of those that whirl within the horizon; NaN if it is not computed.
-        unexplained: Time since which the misfit of a channel is far above the predicted [s], by name.
+        unexplained: Time since which a channel is not explained [s], by name; virtual sensors have no bands then.
         jumps: Time of a jump [s] by key, of numbers that are being looked for anew; of `UNEXPLAINED`, if none explains
             it.
         misfit: Rms of measured less predicted over the scale, by channel; NaN where nothing was measured.
@@ -49,6 +50,7 @@ class Estimate:
         replaced: Members that took the state of others so far, as they were on another branch of motion.
         unmeasured: Time for which nothing sound has been measured [s]: the ensemble runs alone.
         frames: The window of the member that was nearest to the rig before; none unless they are asked for.
+        spans: Windows with an alarm so far.
     """
 
     time: float
@@ -65,12 +67,18 @@ class Estimate:
     replaced: int
     unmeasured: float
     frames: Sequence[Frame]
+    spans: Sequence[Span] = ()
 
     @property
     def alarm(self) -> str:
         """Sentences while the members do not explain what is measured; empty while they do."""
         parts = [f"{name} since {time:.1f} s" for name, time in self.unexplained.items()]
-        told = [f"misfit far above the predicted: {', '.join(parts)}"] if parts else []
-        told += filter(None, (sentence(self.goodness), told_of_jumps(self.jumps)))
-        causes = "the motion has changed, the numbers are not found yet, or the rig differs from the model"
+        told = [f"the model does not explain {', '.join(parts)}: virtual sensors have no bands"] if parts else []
+        told += filter(None, [told_of_jumps(self.jumps)])
+        causes = "the motion has changed, or the rig differs from the model"
         return f"{'; '.join(told)}; {causes}" if told else ""
+
+    @property
+    def remembered(self) -> str:
+        """Sentence on all windows with an alarm so far, whether one stands or not; empty without."""
+        return told_of_spans(self.spans)

@@ -6,20 +6,20 @@ from __future__ import annotations
 import math
 from collections import deque
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
 
 from drill_twin.core.arrays import Array
-from drill_twin.studies.goodness import Goodness, goodness, limit_of_windows, noise_of
+from drill_twin.studies.estimation.square_root_filter import correction
+from drill_twin.studies.goodness import Goodness, goodness, noise_of
 
 WINDOWS = 20
 """Windows that are judged together."""
 _FEWEST = 10
-"""Windows before the first judgement: numbers are still being found."""
-_LASTING = 3
-"""Windows in a row from which a chi-square above its limit counts; a single window is the other alarm's."""
+"""Windows from which a change of the mean innovation can be told; half of the samples that tell their noise."""
+_LEAST_NOISE = 0.125
+"""Noise of a channel over its stated error, at least: a record of a twin has none, and another time step."""
 _LATE, _STEADY, _MOST = range(3, 7), 0.5, 5.0
 """Numbers of last windows whose mean innovations are compared with those of the windows before; the least deviation of
 these, over the predicted one, as they may be alike by chance; and the largest change that counts: one window is none.
@@ -48,6 +48,9 @@ class Innovations:
     Attributes:
         misfit: Rms innovation of the last window over the channel's scale, shape (C,); NaN where nothing was measured.
         normalised: The same over what members and stated errors predict for it, shape (C,).
+        off: The same innovation [SI], shape (C,).
+        surprises: Squared innovation of the last window over its covariance, that of members and noise, shape (C,).
+        samples: Number of samples of it, shape (C,).
     """
 
     def __init__(self, channels: Sequence[str], few: float = 1.0) -> None:
@@ -60,9 +63,10 @@ class Innovations:
         self._channels, self._few = list(channels), few
         self._windows: deque[_Window] = deque(maxlen=WINDOWS)
         self._stated: Array = np.zeros(len(channels))
-        self._above = np.zeros(len(channels), dtype=int)  # windows in a row with a chi-square above its limit
         self.misfit: Array = np.full(len(channels), np.nan)
-        self.normalised: Array = np.full(len(channels), np.nan)
+        self.normalised, self.off = self.misfit.copy(), self.misfit.copy()
+        self.surprises: Array = np.zeros(len(channels))
+        self.samples: Array = np.zeros(len(channels))
 
     def take(self, predicted: Array, measured: Array, scale: Array, stated: Array) -> None:
         """Take a window.
@@ -79,8 +83,25 @@ class Innovations:
         self._windows.append(window)
         self._stated = stated
         square = (measured - window.mean) ** 2
-        self.misfit = rms(square / np.maximum(scale, np.finfo(float).tiny ** 0.25)[:, None] ** 2)
+        self.off = rms(square)
+        self.misfit = self.off / np.maximum(scale, np.finfo(float).tiny ** 0.25)
         self.normalised = rms(square / ((self._few * window.spread) ** 2 + stated[:, None] ** 2))
+        noise = self._noise()
+        self.samples = np.where(np.isfinite(noise), np.isfinite(measured).sum(axis=1), 0)
+        wide = window.mean + self._few * (predicted - window.mean)
+        self.surprises = np.array([
+            correction(wide[:, k], row, np.full(row.size, noise[k] ** 2)).surprise if self.samples[k] else 0.0
+            for k, row in enumerate(measured)
+        ])  # fmt: skip
+
+    def _noise(self) -> Array:
+        """Noise of each channel over the last windows, shape (C,); NaN where the samples are too few to tell it."""
+        found = np.full(len(self._channels), np.nan)
+        for k, row in enumerate(np.concatenate([each.measured for each in self._windows], axis=1)):
+            known = row[np.isfinite(row)]
+            if known.size >= 2 * _FEWEST:
+                found[k] = max(noise_of(row) or noise_of(known), _LEAST_NOISE * self._stated[k])
+        return found
 
     def forget(self) -> None:
         """Forget all windows: numbers have jumped, and are drawn anew."""
@@ -95,16 +116,12 @@ class Innovations:
         return [shift_of(each) for each in np.array([window.average for window in self._windows]).T]
 
     def judged(self) -> Mapping[str, Goodness]:
-        """Goodness of each channel over the last windows, against the stated errors; once for each window."""
+        """Goodness of each channel over the last windows, against the stated errors."""
         measured, mean, spread = (np.concatenate([each[k] for each in self._windows], axis=1) for k in range(3))
-        count = len(self._windows)
-        limit = self._few**2 * limit_of_windows(count) if count >= _FEWEST else math.nan
-        found = {}
-        for k, name in enumerate(self._channels):
-            of = goodness(measured[k], mean[k], spread[k], noise_of(measured[k]), float(self._stated[k]), limit)
-            self._above[k] = 0 if of.explained else self._above[k] + 1
-            found[name] = of if self._above[k] >= _LASTING else replace(of, limit=math.nan)
-        return found
+        return {
+            name: goodness(measured[k], mean[k], spread[k], noise_of(measured[k]), float(self._stated[k]), math.nan)
+            for k, name in enumerate(self._channels)
+        }
 
 
 def shift_of(means: Array) -> Shift:

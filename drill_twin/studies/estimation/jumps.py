@@ -15,7 +15,8 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from drill_twin.core.arrays import Array, Mask
-from drill_twin.studies.estimation.channel_errors import BEGIN, LIMIT
+from drill_twin.studies.estimation.channel_errors import LIMIT
+from drill_twin.studies.estimation.doubts import BEGIN
 from drill_twin.studies.estimation.innovations import Shift
 
 _WINDOWS = 2
