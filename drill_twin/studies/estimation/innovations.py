@@ -89,10 +89,7 @@ class Innovations:
         noise = self._noise()
         self.samples = np.where(np.isfinite(noise), np.isfinite(measured).sum(axis=1), 0)
         wide = window.mean + self._few * (predicted - window.mean)
-        self.surprises = np.array([
-            correction(wide[:, k], row, np.full(row.size, noise[k] ** 2)).surprise if self.samples[k] else 0.0
-            for k, row in enumerate(measured)
-        ])  # fmt: skip
+        self.surprises = np.array([_surprise(wide[:, k], row, noise[k]) for k, row in enumerate(measured)])
 
     def _noise(self) -> Array:
         """Noise of each channel over the last windows, shape (C,); NaN where the samples are too few to tell it."""
@@ -159,6 +156,22 @@ def widening_of_numbers(found: Mapping[str, Goodness]) -> float:
     """
     known = (one for one in found.values() if one.samples and one.independent > 0.0)
     return math.sqrt(max([1.0, *(one.chi_square * one.samples / one.independent for one in known)]))
+
+
+def _surprise(predicted: Array, measured: Array, noise: float) -> float:
+    """Squared innovation over its covariance, of members (N, S), samples (S,) and noise; their number, if it is right.
+
+    A covariance of few members is too small in the q directions in which they differ: there the expected square is
+    q (N + 1) / N (N - 1) / (N - q - 2) (Hotelling 1931), by which it is divided. 0 where nothing can be told.
+    """
+    count, known = len(predicted), int(np.isfinite(measured).sum())
+    if not known or not math.isfinite(noise):
+        return 0.0
+    found = correction(predicted, measured, np.full(measured.size, noise**2))
+    along, left = found.directions, count - found.directions - 2.0
+    if left <= 0.0:
+        return 0.0
+    return found.surprise * known / (known - along + along * (count + 1) / count * (count - 1) / left)
 
 
 def _average(predicted: Array, measured: Array, stated: Array) -> Array:

@@ -59,7 +59,7 @@ def test_what_was_wrong_is_believed_only_after_it_has_been_right_for_long():
 @pytest.mark.parametrize(("off", "told"), [(KNOWN, True), (MOVING, False), (np.array([np.nan]), False)])
 def test_first_windows_count_where_the_motion_was_known_at_the_start(off, told):
     doubts = Doubts(["torque"])
-    found = windows(doubts, [30.0] * 5 + [1.0] * 20, off)
+    found = windows(doubts, [3.0, 30.0, 30.0, 30.0, 30.0] + [1.0] * 20, off)
     assert not any(found[:BEGIN])
     assert bool(found[BEGIN]) is told
 
