@@ -74,7 +74,7 @@ def values_for_diagnostics(found: Estimate) -> dict[str, str]:
         values |= {f"autocorrelation_{name}": exact(of.correlation), f"in_band_{name}": exact(of.inside)}
     values |= {"not_told": ", ".join(found.untold)} if found.untold else {}
     values |= {"remembered": found.remembered} if found.spans else {}
-    return values | {"absurd_beside_the_model": str(found.absurd), "members_replaced": str(found.replaced)}
+    return values | {"absurd_beside_the_model": str(found.absurd)}
 
 
 def trust_in(found: Estimate) -> tuple[Level, str]:

@@ -23,7 +23,6 @@ from drill_twin.studies.estimation.jumps import UNEXPLAINED, Jumps
 from drill_twin.studies.estimation.members import EstimatorMembers
 from drill_twin.studies.estimation.phase import PhaseCorrection
 from drill_twin.studies.estimation.prediction import Band, Prediction, WindowTiming
-from drill_twin.studies.estimation.regime_resampling import RegimeResampling
 from drill_twin.studies.estimation.restarts import Restarts
 from drill_twin.studies.estimation.square_root_filter import Correction, applied, corrections
 from drill_twin.studies.estimation.subs import VALUES, speed
@@ -133,14 +132,13 @@ class EnsembleFilter:
         self.channels = [*channels, *(f"{sub.name}/speed" for sub in self.members.subs)]
         self.time = 0.0
         self._errors = ChannelErrors(self.channels, options.error)
-        self._resampling = RegimeResampling(options.members, options.seed)
         few = _FEW if subs else 1.0
         self._innovations = Innovations(self.channels, few)
         self._doubts = Doubts(self.channels)
         self._jumps = Jumps(self.channels, self.members.keys)
         self._restarts = Restarts(self.members, self._computed, few)
         self._phase = PhaseCorrection(self.members, options.error)
-        self._replaced, self._unmeasured, self._regained = 0, 0.0, False
+        self._unmeasured, self._regained = 0.0, False
         self._recent: deque[dict[str, Array]] = deque(maxlen=WINDOWS)
         self._distance: Array = np.zeros(options.members)
 
@@ -177,7 +175,6 @@ class EnsembleFilter:
         predicted = np.concatenate((predicted, self._phase.predicted), axis=1)
         measured = np.concatenate((measured, self._phase.measured))
         deviation = np.concatenate((self._errors.deviation, self._phase.errors.deviation))
-        self._resample(predicted, measured, deviation)
         self._weigh_distance(applied([*found, *lateral], predicted), measured, deviation)
         goodness = judged.judged()
         factor, of_numbers = widening(goodness), widening_of_numbers(goodness)
@@ -193,7 +190,6 @@ class EnsembleFilter:
             misfit=dict(zip(self.channels, misfit.tolist(), strict=True)),
             goodness=goodness,
             absurd=self._errors.absurd + self._phase.errors.absurd,
-            replaced=self._replaced,
             unmeasured=self._unmeasured,
             frames=frames,
         )
@@ -266,13 +262,6 @@ class EnsembleFilter:
         members, growth = self.members, np.exp(self.pace.window / self.options.memory)
         mean, deviation = members.normal.mean(axis=0), members.normal.std(axis=0)
         members.normal = mean + (members.normal - mean) * np.where(deviation * growth < 1.0, growth, 1.0)
-
-    def _resample(self, predicted: Array, measured: Array, deviation: Array) -> None:
-        self._resampling.weigh(predicted, measured, deviation)
-        pairs = self._resampling.replacements()
-        for source, target in pairs:
-            self.members.copy(source, target)
-        self._replaced += len(pairs)
 
     def _weigh_distance(self, corrected: Array, measured: Array, deviation: Array) -> None:
         """Distance of each member from what is measured, fading over some windows."""

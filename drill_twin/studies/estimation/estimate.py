@@ -47,7 +47,6 @@ class Estimate:
         misfit: Rms of measured less predicted over the scale, by channel; NaN where nothing was measured.
         goodness: How well the members explain each channel over the last windows, against the stated errors, by name.
         absurd: Samples left out so far.
-        replaced: Members that took the state of others so far, as they were on another branch of motion.
         unmeasured: Time for which nothing sound has been measured [s]: the ensemble runs alone.
         frames: The window of the member that was nearest to the rig before; none unless they are asked for.
         spans: Windows with an alarm so far.
@@ -64,7 +63,6 @@ class Estimate:
     misfit: Mapping[str, float]
     goodness: Mapping[str, Goodness]
     absurd: int
-    replaced: int
     unmeasured: float
     frames: Sequence[Frame]
     spans: Sequence[Span] = ()

@@ -41,8 +41,9 @@ _LOST = 2.0
 """Normalised innovation of members with unchanged numbers, up to which they explain what was measured: it was 0.3 to
 0.8 in five of six cases where the motion was lost, and 4 to 13 after jumps of load and of friction on the wall."""
 _GAIN = 0.85
-"""Misfit over that of unchanged numbers, followed again or as the mean followed, up to which a small jump explains what
-was measured: it was 0.38 to 0.82 after jumps, and 0.87 to 2 in most cases where there was none."""
+"""Misfit over that of less that has changed, up to which what has changed more explains what was measured: a small jump
+beside unchanged numbers, followed again or as the mean followed, where it was 0.38 to 0.82 after jumps, and 0.87 to 2
+in most cases where there was none; and all numbers together, as new rock changes them, beside the best one alone."""
 
 
 class _Window(NamedTuple):
@@ -124,17 +125,18 @@ class Restarts:
         if small:
             limit = min(limit, _GAIN * min(self._followed(errors, judged), *(one.misfit for one in unchanged)))
         alone = [np.arange(told.size) == number for number in np.flatnonzero(told)]
+        best = None
         for sets in (alone, [told] if len(alone) > 1 else []):
             tried = [self._tried(start, each, None, 1.0, errors, judged) for start in back for each in sets]
             if not tried:
                 continue
-            best = min(tried, key=lambda one: one.misfit)
+            found = min(tried, key=lambda one: one.misfit)
             for width in _WIDTHS:
-                again = self._tried(best.windows, best.chosen, best.centre, width, errors, judged)
-                best = min(best, again, key=lambda one: one.misfit)
-            if best.misfit < limit:
-                return best
-        return None
+                again = self._tried(found.windows, found.chosen, found.centre, width, errors, judged)
+                found = min(found, again, key=lambda one: one.misfit)
+            if best is None or found.misfit < _GAIN * best.misfit:
+                best = found
+        return best if best is not None and best.misfit < limit else None
 
     def _limit(self, errors: Array) -> float:
         """Misfit up to which a restart explains what was measured, whose noise may be as large as the stated error."""

@@ -14,7 +14,6 @@ from drill_twin.core.errors import ArgumentError
 from drill_twin.dynamics.twin.twin import Twin
 from drill_twin.studies.estimation.innovations import Shift, shift_of, widening, widening_of_numbers
 from drill_twin.studies.estimation.jumps import Jumps, told_of_jumps
-from drill_twin.studies.estimation.regime_resampling import RegimeResampling
 from drill_twin.studies.goodness import Goodness
 
 OVER = {"wob": 55e3, "numerics.step": "20 ms", "numerics.frame_rate": 10.0}
@@ -185,18 +184,6 @@ def test_samples_that_cannot_be_are_refused():
     for sample in [("a",), (0.0, {"torque": "1 kN m"}), (0.0, 3.0), (None, {})]:
         with pytest.raises(ArgumentError, match="expected a time"):
             estimator.take(*sample)
-
-
-def test_members_that_swing_while_the_rig_does_not_are_replaced():
-    draw = np.random.default_rng(1)
-    branches = RegimeResampling(8, 1)
-    swing = np.sin(np.arange(20.0))
-    predicted = np.stack([np.array([swing if m < 3 else 0.01 * draw.standard_normal(20)]) for m in range(8)])
-    for _ in range(6):
-        branches.weigh(predicted, 0.01 * draw.standard_normal((1, 20)), np.array([0.01]))
-    pairs = branches.replacements()
-    assert sorted(target for _, target in pairs) == [0, 1, 2]
-    assert all(source >= 3 for source, _ in pairs)
 
 
 def test_numbers_of_the_channel_that_jumps_may_explain_it_and_the_others_are_held():
