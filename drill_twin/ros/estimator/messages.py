@@ -67,7 +67,7 @@ def verdict_of(found: Estimate) -> tuple[Level, str]:
 
 
 def values_for_diagnostics(found: Estimate) -> dict[str, str]:
-    """Misfit of each channel, and counts of what was left out or replaced."""
+    """Misfit of each channel, and the number of samples left out."""
     values = {f"misfit_{name}": exact(value) for name, value in found.misfit.items()}
     for name, of in found.goodness.items():
         values |= {f"residual_over_noise_{name}": exact(of.ratio), f"chi_square_{name}": exact(of.chi_square)}

@@ -18,8 +18,9 @@ WINDOWS = 20
 """Windows that are judged together."""
 _FEWEST = 10
 """Windows from which a change of the mean innovation can be told; half of the samples that tell their noise."""
-_LEAST_NOISE = 0.125
-"""Noise of a channel over its stated error, at least: a record of a twin has none, and another time step."""
+_LEAST_NOISE = 0.5
+"""Noise of a channel over its stated error, at least: sensor and model err together as the stated error says, and the
+record of a twin has no noise."""
 _LATE, _STEADY, _MOST = range(3, 7), 0.5, 5.0
 """Numbers of last windows whose mean innovations are compared with those of the windows before; the least deviation of
 these, over the predicted one, as they may be alike by chance; and the largest change that counts: one window is none.

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -47,6 +48,7 @@ class TruthRow(TypedDict):
     onset: float
     warnings: list[float]
     alarms: list[float]
+    withheld: float
     told: bool
     followed: dict[str, float]
     dragged: dict[str, tuple[float, float]]
@@ -87,7 +89,7 @@ class Followed:
         return {key: band.low <= self.hidden[key] <= band.high for key, band in self.estimates[-1].numbers.items()}
 
     def coverage(self, sensor: str) -> float:
-        """Share of the later windows in which the band of a virtual sensor holds the truth; NaN if that is constant."""
+        """Share of the later windows with a band in which that of a virtual sensor holds the truth; NaN without any."""
         true, late = self.truth[sensor], self._late
         margin = 1e-3 * float(np.abs(true).max(initial=0.0))
         if margin == 0.0:
@@ -95,7 +97,13 @@ class Followed:
         low, high = (
             np.array([getattr(each.sensors[sensor], end) for each in self.estimates]) for end in ("low", "high")
         )
-        return float(np.mean((low - margin <= true)[late] & (true <= high + margin)[late]))
+        late &= np.isfinite(low)
+        return float(np.mean((low - margin <= true)[late] & (true <= high + margin)[late])) if late.any() else math.nan
+
+    @property
+    def withheld(self) -> float:
+        """Share of the later windows in which virtual sensors have no band."""
+        return float(np.mean(np.isnan([each.sensors["bit_speed"].low for each in self.estimates])[self._late]))
 
     def error_ratio(self, sensor: str) -> float:
         """Rms error of a virtual sensor in the later windows over that of the open loop."""
@@ -154,6 +162,7 @@ class Followed:
             onset=self.onset,
             warnings=self.warnings,
             alarms=self.alarms,
+            withheld=self.withheld,
             told=bool(self.estimates[-1].alarm),
             followed={key: self.found_after(key, TOLERANCES.get(key, 0.05)) for key in changed},
             dragged={key: self.dragged(key) for key in self.hidden if key not in changed} if self.jumped else {},

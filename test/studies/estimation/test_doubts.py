@@ -92,11 +92,11 @@ def test_surprise_is_one_for_a_right_model_whatever_the_noise_and_the_spread(noi
 def test_surprise_shows_an_error_that_the_stated_one_hides():
     draw, judged = np.random.default_rng(5), Innovations(["torque"])
     for window in range(40):
-        wrong = 3.0 * np.sin(0.7 * (np.arange(10.0) + 10.0 * window))
+        wrong = 2.4 * np.sin(0.7 * (np.arange(10.0) + 10.0 * window))
         measured = (wrong + draw.standard_normal(10))[None]
-        judged.take(0.1 * draw.standard_normal((32, 1, 10)), measured, np.array([200.0]), np.array([4.0]))
-    assert judged.normalised[0] < 1.0
-    assert judged.surprises[0] / judged.samples[0] > 3.0
+        judged.take(0.1 * draw.standard_normal((32, 1, 10)), measured, np.array([100.0]), np.array([2.0]))
+    assert judged.normalised[0] < 1.5
+    assert judged.surprises[0] / judged.samples[0] > 2.0
 
 
 def test_samples_of_noise_that_is_not_known_yet_do_not_count():
