@@ -28,6 +28,8 @@ with wide numbers do not say what a window may be; of right models it was up to 
 _DOUBT = 100.0
 """Sum from which the model is doubted. It is reached by chance at a time in exp(-0.2 * 100), two in 10^9: 0.2 is the
 root of E[exp(a (x - 1.3))] = 1 for chi-square x (Siegmund 1985)."""
+_RISEN = 0.25
+"""Part of it that a right model passes in exp(-0.2 * 25), 0.7 % of the time: where the sum began to rise from."""
 _LONGEST = 300.0
 """Largest sum. A model that is right again takes 0.3 of it a sample, and is believed after 100 windows of ten."""
 _KNOWN = 0.1
@@ -79,7 +81,7 @@ class Doubts:
         counted = np.minimum(each, np.clip(self._before, _ALONE, _MOST))
         gain = samples * (counted - _ALLOWED if self._windows > BEGIN else np.maximum(counted - _ALONE, 0.0))
         self._before = np.where(samples > 0, each, self._before)
-        self._first = np.where((self._sums <= 0.5 * _DOUBT) & (gain > 0.0), start, self._first)
+        self._first = np.where((self._sums <= _RISEN * _DOUBT) & (gain > 0.0), start, self._first)
         self._sums = np.clip(self._sums + gain, 0.0, _LONGEST)
         if self._windows == BEGIN and not np.all(self._off <= _KNOWN * scale):
             self._sums[:] = 0.0
