@@ -16,9 +16,9 @@ SHARE = 0.9
 
 
 HELD = (
-    f"low and high are bands of {SHARE:.0%}; on twins with hidden numbers they held the truth in 88 to 100 % (by kind "
-    "of quantity); doubtful after a jump that no number explains: bit speed and bit torque, 79 to 81 %; wrong "
-    "after a step too small to be reported, as of friction at the bit of a whirling rod"
+    f"low and high are bands of {SHARE:.0%}; on twins with hidden numbers they held the truth in 86 to 100 % (by "
+    "quantity; 86 %: wall friction with a sub); nan while the model does not explain what is measured; wrong after "
+    "a step too small to be reported, as of friction at the bit of a whirling rod"
 )
 """Shares that bands have held, as measured by `drill-twin study estimator-score` (docs/bands.md)."""
 
