@@ -19,7 +19,7 @@ from drill_twin.studies.estimation.channel_errors import ChannelErrors
 from drill_twin.studies.estimation.doubts import Doubts
 from drill_twin.studies.estimation.estimate import Estimate, FilterWindow
 from drill_twin.studies.estimation.innovations import WINDOWS, Innovations, widening, widening_of_numbers
-from drill_twin.studies.estimation.jumps import UNEXPLAINED, Jumps
+from drill_twin.studies.estimation.jumps import JUMP_WINDOWS, UNEXPLAINED, Jumps
 from drill_twin.studies.estimation.members import EstimatorMembers
 from drill_twin.studies.estimation.phase import PhaseCorrection
 from drill_twin.studies.estimation.prediction import Band, Prediction, WindowTiming
@@ -153,13 +153,12 @@ class EnsembleFilter:
         start, self.time, self._regained = self.time, self.time + self.pace.window, False
         predicted, measured, readings = self._compared(prediction, window)
         measured = self._errors.screen(predicted, measured)
-        self._restarts.end(measured, predicted.mean(axis=0))
+        self._restarts.end(measured)
         judged = self._innovations
         judged.take(predicted, measured, self._errors.scale, self._errors.stated)
         self._doubts.take(start, judged.surprises, judged.samples, judged.off, self._errors.scale)
         misfit, normalised = judged.misfit, judged.normalised
-        shifts, stated = judged.shifts, self._errors.stated
-        anew = self._jumps.take(predicted, self.members.normal, stated, normalised, shifts)
+        anew = self._jumps.take(predicted, self.members.normal, self._errors.stated, normalised)
         found = corrections(predicted, measured, self._errors.deviation)
         lateral = self._phase(self.members, prediction.readings, readings, found) if self.members.subs else []
         corrected = applied(found, predicted)
@@ -198,18 +197,17 @@ class EnsembleFilter:
         return replace(estimate, spans=self._doubts.spans)
 
     def _start_again(self, start: float, told: Mask) -> None:
-        """Follow again with what explains a jump; after a large one not explained, numbers are held as they were."""
-        jumps, stated = self._jumps, self._errors.stated
-        restart = self._restarts.found(told, stated, jumps.windows, small=jumps.small)
-        jumps.explain(start - (jumps.windows - 1) * self.pace.window, None if restart is None else restart.chosen)
-        if restart is not None:
-            self._regained = not restart.chosen.any()
-            self._restarts.follow(restart)
-            self._errors.forget()
-            self._innovations.forget()
-            self._doubts.forget()
-        elif not jumps.small:
-            self.members.set_numbers(self._restarts.held(jumps.windows))
+        """Follow again with what explains a jump; where nothing does, numbers are held as they were."""
+        restart = self._restarts.found(told, self._errors.stated, JUMP_WINDOWS)
+        since = start - (JUMP_WINDOWS - 1) * self.pace.window
+        self._jumps.explain(since, None if restart is None else restart.chosen)
+        if restart is None:
+            self.members.set_numbers(self._restarts.held(JUMP_WINDOWS))
+            return
+        self._regained = not restart.chosen.any()
+        self._restarts.follow(restart)
+        for each in (self._errors, self._innovations, self._doubts):
+            each.forget()
 
     def _band(self, name: str, values: Array, factor: float) -> Band:
         """Band of a virtual sensor; none in doubt; all that members did of late after a lost motion."""

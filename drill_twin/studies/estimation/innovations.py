@@ -21,26 +21,14 @@ _FEWEST = 10
 _LEAST_NOISE = 0.5
 """Noise of a channel over its stated error, at least: sensor and model err together as the stated error says, and the
 record of a twin has no noise."""
-_LATE, _STEADY, _MOST = range(3, 7), 0.5, 5.0
-"""Numbers of last windows whose mean innovations are compared with those of the windows before; the least deviation of
-these, over the predicted one, as they may be alike by chance; and the largest change that counts: one window is none.
-"""
 
 
 class _Window(NamedTuple):
-    """Measured, predicted mean and spread of a window, shape (C, S) each, and its mean innovation, shape (C,)."""
+    """Measured, predicted mean and spread of a window, shape (C, S) each."""
 
     measured: Array
     mean: Array
     spread: Array
-    average: Array
-
-
-class Shift(NamedTuple):
-    """Sum of the changes of the mean innovation over their deviation in the last windows, and the number of these."""
-
-    size: float
-    windows: int
 
 
 class Innovations:
@@ -78,9 +66,7 @@ class Innovations:
             scale: Largest size of each channel [SI], shape (C,).
             stated: Standard deviation that is stated for the error of a sample [SI], shape (C,).
         """
-        window = _Window(
-            measured, predicted.mean(axis=0), predicted.std(axis=0, ddof=1), _average(predicted, measured, stated)
-        )
+        window = _Window(measured, predicted.mean(axis=0), predicted.std(axis=0, ddof=1))
         self._windows.append(window)
         self._stated = stated
         square = (measured - window.mean) ** 2
@@ -89,8 +75,7 @@ class Innovations:
         self.normalised = rms(square / ((self._few * window.spread) ** 2 + stated[:, None] ** 2))
         noise = self._noise()
         self.samples = np.where(np.isfinite(noise), np.isfinite(measured).sum(axis=1), 0)
-        wide = window.mean + self._few * (predicted - window.mean)
-        self.surprises = np.array([_surprise(wide[:, k], row, noise[k]) for k, row in enumerate(measured)])
+        self.surprises = np.array([_surprise(predicted[:, k], row, noise[k]) for k, row in enumerate(measured)])
 
     def _noise(self) -> Array:
         """Noise of each channel over the last windows, shape (C,); NaN where the samples are too few to tell it."""
@@ -105,13 +90,7 @@ class Innovations:
         """Forget all windows: numbers have jumped, and are drawn anew."""
         last = self._windows[-1]
         self._windows.clear()
-        missing = np.full_like(last.measured, np.nan)
-        self._windows.append(last._replace(measured=missing, average=missing.mean(axis=1)))
-
-    @property
-    def shifts(self) -> list[Shift]:
-        """Change of the mean innovation of each channel in the last windows."""
-        return [shift_of(each) for each in np.array([window.average for window in self._windows]).T]
+        self._windows.append(last._replace(measured=np.full_like(last.measured, np.nan)))
 
     def judged(self) -> Mapping[str, Goodness]:
         """Goodness of each channel over the last windows, against the stated errors."""
@@ -120,24 +99,6 @@ class Innovations:
             name: goodness(measured[k], mean[k], spread[k], noise_of(measured[k]), float(self._stated[k]), math.nan)
             for k, name in enumerate(self._channels)
         }
-
-
-def shift_of(means: Array) -> Shift:
-    """Largest change of the last mean innovations, of three to six windows, from those before, if all are one way.
-
-    A bias that a model always had is none. It is 0 for fewer than `_FEWEST` windows before.
-
-    Args:
-        means: Mean innovations of windows over their predicted deviations, shape (W,); NaN where missing.
-    """
-    known, found = means[np.isfinite(means)], Shift(0.0, 0)
-    for windows in _LATE:
-        before, late = known[:-windows], known[-windows:]
-        if before.size >= _FEWEST:
-            change = (late - before.mean()) / max(float(before.std()), _STEADY)
-            size = abs(float(np.clip(change, -_MOST, _MOST).sum())) if abs(np.sign(change).sum()) == windows else 0.0
-            found = max(found, Shift(size, windows))
-    return found
 
 
 def widening(found: Mapping[str, Goodness]) -> float:
@@ -173,18 +134,6 @@ def _surprise(predicted: Array, measured: Array, noise: float) -> float:
     if left <= 0.0:
         return 0.0
     return found.surprise * known / (known - along + along * (count + 1) / count * (count - 1) / left)
-
-
-def _average(predicted: Array, measured: Array, stated: Array) -> Array:
-    """Mean innovation of a window over its predicted deviation, shape (C,); NaN where nothing was measured.
-
-    Of predicted samples, (N, C, S), measured ones, (C, S), and stated errors of a sample that are independent, (C,).
-    """
-    off = np.where(np.isfinite(measured), measured - predicted, np.nan)
-    count = np.isfinite(measured).sum(axis=1)
-    means = np.nansum(off, axis=2) / np.where(count > 0, count, np.nan)
-    variance = means.var(axis=0, ddof=1) + stated**2 / np.maximum(count, 1)
-    return np.asarray(means.mean(axis=0) / np.sqrt(variance))
 
 
 def rms(squares: Array) -> Array:

@@ -41,22 +41,17 @@ _LOST = 2.0
 """Normalised innovation of members with unchanged numbers, up to which they explain what was measured: it was 0.3 to
 0.8 in five of six cases where the motion was lost, and 4 to 13 after jumps of load and of friction on the wall."""
 _GAIN = 0.85
-"""Misfit over that of less that has changed, up to which what has changed more explains what was measured: a small jump
-beside unchanged numbers, followed again or as the mean followed, where it was 0.38 to 0.82 after jumps, and 0.87 to 2
-in most cases where there was none; and all numbers together, as new rock changes them, beside the best one alone."""
+"""Misfit of all numbers together, as new rock changes them, over that of the best one alone, up to which they explain
+what was measured: more numbers always explain more."""
 
 
 class _Window(NamedTuple):
-    """A window: numbers and states of the members at its start, set-points, what was measured and what they predicted.
-
-    The last two have shape (C, S).
-    """
+    """A window: numbers and states of the members at its start, set-points, and what was measured, shape (C, S)."""
 
     normal: Array
     states: Sequence[Mapping[str, Array]]
     commands: Array
     measured: Array
-    predicted: Array
 
 
 class Restart(NamedTuple):
@@ -100,30 +95,25 @@ class Restarts:
         """Begin a window, before the members are advanced over it."""
         members = self._members
         states = [twin.checkpoint() for twin in members.twins]
-        self._past.append(_Window(members.normal.copy(), states, commands, np.empty(0), np.empty(0)))
+        self._past.append(_Window(members.normal.copy(), states, commands, np.empty(0)))
 
-    def end(self, measured: Array, predicted: Array) -> None:
-        """End it with what was measured and predicted by the mean, shape (C, S), the channels of the surface first."""
-        surface = slice(len(self._channels))
-        self._past[-1] = self._past[-1]._replace(measured=measured[surface], predicted=predicted[surface])
+    def end(self, measured: Array) -> None:
+        """End it with what was measured, shape (C, S), the channels of the surface first."""
+        self._past[-1] = self._past[-1]._replace(measured=measured[: len(self._channels)])
 
-    def found(self, told: Mask, errors: Array, judged: int, *, small: bool) -> Restart | None:
+    def found(self, told: Mask, errors: Array, judged: int) -> Restart | None:
         """Numbers that explain the last windows, changed alone or all together, or none of them; None if they do not.
 
         Args:
             told: Numbers that the channel tells, shape (d,).
             errors: Stated errors of a sample of each channel, shape (C,).
             judged: Last windows, which are compared: those that show the jump.
-            small: Whether the members, as they followed, explain these windows.
         """
         back = [windows for windows in _BACK if windows >= judged]
         unchanged = [self._tried(start, np.zeros_like(told), None, 1.0, errors, judged) for start in back]
         nearest = min(unchanged, key=lambda one: one.normalised)
-        if nearest.normalised < _LOST and not small:
+        if nearest.normalised < _LOST:
             return nearest
-        limit = self._limit(errors)
-        if small:
-            limit = min(limit, _GAIN * min(self._followed(errors, judged), *(one.misfit for one in unchanged)))
         alone = [np.arange(told.size) == number for number in np.flatnonzero(told)]
         best = None
         for sets in (alone, [told] if len(alone) > 1 else []):
@@ -136,18 +126,13 @@ class Restarts:
                 found = min(found, again, key=lambda one: one.misfit)
             if best is None or found.misfit < _GAIN * best.misfit:
                 best = found
-        return best if best is not None and best.misfit < limit else None
+        return best if best is not None and best.misfit < self._limit(errors) else None
 
     def _limit(self, errors: Array) -> float:
         """Misfit up to which a restart explains what was measured, whose noise may be as large as the stated error."""
         measured = np.concatenate([window.measured for window in self._past], axis=1)
         noise = np.array([noise_of(row) for row in measured]) / errors[: len(measured)]
         return max(_EXPLAINS, _OVER_NOISE * float(np.sqrt(np.mean(noise**2))))
-
-    def _followed(self, errors: Array, judged: int) -> float:
-        """Misfit of the mean of the members over the last windows, as they followed."""
-        off = [(window.measured - window.predicted) ** 2 for window in list(self._past)[-judged:]]
-        return float(rms((np.array(off) / errors[: len(self._channels), None] ** 2).reshape(1, -1))[0])
 
     def follow(self, restart: Restart) -> None:
         """Set all members back, with the numbers that have changed drawn about their new values, and follow again.

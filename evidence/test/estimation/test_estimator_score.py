@@ -80,15 +80,6 @@ def test_a_jump_is_followed_in_the_number_that_explains_it_alone(case, number):
         assert "that none of the numbers explains" in found.estimates[-1].alarm
 
 
-def test_a_jump_within_the_stated_error_is_followed_with_a_sub():
-    key = CASES["pa6_bit_friction_jump"].jump
-    found = follow(CASES["pa6_bit_friction_jump"], 61, 37.0, 32, imu=True)
-    assert not any(each.alarm for each in found.estimates if JUMP - 6.0 < each.time <= JUMP)
-    assert found.estimates[-1].jumps.keys() == {key}
-    assert found.found_after(key, 0.05) <= 5.0
-    assert all(found.held.values())
-
-
 def test_a_campaign_that_was_broken_off_goes_on_with_the_same_truths(tmp_path):
     options = [*SMALL, f"--journal={tmp_path / 'rows.jsonl'}"]
     done = CliRunner().invoke(app, options)

@@ -12,7 +12,7 @@ import drill_twin as dt
 from drill_twin.cli.app import app
 from drill_twin.core.errors import ArgumentError
 from drill_twin.dynamics.twin.twin import Twin
-from drill_twin.studies.estimation.innovations import Shift, shift_of, widening, widening_of_numbers
+from drill_twin.studies.estimation.innovations import widening, widening_of_numbers
 from drill_twin.studies.estimation.jumps import Jumps, told_of_jumps
 from drill_twin.studies.goodness import Goodness
 
@@ -194,7 +194,7 @@ def test_numbers_of_the_channel_that_jumps_may_explain_it_and_the_others_are_hel
         load = numbers[:, 1, None] + 0.1 * draw.standard_normal((32, 10))
         predicted = np.stack((numbers[:, :1] * np.sin(np.arange(10.0)), load), axis=1)
         normalised = np.array([np.nan, 6.0 if 20 <= window < 30 else 0.8])
-        found.append(jumps.take(predicted, numbers, np.ones(2), normalised, [Shift(0.0, 0)] * 2).tolist())
+        found.append(jumps.take(predicted, numbers, np.ones(2), normalised).tolist())
         if any(found[-1]):
             jumps.explain(20.0, np.array(found[-1]))
             assert np.array_equal(jumps.free, [False, True])
@@ -207,39 +207,6 @@ def test_numbers_of_the_channel_that_jumps_may_explain_it_and_the_others_are_hel
     jumps.explain(60.0, np.zeros(2, dtype=bool))  # the motion was lost
     assert jumps.free is True
     assert told_of_jumps(jumps.since) == ""
-
-
-def test_a_lasting_change_of_the_mean_innovation_is_shown_and_a_bias_is_not():
-    biased = 3.0 + 0.5 * np.random.default_rng(4).standard_normal(20)
-    small = biased - np.where(np.arange(20) < 14, 0.0, 1.6)
-    assert shift_of(biased).size < 5.0
-    assert shift_of(small).size > 13.0
-    assert shift_of(small).windows == 6
-    assert shift_of(np.insert(small, [3, 18], np.nan)) == pytest.approx(shift_of(small))
-    assert shift_of(small * np.where(np.arange(20) == 18, 3.0, 1.0)).size < 13.0
-    assert shift_of(small[8:]) == (0.0, 0)  # nine before the last three
-    assert shift_of(biased - np.where(np.arange(20) < 19, 0.0, 30.0)).size < 13.0
-    assert shift_of(np.full(20, np.nan)) == (0.0, 0)
-
-
-@pytest.mark.parametrize(
-    ("late", "may_be"), [([0.9] * 5, True), ([0.9, 2.5, 0.9, 0.9, 0.9], False), ([np.nan] * 5, False)]
-)
-def test_a_small_jump_may_be_of_a_number_that_no_channel_tells_from_a_window(late, may_be):
-    draw, jumps = np.random.default_rng(2), Jumps(["torque", "hookload"], ["friction", "load", "damping"])
-    numbers = draw.standard_normal((32, 3))
-    for window in range(20):
-        parts = numbers[:, 0, None] * np.sin(np.arange(10.0)), numbers[:, 1, None] + np.zeros(10)
-        predicted = np.stack(parts, axis=1) + 0.1 * draw.standard_normal((32, 2, 10))
-        shifts = [Shift(14.0 if window == 19 else 3.0, 4), Shift(4.0, 2)]
-        normalised = np.array([late[window - 15] if window >= 15 else 0.9, 0.8])
-        may = jumps.take(predicted, numbers, np.ones(2), normalised, shifts)
-        assert may.tolist() == ([True, False, True] if may_be and window == 19 else [False] * 3)
-    assert jumps.windows == (4 if may_be else 2)
-    if may_be:
-        jumps.explain(16.0, None)  # unchanged numbers do as well
-        assert jumps.since == {}
-        assert jumps.free is True
 
 
 def test_command_follows_a_record(record, tmp_path):
