@@ -247,11 +247,14 @@ def _set(truth: EstimatorMembers, case: Case, key: str, value: float) -> None:
 
 
 def _jump(truth: EstimatorMembers, case: Case, number: int) -> None:
-    """Let the number of a case jump: a free one, or one of the string, whose twin goes on from the same state."""
+    """Let the numbers of a case jump: free ones, or one of the string, whose twin goes on from the same state."""
     draw = np.random.default_rng([number, 3])
     factor = 1.0 + float(draw.choice([-1.0, 1.0]) * draw.uniform(*SIZES))
-    if case.jump in case.ranges:
-        _set(truth, case, case.jump, factor * _numbers(truth)[case.jump])
+    if case.jump != STIFFNESS:
+        for key in case.jump.split():
+            low, high = case.ranges[key]
+            edge = 1e-3 * (high - low)
+            _set(truth, case, key, min(max(factor * _numbers(truth)[key], low + edge), high - edge))
         return
     old = truth.twins[0]
     changed = {STIFFNESS: factor * old.scene.string.sections[0].youngs_modulus}
