@@ -114,9 +114,12 @@ def test_alarm_when_the_rig_does_what_the_model_cannot(record):
     estimator = dt.Estimator("two_mass", FREE, overrides=OVER, options=FEW)
     other = {name: values.copy() for name, values in record.items()}
     other["hookload"][300:] *= 0.5  # half of the load has gone elsewhere
-    alarms = [each.alarm for each in feed(estimator, other)]
-    assert not any(alarms[:15])
-    assert any("the model does not explain hookload since 30.0 s" in alarm for alarm in alarms)
+    found = feed(estimator, other)
+    assert not any(each.alarm for each in found[:15])
+    assert any("the model does not explain hookload since 30.0 s" in each.alarm for each in found)
+    assert all(np.isnan(each.sensors["bit_speed"].low) == bool(each.unexplained) for each in found)
+    assert sum(span.windows for span in found[-1].spans) == sum(bool(each.alarm) for each in found)
+    assert found[-1].remembered.startswith("an alarm stood from 3")
 
 
 def test_numbers_changed_at_the_start_are_those_of_another_twin():
@@ -227,6 +230,7 @@ def test_command_follows_a_record(record, tmp_path):
     assert found["numbers"]["load_factor"]["mean"] == pytest.approx(55.0 / 53.0, rel=0.01)
     assert [said.partition(":")[0] for said in found["of_law"]] == ["bit_torque_stribeck.sticking"]
     assert found["whirls"] == 0.0
+    assert (found["alarm"], found["remembered"], found["spans"]) == ("", "", [])
     written = json.loads((tmp_path / "out" / "estimate.json").read_text("utf-8"))["estimates"]
     assert [one["time"] for one in written] == pytest.approx(2.0 * np.arange(1, len(written) + 1), abs=0.1)
     assert written[-1]["numbers"] == found["numbers"]
