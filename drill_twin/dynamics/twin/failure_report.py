@@ -73,8 +73,8 @@ def _load_on_element(parameters: Any, rod: Rod, name: str, e: int, at: Evaluatio
         load, stiff, out = np.zeros(4), np.zeros((4, 4)), np.zeros(RESULTANTS)
         if function := function_name(name, "distributed_load"):
             as_python(getattr(module, function))(parameters, rod, here, 0.5 * at.step, load, stiff)
-        if hasattr(module, "section_stress"):
-            as_python(module.section_stress)(parameters, rod, strain, 0.5 * at.step, out)
+        if function := function_name(name, "section_stress"):
+            as_python(getattr(module, function))(parameters, rod, strain, 0.5 * at.step, out)
         share = 0.5 * rod.length[e]
         total += share * float(np.linalg.norm(load[:3]) + abs(load[3]) / rod.outer_radius[e])
         total += float(np.linalg.norm(out[:4])) / rod.length[e]
@@ -84,9 +84,10 @@ def _load_on_element(parameters: Any, rod: Rod, name: str, e: int, at: Evaluatio
 def _load_at_ends(parameters: Any, rod: Rod, name: str, at: EvaluationPoint) -> Array:
     """Size of an effect's loads at the bit and at the top [N], shape (2,)."""
     module, ends = effect_module(name), np.zeros((2, 7, 8))
-    if hasattr(module, "end_load"):
+    if function := function_name(name, "end_load"):
         # in the frame of the hole at the top, which is accurate enough to compare effects
-        as_python(module.end_load)(parameters, rod, at.command, at.time, 0.5 * at.step, at.u, at.v, at.v, ends)
+        load = as_python(getattr(module, function))
+        load(parameters, rod, at.command, at.time, 0.5 * at.step, at.u, at.v, at.v, ends)
     force: Array = np.linalg.norm(ends[:, :3, 7], axis=1) + np.abs(ends[:, 6, 7]) / rod.outer_radius[[0, -1]]
     return force
 

@@ -44,6 +44,7 @@ class Bow(EffectConfig):
         if (self.shape == "random") != (self.correlation_length is not None):
             found = "none" if self.correlation_length is None else f'one with shape "{self.shape}"'
             raise refuse(f'expected a `correlation_length` with shape "random" and only there, found {found}')
+        self.refuse_seed('with shape "random"', used=self.shape == "random")
         return self
 
     def check_against(self, scene: Any) -> Iterator[Incompatibility]:

@@ -63,6 +63,12 @@ class EffectConfig(BaseModel):
     disabled_for_static: ClassVar[tuple[str, ...]] = ()
     """Fields set to zero in the search for the static equilibrium: excitation and friction."""
 
+    def refuse_seed(self, where: str, *, used: bool) -> None:
+        """Refuse a `seed` that would change nothing; `where` says in words where one is used."""
+        seed = getattr(self, "seed", 1)
+        if not used and seed != type(self).model_fields["seed"].default:
+            raise refuse(f"expected a `seed` {where} only, found {seed} where nothing is random")
+
     @property
     def variant(self) -> str:
         """Suffix of the compiled functions this block calls for, where there are several; "" for the default ones.

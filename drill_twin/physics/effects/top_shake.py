@@ -3,9 +3,10 @@
 
 import math
 from collections.abc import Iterator
-from typing import Annotated, Any, NamedTuple
+from typing import Annotated, Any, NamedTuple, Self
 
 import numpy as np
+from pydantic import model_validator
 
 from drill_twin.core.arrays import Array
 from drill_twin.core.compile.jit import kernel
@@ -33,6 +34,11 @@ class TopShake(EffectConfig):
     """Width of a Gaussian spectrum around the frequency (standard deviation) [Hz]; 0 Hz = one sine."""
     seed: Seed = 1
     """Random motion: seed."""
+
+    @model_validator(mode="after")
+    def _seed_is_of_a_random_motion(self) -> Self:
+        self.refuse_seed("with `bandwidth`", used="bandwidth" in self.model_fields_set)
+        return self
 
     def check_against(self, scene: Any) -> Iterator[Incompatibility]:
         """Yield an amplitude above the clearance."""
