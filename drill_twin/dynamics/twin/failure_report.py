@@ -136,7 +136,9 @@ def failure_report(
     if found.kind == "long":  # no place and no effect is to blame
         effect, doing = "", ""
     dynamics.memory_block[:] = kept
-    kind = "finite" if "no number" in doing else found.kind
+    kick = dynamics.scene.effects.lateral_kick
+    kicked = kick is not None and kick.offset != 0.0 and dynamics.time == 0.0 and found.kind == "penetration"
+    kind = "finite" if "no number" in doing else "kick" if kicked else found.kind
     remedy = REMEDIES["fold in a hole" if kind == "fold" and dynamics.wall is not None else kind]
     tried = f", however often it was taken back and the step halved, down to {step:.2g} s"
     return StoppedError(

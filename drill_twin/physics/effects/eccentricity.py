@@ -96,7 +96,7 @@ def offsets(block: Eccentricity, model: DiscreteModel) -> Array:
     """Mass centre in the material frame at the Gauss points [m], shape (2 n, 2)."""
     own = [part.offset * np.exp(1j * part.angle) for part in block.sections]
     uniform = np.full(model.section.shape, (block.offset or 0.0) * np.exp(1j * block.angle))
-    line = model.at_places(np.array(own)[model.section] if own else uniform)
+    line = np.asarray(model.at_places(np.array(own)[model.section] if own else uniform), dtype=complex)
     if block.correlation_length is not None:
         random = generator(model, block.seed, "eccentricity")
         line = line + block.rms * random_line(model.places, block.correlation_length, random)

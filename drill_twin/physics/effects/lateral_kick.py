@@ -21,7 +21,7 @@ class LateralKick(EffectConfig):
     """Initial velocity, and initial displacement, in x."""
 
     energy_class = "kept"
-    disabled_for_static = ("velocity",)
+    disabled_for_static = ("velocity", "offset")
 
     velocity: Annotated[Speed, Within(at_least="-100 m/s", at_most="100 m/s", reason="no string is kicked harder")]
     """Velocity at mid-span at time zero [m/s]."""
