@@ -42,7 +42,7 @@ def _nearly(name: str, known: Iterable[str]) -> str:
     """The known name, or its begin before a variant, that a public name misses by a letter or two; "" where none."""
     if name.startswith("_") or any(name == word or name.startswith(f"{word}_") for word in known):
         return ""
-    likeness = {word: difflib.SequenceMatcher(None, name[: len(word) + 1].lower(), word).ratio() for word in known}
+    likeness = {word: difflib.SequenceMatcher(None, name[: len(word) + 1], word).ratio() for word in known}
     near = max(likeness, key=likeness.__getitem__)
     return near if likeness[near] >= NEAR else ""
 
