@@ -21,7 +21,7 @@ from drill_twin.dynamics.discretisation.kernel_arguments import make_drive
 from drill_twin.dynamics.discretisation.resolution import mesh
 from drill_twin.dynamics.solver.joined.friction import side_friction
 from drill_twin.physics.effects import EFFECTS, effect_module, function_name, parameters_of, with_variant
-from drill_twin.physics.effects.hooks import HOOKS
+from drill_twin.physics.effects.config import HOOKS
 from drill_twin.physics.model.section import RESULTANTS
 from drill_twin.physics.model.strain import Point, strain_at
 from drill_twin.scene import Scene

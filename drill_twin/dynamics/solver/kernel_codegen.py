@@ -38,7 +38,7 @@ from typing import Any, cast
 from drill_twin.core.compile import kernel_cache
 from drill_twin.dynamics.solver.parameter_records import fields_read, record_name
 from drill_twin.physics.effects import effect_config, effect_module, function_name, key_of
-from drill_twin.physics.effects.hooks import HOOKS
+from drill_twin.physics.effects.config import HOOKS
 
 _RIG = {
     "end_load": "rig_end_load(parameters.drive, command, half_step, u, v, v_old, ends)",

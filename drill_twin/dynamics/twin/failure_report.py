@@ -16,7 +16,7 @@ from drill_twin.core.errors import StoppedError
 from drill_twin.dynamics.audit.energy import element_unknowns
 from drill_twin.dynamics.twin.dynamics import Dynamics
 from drill_twin.dynamics.twin.step_guard import REMEDIES, Violation
-from drill_twin.physics.effects import effect_module, function_name
+from drill_twin.physics.effects import effect_module, function_name, key_of
 from drill_twin.physics.model.mesh import Rod
 from drill_twin.physics.model.section import RESULTANTS
 from drill_twin.physics.model.strain import Point, Strain, strain_at
@@ -43,7 +43,7 @@ def diagnose(
     Args:
         parameters: Of all effects, as the kernel takes them.
         rod: The string.
-        effects: Keys of the effects.
+        effects: Keys of the effects, with their variants.
         moments: States and times to evaluate at.
         node: The node at which to evaluate; all, where it is None.
     """
@@ -56,12 +56,10 @@ def diagnose(
                 loads[elements] = [_load_on_element(parameters, rod, name, e, moment) for e in elements]
                 loads[[0, -1]] += _load_at_ends(parameters, rod, name, moment) * [0 in elements, last in elements]
                 if not np.isfinite(loads).all():
-                    return (
-                        name,
-                        f"{name} gives no number {rod.arc[int(np.argmin(np.isfinite(loads)))]:.3g} m from the bit",
-                    )
+                    place = float(rod.arc[int(np.argmin(np.isfinite(loads)))])
+                    return key_of(name), f"{key_of(name)} gives no number {place:.3g} m from the bit"
                 if loads.max() > size:
-                    strongest, size, place = name, float(loads.max()), float(rod.arc[int(loads.argmax())])
+                    strongest, size, place = key_of(name), float(loads.max()), float(rod.arc[int(loads.argmax())])
     return strongest, f"strongest: {strongest} ({size:.3g} N {place:.3g} m from the bit)" if strongest else ""
 
 

@@ -13,8 +13,7 @@ from types import ModuleType
 from typing import Any
 
 from drill_twin.core.errors import RunError
-from drill_twin.physics.effects.config import EffectConfig
-from drill_twin.physics.effects.hooks import HOOKS, uncalled
+from drill_twin.physics.effects.config import HOOKS, EffectConfig, uncalled
 
 GROUP = "drill_twin.effects"
 """Entry-point group of effects in other packages."""

@@ -7,7 +7,7 @@ from typing import Any
 import pytest
 
 from drill_twin.physics.effects import EFFECTS, EffectConfig, effect_module
-from drill_twin.physics.effects.hooks import HOOKS, misspelled, uncalled
+from drill_twin.physics.effects.config import HOOKS, misspelled, uncalled
 
 
 class Block(EffectConfig):
