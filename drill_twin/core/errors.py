@@ -46,13 +46,10 @@ def words_cut(text: str) -> str:
 
 
 class DrillTwinError(Exception):
-    """Base of all errors that the user can correct; the command line prints it on one line.
-
-    Attributes:
-        exit_code: Exit code of a command that ends with it: 2 for an input, 1 for a run that stopped.
-    """
+    """Base of all errors that the user can correct; the command line prints it on one line."""
 
     exit_code = 2
+    """Exit code of a command that ends with it: 2 for an input, 1 for a run that stopped."""
 
     def __init__(self, message: str = "") -> None:
         super().__init__(printable(words_cut(message)))

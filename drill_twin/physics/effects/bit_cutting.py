@@ -2,10 +2,9 @@
 """Drilling bit: rate of penetration and torque by weight and speed, mean law or one draw of a random one."""
 
 from collections.abc import Iterator
-from typing import Annotated, Any, ClassVar, Self
+from typing import Annotated, Any, ClassVar
 
 import numpy as np
-from pydantic import model_validator
 
 from drill_twin.core.arrays import Array
 from drill_twin.core.compile.jit import kernel
@@ -45,6 +44,7 @@ class BitCutting(EffectConfig):
 
     requires: ClassVar[tuple[str, ...]] = ("stretch", "torsion")
     provides = ("torque", "weight")
+    seed_is_of = "dispersion"
 
     threshold: Annotated[Speed, Within(at_least="0 m/s", at_most="1 m/s")] = 3.429e-3
     """a1 [m/s]: rate of penetration lost against a proportional law."""
@@ -66,11 +66,6 @@ class BitCutting(EffectConfig):
     """Dispersion of the random law about the mean law [-]; 0 = the mean law."""
     seed: Seed = 1
     """Seed of the draw, one for the run; it depends on `numerics.seed` too."""
-
-    @model_validator(mode="after")
-    def _seed_is_of_a_random_law(self) -> Self:
-        self.refuse_seed("with `dispersion`", used="dispersion" in self.model_fields_set)
-        return self
 
     def check_against(self, scene: Any) -> Iterator[Incompatibility]:
         """Yield a missing stiffness with a weight set at the top, or a stiffness with a weight set at the bit."""

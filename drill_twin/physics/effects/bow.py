@@ -23,6 +23,7 @@ class Bow(EffectConfig):
 
     across = True
     energy_class = "kept"
+    seed_is_of = "correlation_length"
 
     amplitude: Annotated[Length, Within(at_least="0 m", at_most="10 m", reason="the widest hole")]
     """Deflection of the stress-free string from the straight line [m], below the clearance: at mid-span, or the root
@@ -44,7 +45,6 @@ class Bow(EffectConfig):
         if (self.shape == "random") != (self.correlation_length is not None):
             found = "none" if self.correlation_length is None else f'one with shape "{self.shape}"'
             raise refuse(f'expected a `correlation_length` with shape "random" and only there, found {found}')
-        self.refuse_seed('with shape "random"', used=self.shape == "random")
         return self
 
     def check_against(self, scene: Any) -> Iterator[Incompatibility]:

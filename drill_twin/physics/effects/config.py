@@ -5,9 +5,9 @@ import difflib
 from collections import namedtuple
 from collections.abc import Iterable, Iterator
 from types import ModuleType
-from typing import Annotated, Any, ClassVar, Literal, NamedTuple
+from typing import Annotated, Any, ClassVar, Literal, NamedTuple, Self
 
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Field
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, model_validator
 
 from drill_twin.core.units import refuse, show
 
@@ -76,12 +76,15 @@ class EffectConfig(BaseModel):
     """Acts across the string only: left out where the string follows the hole (`numerics.lateral_from`)."""
     disabled_for_static: ClassVar[tuple[str, ...]] = ()
     """Fields set to zero in the search for the static equilibrium: excitation and friction."""
+    seed_is_of: ClassVar[str] = ""
+    """Field of what its `seed` draws; without it a seed other than 1, the default, would change nothing: refused."""
 
-    def refuse_seed(self, where: str, *, used: bool) -> None:
-        """Refuse a `seed` that would change nothing; `where` says in words where one is used."""
-        seed = getattr(self, "seed", 1)
-        if not used and seed != type(self).model_fields["seed"].default:
-            raise refuse(f"expected a `seed` {where} only, found {seed} where nothing is random")
+    @model_validator(mode="after")
+    def _seed_is_of_something_random(self) -> Self:
+        random, seed = self.seed_is_of, getattr(self, "seed", 1)
+        if random and seed != 1 and (random not in self.model_fields_set or getattr(self, random) is None):
+            raise refuse(f"expected a `seed` with `{random}` only, found {seed} where nothing is random")
+        return self
 
     @property
     def variant(self) -> str:

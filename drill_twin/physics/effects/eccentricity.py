@@ -34,6 +34,7 @@ class Eccentricity(EffectConfig):
 
     across = True
     energy_class = "kept"
+    seed_is_of = "rms"
 
     offset: Offset | None = None
     """Distance of the mass centre from the centre line [m]; below the outer radius."""
@@ -63,7 +64,6 @@ class Eccentricity(EffectConfig):
             raise refuse("expected a `correlation_length` with `rms`, found none")
         if self.rms == 0.0 and self.correlation_length is not None:
             raise refuse("expected an `rms` with `correlation_length`, found none")
-        self.refuse_seed("with `rms`", used="rms" in self.model_fields_set)
         return self
 
     def check_against(self, scene: Any) -> Iterator[Incompatibility]:

@@ -3,10 +3,9 @@
 
 import math
 from collections.abc import Iterator
-from typing import Annotated, Any, NamedTuple, Self
+from typing import Annotated, Any, NamedTuple
 
 import numpy as np
-from pydantic import model_validator
 
 from drill_twin.core.arrays import Array
 from drill_twin.core.compile.jit import kernel
@@ -23,6 +22,7 @@ class TopShake(EffectConfig):
     """Lateral motion A sin(2 pi f t) of the top clamp, or a random one of the same mean square around f."""
 
     disabled_for_static = ("amplitude",)
+    seed_is_of = "bandwidth"
 
     amplitude: Annotated[Length, Within(at_least="0 m", at_most="10 m", reason="the widest hole")]
     """Amplitude A [m]; for a random motion sqrt(2) times the root mean square."""
@@ -34,11 +34,6 @@ class TopShake(EffectConfig):
     """Width of a Gaussian spectrum around the frequency (standard deviation) [Hz]; 0 Hz = one sine."""
     seed: Seed = 1
     """Random motion: seed."""
-
-    @model_validator(mode="after")
-    def _seed_is_of_a_random_motion(self) -> Self:
-        self.refuse_seed("with `bandwidth`", used="bandwidth" in self.model_fields_set)
-        return self
 
     def check_against(self, scene: Any) -> Iterator[Incompatibility]:
         """Yield an amplitude above the clearance."""
