@@ -76,7 +76,7 @@ def initial_state(block: LateralKick, model: DiscreteModel, u: Array, v: Array) 
 
 
 def _bent(tangents: Array, slope: Array) -> Array:
-    """Derivative of z of r' [-], shape (p, 3), of the same length with a slope [-] added in x; NaN if there is none."""
+    """Component z that keeps the size of r', shape (p, 3), with a slope [-] added in x [-], shape (p,); NaN: none."""
     square = tangents[:, 2] ** 2 + tangents[:, 0] ** 2 - (tangents[:, 0] + slope) ** 2
     return np.asarray(np.sqrt(np.where(square > 0.0, square, np.nan)))
 
