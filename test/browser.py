@@ -22,7 +22,8 @@ PICTURE = "import('/state.js').then(({{ state: {{ picture }} }}) => {})"
 class Browser:
     """One page in headless Chromium, driven through its DevTools protocol; a live one has shown a picture."""
 
-    def __init__(self, folder, url, width=1400, *, live=True):
+    def __init__(self, folder, url, width=1400, *, live=True, at=None, profile="browser"):
+        """Open an address, which may lead to another one, `at`."""
         found = next(filter(None, map(shutil.which, BROWSERS)), None)
         if found is None:
             pytest.skip(f"needs a browser: none of {', '.join(BROWSERS)} is installed")
@@ -30,14 +31,14 @@ class Browser:
         words = ["--headless", "--no-sandbox", "--disable-gpu", f"--window-size={width},860"]
         with log.open("wb") as stream:
             self._process = subprocess.Popen(
-                [found, *words, "--remote-debugging-port=0", f"--user-data-dir={folder / 'browser'}", url],
+                [found, *words, "--remote-debugging-port=0", f"--user-data-dir={folder / profile}", url],
                 stdout=stream,
                 stderr=stream,
                 start_new_session=True,
             )
         self._open, self._live = ExitStack(), live
         try:
-            self._connect(log, url)
+            self._connect(log, at or url)
         except BaseException:
             self.close()
             raise
@@ -50,8 +51,8 @@ class Browser:
                 page for page in json.loads(get(text[1], "/json")[1]) if page["url"].startswith(url.partition("#")[0])
             ]
 
-        target = until(pages, "the page")[0]["webSocketDebuggerUrl"]
-        self._socket = self._open.enter_context(connect(target, max_size=None))
+        self._target = until(pages, "the page")[0]["webSocketDebuggerUrl"]
+        self._socket = self._open.enter_context(connect(self._target, max_size=None))
         self._number = 0
         until(self._is_shown, "the page, and its first picture")
 
@@ -59,7 +60,10 @@ class Browser:
         """While the page still loads, its context comes and goes, and a question may find none."""
         shows = "performance.getEntriesByType('navigation')[0]?.loadEventEnd > 0"
         shows += f" && {PICTURE.format('picture !== null')}" * self._live
-        answer = self._ask("Runtime.evaluate", expression=shows, awaitPromise=True)
+        return self._is_true(shows)
+
+    def _is_true(self, expression):
+        answer = self._ask("Runtime.evaluate", expression=expression, awaitPromise=True)
         return answer.get("result", {}).get("result", {}).get("value") is True
 
     def _ask(self, method, **given):
@@ -79,6 +83,11 @@ class Browser:
         answer = self._call("Runtime.evaluate", expression=expression, returnByValue=True, awaitPromise=True)
         assert "exceptionDetails" not in answer, answer
         return answer["result"].get("value")
+
+    def reload(self):
+        """Load the page again; while it is left, a question may find none."""
+        self.value("window.before = true, location.reload()")
+        until(lambda: self._is_true("window.before === undefined") and self._is_shown(), "the page again")
 
     def picture(self, expression):
         """Value of an expression of `picture`, what the server sent last."""
@@ -124,6 +133,18 @@ class Browser:
 
     def screenshot(self, path):
         path.write_bytes(base64.b64decode(self._call("Page.captureScreenshot")["data"]))
+
+    def end(self):
+        """Close as a user does, so that it writes what it keeps."""
+        self._ask("Browser.close")
+        self._process.wait(30.0)
+
+    def tab(self, url):
+        """Open another tab, which `self` then stands for."""
+        made = self._call("Target.createTarget", url=url)["targetId"]
+        found = re.sub(r"page/\w+$", f"page/{made}", self._target)
+        self._target, self._socket = found, self._open.enter_context(connect(found, max_size=None))
+        until(self._is_shown, "the page, and its first picture")
 
     def close(self):
         self._open.close()

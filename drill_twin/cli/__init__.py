@@ -51,7 +51,7 @@ def run_command(arguments: Sequence[str]) -> int:
 
 
 def _run_command(arguments: Sequence[str]) -> int:
-    from drill_twin.core.errors import DrillTwinError, StoppedError
+    from drill_twin.core.errors import DrillTwinError
 
     try:
         refuse_too_little_memory()
@@ -63,10 +63,8 @@ def _run_command(arguments: Sequence[str]) -> int:
 
     try:
         code = get_command(app).main(list(arguments), prog_name="drill-twin", standalone_mode=False)
-    except StoppedError as error:
-        return _fail(str(error), code=1)
     except DrillTwinError as error:
-        return _fail(str(error))
+        return _fail(str(error), error.exit_code)
     except BrokenPipeError:
         raise
     except (OSError, MemoryError) as error:

@@ -10,6 +10,7 @@ from typing import Annotated, Any, Literal
 import typer
 
 from drill_twin.core.errors import ArgumentError
+from drill_twin.core.numerals import whole_number
 
 
 def time_option(name: str, text: str, least: float = -math.inf, most: float = math.inf, *, shown: bool = True) -> Any:
@@ -185,7 +186,7 @@ def meshes(text: str, example: str) -> list[int]:
     Raises:
         ArgumentError: It is none.
     """
-    words = text.split(",")
-    if not all(word.strip().isdigit() and int(word) > 1 for word in words):
+    found = [count for word in text.split(",") if (count := whole_number(word.strip()) or 0) > 1]
+    if len(found) <= text.count(","):
         raise ArgumentError(f'--elements: expected numbers such as "{example}", found "{text}"')
-    return [int(word) for word in words]
+    return found

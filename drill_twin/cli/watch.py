@@ -4,7 +4,6 @@
 from __future__ import annotations
 
 import time
-import webbrowser
 from pathlib import Path
 from typing import Annotated
 
@@ -23,7 +22,7 @@ def watch(
     ] = None,
     port: Annotated[int, typer.Option(min=0, max=65535, help="Port of the page; 0: any free one.")] = 8000,
     host: Annotated[
-        str, typer.Option(help="Address on which the page is served. Commands need the token in the printed address.")
+        str, typer.Option(help="Address on which the page is served. Commands need the link that is printed.")
     ] = ("127.0.0.1"),
     allow_host: Annotated[
         list[str],
@@ -100,11 +99,9 @@ def _play(
         player.snapshot, player.on_request, history=player.state.history, host=host, port=port, allowed_hosts=allowed
     )
     with stop_request() as asked:
-        print(f"{bag} at {server.url}", flush=True)
-        if server.remote_url:
-            print(f"on other machines: {server.remote_url}", flush=True)
+        server.links.show(str(bag))
         if browser:
-            webbrowser.open(server.url)
+            server.links.open_browser()
         while not asked:
             time.sleep(0.1)
     server.close()

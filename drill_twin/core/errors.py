@@ -48,6 +48,9 @@ def words_cut(text: str) -> str:
 class DrillTwinError(Exception):
     """Base of all errors that the user can correct; the command line prints it on one line."""
 
+    exit_code = 2
+    """Exit code of a command that ends with it: 2 for an input, 1 for a run that stopped."""
+
     def __init__(self, message: str = "") -> None:
         super().__init__(printable(words_cut(message)))
 
@@ -77,6 +80,12 @@ class MessageError(DrillTwinError):
         super().__init__(shortened(message, 500))
 
 
+class NotFiniteError(MessageError):
+    """A result that is no finite number, and so is not sent: the run ends."""
+
+    exit_code = 1
+
+
 class RunError(DrillTwinError):
     """A run that cannot continue; the message names time, place and likely remedy."""
 
@@ -94,6 +103,8 @@ class StoppedError(RunError):
         node: Node at which it was largest.
         effect: Key of the effect that caused it; empty if none was identified.
     """
+
+    exit_code = 1
 
     def __init__(self, message: str, time: float, kind: str, node: int, effect: str) -> None:
         super().__init__(message)

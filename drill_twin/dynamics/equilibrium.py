@@ -12,8 +12,10 @@ in this shape then twist it. A rotating buckled string in a straight vertical ho
 whirl is part of the run.
 """
 
+from __future__ import annotations
+
 from collections.abc import Callable
-from typing import NamedTuple, Protocol
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -23,10 +25,12 @@ from drill_twin.dynamics.audit.energy import element_unknowns
 from drill_twin.dynamics.discretisation.discretise import axial_weight, sections_of
 from drill_twin.dynamics.discretisation.resolution import growth_time
 from drill_twin.dynamics.solver.spatial.assembly import FAR, NEAR
-from drill_twin.physics.model.discrete_model import DiscreteModel
 from drill_twin.physics.model.mesh import SPIN, Rod
 from drill_twin.scene import Scene
 from drill_twin.scene.set_points.command import Command
+
+if TYPE_CHECKING:
+    from drill_twin.dynamics.twin.dynamics import Dynamics
 
 TOLERANCE = 1e-6  # residual force at a node over the largest load
 FIRST_STEP = 0.5  # over the growth time of buckling: below 1, so that an unstable shape is left
@@ -40,21 +44,6 @@ PERTURBATION, TEST_PERTURBATION = 0.1, 0.05  # initial, and in the test of stabi
 TEST_STEPS = 200
 UNSTABLE_GROWTH = 1.5  # growth of the perturbation from which an equilibrium is unstable
 HALF_WAVES = 5  # of a perturbation
-
-
-class StringAtRest(Protocol):
-    """String at rest that takes pseudo-transient steps (`drill_twin.dynamics.twin.dynamics.Dynamics`)."""
-
-    @property
-    def unknowns(self) -> tuple[Array, Array]:
-        """Node rows (r, r', psi) and their velocities, shape (n + 1, 7) each."""
-
-    @property
-    def rod(self) -> Rod:
-        """The meshed string."""
-
-    def pseudo_transient_step(self, seconds: float) -> bool:
-        """Take a backward Euler step from rest to rest; False, with the state unchanged, if Newton's method fails."""
 
 
 class Equilibrium(NamedTuple):
@@ -80,7 +69,7 @@ def random_shape(arc: Array, random: np.random.Generator) -> tuple[Array, Array]
     return place, slope
 
 
-def find_equilibrium(string: StringAtRest, growth: float, load: float, seed: int) -> Equilibrium:
+def find_equilibrium(string: Dynamics, growth: float, load: float, seed: int) -> Equilibrium:
     """Move a string at rest to a stable equilibrium.
 
     Args:
@@ -106,14 +95,14 @@ def find_equilibrium(string: StringAtRest, growth: float, load: float, seed: int
         steps += TEST_STEPS
 
 
-def _perturb(string: StringAtRest, size: float, random: np.random.Generator) -> None:
+def _perturb(string: Dynamics, size: float, random: np.random.Generator) -> None:
     place, slope = random_shape(string.rod.arc, random)
     u, _ = string.unknowns
     u[:, 0:2] += size * place
     u[:, 3:5] += size * slope
 
 
-def _converge(string: StringAtRest, first: float, tolerance: float, most: int) -> tuple[float, int]:
+def _converge(string: Dynamics, first: float, tolerance: float, most: int) -> tuple[float, int]:
     u, _ = string.unknowns
     step, last, force, failures = first, np.inf, np.inf, 0
     for count in range(1, most + 1):
@@ -150,7 +139,7 @@ def _residual_force(rod: Rod, moved: Array, half: float) -> float:
     return float(np.linalg.norm(nodal, axis=1).max())
 
 
-def _is_stable(string: StringAtRest, step: float, size: float, random: np.random.Generator) -> bool:
+def _is_stable(string: Dynamics, step: float, size: float, random: np.random.Generator) -> bool:
     """Test whether a perturbation of the string does not grow; if so, the equilibrium is restored."""
     u, rod = string.unknowns[0], string.rod
     balance = u.copy()
@@ -188,19 +177,6 @@ NEWTON_TOLERANCE = 1e-6  # of Newton's method in the search, as `numerics.tolera
 INSTANT = 1e-3  # over the travel time of a torsional wave through an element
 
 
-class StartingDynamics(StringAtRest, Protocol):
-    """Dynamics at the first instant (`drill_twin.dynamics.twin.dynamics.Dynamics`)."""
-
-    scene: Scene
-    model: DiscreteModel
-
-    def begin(self, u: Array, v: Array, command: Command) -> None:
-        """Set state and set-points."""
-
-    def advance(self, target: Array, seconds: float) -> bool:
-        """Advance by a time [s] to the target set-points; False if that fails."""
-
-
 def static_scene(scene: Scene) -> Scene:
     """Scene with its load, without rotation, excitation and friction, starting from the axis."""
     rig, effects = scene.rig, scene.effects
@@ -224,7 +200,7 @@ def rotating_scene(scene: Scene) -> Scene:
     return scene.model_copy(update={"rig": rig.model_copy(update={**begun, "start": "axis"})})
 
 
-def start_in_equilibrium(dynamics: StartingDynamics, make: Callable[[Scene, Rod], StartingDynamics]) -> None:
+def start_in_equilibrium(dynamics: Dynamics, make: Callable[[Scene, Rod], Dynamics]) -> None:
     """Set the dynamics to static equilibrium under the first command, in rigid rotation.
 
     Args:
@@ -248,7 +224,7 @@ def start_in_equilibrium(dynamics: StartingDynamics, make: Callable[[Scene, Rod]
     dynamics.begin(u, v, command)
 
 
-def _static_twist(dynamics: StartingDynamics, u: Array, v: Array, command: Command) -> Array:
+def _static_twist(dynamics: Dynamics, u: Array, v: Array, command: Command) -> Array:
     """Static twist by the torques on the rotating string [rad], from its acceleration in a short step."""
     rod = dynamics.rod
     waves = np.sqrt(rod.torsion * rod.length / rod.spin_mass)

@@ -25,6 +25,7 @@ import numpy as np
 
 from drill_twin.core.arrays import Array
 from drill_twin.core.errors import BagError, MessageError, TableError, import_extra
+from drill_twin.core.numerals import number
 from drill_twin.gateway.quantities import QUANTITIES, TwinQuantities
 from drill_twin.gateway.signals import ShownSignal, read_signals, signals_path
 from drill_twin.io.bag.reader import Bag
@@ -222,7 +223,7 @@ def check_timeseries(path: Path) -> Iterator[Rule]:
         f"longest step {max(steps, default=math.nan):.3g} s",
     )
     for name, column in ((name, [row[k] for row in rows]) for k, name in enumerate(header) if k):
-        text = next((cell for cell in column if cell and not _is_number(cell)), "")
+        text = next((cell for cell in column if cell and number(cell.strip()) is None), "")
         if text:
             yield Rule("numbers only", False, f'{name}: "{text[:40]}"')
         elif name in SUGGESTED and not any(column):
@@ -255,10 +256,3 @@ def check_log(path: Path) -> Iterator[Rule]:
         "an index that increases", bool((index[1:] > index[:-1]).all()), f"{las.curves[0].mnemonic}, {index.size} rows"
     )
     yield Rule("curves", len(las.curves) > 1, f"{len(las.curves)}, without unit: {', '.join(units) or 'none'}")
-
-
-def _is_number(cell: str) -> bool:
-    try:
-        return math.isfinite(float(cell))
-    except ValueError:
-        return False

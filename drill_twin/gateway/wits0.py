@@ -14,11 +14,12 @@ import time
 from collections.abc import Iterator, Sequence
 from urllib.parse import urlsplit
 
+from drill_twin.core.numerals import number
 from drill_twin.gateway.rig_reader import PATIENCE, RefusedError, RigReader, SignalReading
 from drill_twin.gateway.signals import RigSignal
 
 BEGIN, END = "&&", "!!"
-_ABSENT = {"-9999", "-999.25", "-8888"}  # what rigs send for no value
+_ABSENT = {-9999.0, -999.25, -8888.0}  # what rigs send for no value, with any number of digits
 _LONGEST_LINE, _MOST_ITEMS = 256, 1000
 
 
@@ -92,9 +93,5 @@ class WitsReader(RigReader):
 
 def _number(text: str) -> float | str:
     """Value of an item; the text itself where it is no number, NaN where it stands for no value."""
-    if text in _ABSENT:
-        return math.nan
-    try:
-        return float(text)
-    except ValueError:
-        return text
+    found = number(text)
+    return text if found is None else math.nan if found in _ABSENT else found

@@ -13,7 +13,7 @@ from typing import Any
 
 from drill_twin.core.errors import DrillTwinError
 from drill_twin.io.messages.diagnostics import Level
-from drill_twin.live.plain import short
+from drill_twin.live.shown import short
 
 _MOST_EVENTS, _RECENT = 1000, 8
 _MOST_ALARMS = 100

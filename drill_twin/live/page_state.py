@@ -37,8 +37,7 @@ from drill_twin.io.messages.topics import (
     WHIRL_STATE,
 )
 from drill_twin.io.messages.whirl_encode import STRING_LEVEL, OnsetMessage, SubjectMotion, read_whirl_state
-from drill_twin.live.plain import number, rig_values, short
-from drill_twin.live.shown import shown_advice, shown_estimates, shown_map, shown_scene
+from drill_twin.live.shown import number, rig_values, short, shown_advice, shown_estimates, shown_map, shown_scene
 from drill_twin.live.sources import Sources, without_old_values
 from drill_twin.live.supervision import Supervision
 from drill_twin.report.quantities import string_weight

@@ -2,7 +2,8 @@
 """Web server of the live page: sends snapshots over a websocket, and receives requests of the sliders.
 
 One thread serves all browsers, a second one makes the snapshots and carries out requests. Clients and their queues are
-bounded; one that does not read is dropped. Requests can command a rig: those of a page with the token are taken.
+bounded; one that does not read is dropped. Requests can command a rig: those of a page with a right are taken
+(`drill_twin.live.access`).
 """
 
 from __future__ import annotations
@@ -28,11 +29,13 @@ from websockets.http11 import Request, Response
 from drill_twin.core.errors import DrillTwinError, RunError
 from drill_twin.core.files.json_files import JsonError, read_json
 from drill_twin.core.loopback import is_loopback
-from drill_twin.live.access import WILDCARDS, Access
+from drill_twin.live.access import READ_ONLY, TOO_LATE, WILDCARDS, Access, Links, url
 from drill_twin.live.page_files import file_response, page_files, response
 
 MOST_CLIENTS = 32
 """Open pages; the next is answered with 503."""
+KEPT = 4
+"""Places among them for pages that may command: readers get none of these, so that they lock nobody out."""
 MOST_CONNECTIONS = 128  # those that have not asked for anything yet included
 _PERIOD = 0.05  # s, between two snapshots
 _PATIENCE = 2.0  # s; for a client to read a snapshot, to ask after it has connected, and to leave at the end
@@ -74,18 +77,19 @@ class PageServer:
         """
         self._snapshot, self._on_request, self._access = snapshot, on_request, Access(allowed_hosts)
         self._history, self._files = history, page_files()
-        self._clients: set[ServerConnection] = set()
-        self.connections: set[ServerConnection] = set()
-        """Connections, those included that have not asked for anything."""
+        self._clients: dict[ServerConnection, bool] = {}  # with the cookie of a page that may command, or without
+        self.connections: dict[ServerConnection, None] = {}
+        """Connections, the oldest first, those included that have not asked for anything."""
         self._text, self._fresh = "{}", asyncio.Event()
         self._worker = ThreadPoolExecutor(1, thread_name_prefix="snapshots")
         listener = listening_socket(host, port, "the page", "--port")
         self.port: int = listener.getsockname()[1]
-        self.url = self._access.url(host, self.port)
-        """Address of the page on this machine, with the token that lets it command."""
-        remote = socket.gethostname() if host in WILDCARDS else host
-        self.remote_url = "" if is_loopback(listener.getsockname()[0]) else self._access.url(remote, self.port)
-        """The same for other machines; empty if they cannot connect."""
+        self.url = url(host, self.port)
+        """Address of the page on this machine, for reading."""
+        remote = url(socket.gethostname() if host in WILDCARDS else host, self.port)
+        own = is_loopback(listener.getsockname()[0])
+        self.links = Links(self._access, [self.url] if own else [self.url, remote])
+        """Links by which a page may command."""
         self._loop = asyncio.new_event_loop()
         self._over = asyncio.Event()
         self._thread = threading.Thread(target=self._run, args=(listener,), name="page", daemon=True)
@@ -102,6 +106,7 @@ class PageServer:
             self._loop.call_soon_threadsafe(self._over.set)
         self._thread.join(3.0 * _PATIENCE)
         self._worker.shutdown(wait=False, cancel_futures=True)
+        self.links.close()
 
     def _run(self, listener: socket.socket) -> None:
         with asyncio.Runner(loop_factory=lambda: self._loop) as runner:
@@ -133,6 +138,7 @@ class PageServer:
     async def _update(self) -> None:
         """Encode one snapshot for all clients, at a steady rate, while there are any."""
         while True:
+            self.links.tidy()
             if self._clients:
                 self._text = await self._loop.run_in_executor(self._worker, _encoded, self._snapshot)
                 before, self._fresh = self._fresh, asyncio.Event()
@@ -144,20 +150,27 @@ class PageServer:
         if refused is not None:
             return connection.respond(*refused)
         path = urlsplit(request.path).path
+        if path in {"/live", "/enter"} and self._access.is_foreign(request.headers):
+            return connection.respond(HTTPStatus.FORBIDDEN, "only the page of this server may ask\n")
         if path == "/live":
-            if self._access.is_foreign(request.headers):
-                return connection.respond(HTTPStatus.FORBIDDEN, "only the page of this server may ask\n")
-            if len(self._clients) >= MOST_CLIENTS:
-                return connection.respond(HTTPStatus.SERVICE_UNAVAILABLE, f"{MOST_CLIENTS} pages are open already\n")
-            self._clients.add(connection)
+            entered = self._access.has_cookie(request.headers)
+            most = MOST_CLIENTS if entered else MOST_CLIENTS - KEPT
+            if len(self._clients) >= most:
+                return connection.respond(HTTPStatus.SERVICE_UNAVAILABLE, f"{most} pages are open already\n")
+            self._clients[connection] = entered
             return None
+        if path == "/enter":
+            if cookie := self._access.enter(request.headers):
+                return response("text/plain", self._access.key.encode(), **{"Set-Cookie": cookie})
+            self.links.show_beside()
+            return connection.respond(HTTPStatus.FORBIDDEN, TOO_LATE)
         connection.close_timeout = _DOWNLOAD
         if path == "/history.json":
             text = await self._loop.run_in_executor(self._worker, _encoded, self._history)
             return response("application/json", text.encode())
         if path not in self._files:
             return connection.respond(HTTPStatus.NOT_FOUND, "the page is at /\n")
-        packed = "gzip" in request.headers.get("Accept-Encoding", "")
+        packed = "gzip" in ",".join(request.headers.get_all("Accept-Encoding"))
         return file_response(path, *self._files[path], packed=packed)
 
     async def _serve_connection(self, connection: ServerConnection) -> None:
@@ -183,22 +196,27 @@ class PageServer:
         async for request in connection:
             try:
                 content = _parsed(request)
-                if "token" in content:
-                    may = self._access.is_token(str(content["token"]))
+                if "key" in content:
+                    may = self._clients.get(connection, False) and self._access.is_key(content["key"])
                 if not may:
-                    raise DrillTwinError(
-                        "expected the token of this page; open the address that drill-twin watch printed"
-                    )
-                if "token" not in content:
+                    self.links.show_beside()
+                    raise DrillTwinError(READ_ONLY)
+                if "key" not in content:
                     await self._loop.run_in_executor(self._worker, self._on_request, content)
                 answer = ""
             except DrillTwinError as error:
                 answer = str(error)
             await _send(connection, json.dumps({"error": answer}))
 
+    def oldest(self) -> ServerConnection:
+        """Take the oldest connection that has no place off the list."""
+        found = next(one for one in self.connections if one not in self._clients)
+        del self.connections[found]
+        return found
+
     def forget(self, connection: ServerConnection) -> None:
         """Note that a client is gone."""
-        self._clients.discard(connection)
+        self._clients.pop(connection, None)
 
 
 class _Connection(ServerConnection):
@@ -209,11 +227,11 @@ class _Connection(ServerConnection):
         self._page = page
 
     def connection_made(self, transport: asyncio.BaseTransport) -> None:
-        """Drop one that is too many."""
+        """Drop the oldest without a place if it is too many: who asks at once is served, however many are silent."""
         super().connection_made(transport)
-        self._page.connections.add(self)
+        self._page.connections[self] = None
         if len(self._page.connections) > MOST_CONNECTIONS:
-            self.transport.abort()
+            self._page.oldest().transport.abort()
         self.loop.call_later(_PATIENCE, self._drop_silent)
 
     def _drop_silent(self) -> None:
@@ -222,7 +240,7 @@ class _Connection(ServerConnection):
 
     def connection_lost(self, exc: Exception | None) -> None:
         """Forget the client."""
-        self._page.connections.discard(self)
+        self._page.connections.pop(self, None)
         self._page.forget(self)
         super().connection_lost(exc)
 
@@ -256,7 +274,7 @@ def listening_socket(host: str, port: int, what: str, option: str) -> socket.soc
 
 
 def _parsed(request: str | bytes) -> Mapping[str, Any]:
-    """A request of the page: named finite numbers or booleans, or the token alone.
+    """A request of the page: named finite numbers or booleans, or the key alone.
 
     Raises:
         DrillTwinError: Anything else.
@@ -265,7 +283,7 @@ def _parsed(request: str | bytes) -> Mapping[str, Any]:
         content = read_json(request)
     except JsonError as error:
         raise DrillTwinError(f"expected JSON from the page, found {request[:40]!r}") from error
-    if isinstance(content, dict) and set(content) == {"token"} and isinstance(content["token"], str):
+    if isinstance(content, dict) and set(content) == {"key"} and isinstance(content["key"], str):
         return content
     if not isinstance(content, dict) or not all(
         isinstance(value, bool) or (isinstance(value, int | float) and math.isfinite(value))

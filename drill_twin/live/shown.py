@@ -1,18 +1,18 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Scene, advice, operating map and estimates on the live page, from messages of unknown origin."""
+"""Values, scene, advice, operating map and estimates on the live page, from messages of unknown origin."""
 
 from __future__ import annotations
 
 import math
 from typing import Any
 
-from drill_twin.core.errors import MessageError
+from drill_twin.core.errors import MessageError, printable
 from drill_twin.core.files.json_files import read_json
 from drill_twin.core.units.system import QUANTITIES
+from drill_twin.dynamics.twin.frame import RigState
 from drill_twin.io.messages.decode import JointState
 from drill_twin.io.messages.diagnostics import Level
 from drill_twin.io.scene_geometry import string_steps
-from drill_twin.live.plain import number, short
 from drill_twin.report.string_curve import well_geometry
 from drill_twin.scene import Scene
 from drill_twin.studies.estimation import SENSORS
@@ -22,6 +22,29 @@ from drill_twin.studies.maps.regimes import COLOURS
 SHOWN_STEPS = 64
 """Steps of the map along each range on the page; a finer one is shown at every second node, or fewer."""
 _MOST_STEPS = 1024
+
+
+def short(text: str, most: int = 300) -> str:
+    """Text of bounded length, without control characters."""
+    return printable(text[:most], keep="")
+
+
+def number(value: float) -> float | None:
+    """Number for JSON, which has no NaN."""
+    return float(value) if math.isfinite(value) else None
+
+
+def rig_values(state: RigState) -> dict[str, float]:
+    """Values of the rig by name [N, rev/s, N m, m/s]; no rate of penetration where the bit has not drilled."""
+    return {
+        "wob": state.bit_force,
+        "rps": state.top_drive_speed / math.tau,
+        "torque": state.top_drive_torque,
+        "bit_rps": state.bit_speed / math.tau,
+        "bit_torque": state.bit_torque,
+        "hookload": state.hookload,
+        "rop": state.rate_of_penetration if state.drilled > 0.0 else math.nan,
+    }
 
 
 def shown_advice(state: JointState) -> dict[str, Any]:

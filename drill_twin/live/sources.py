@@ -19,7 +19,7 @@ from drill_twin.io.messages.topics import (
     STRING_POSES,
     WHIRL_STATE,
 )
-from drill_twin.live.plain import short
+from drill_twin.live.shown import short
 
 _STREAMS = {
     **dict.fromkeys((STRING_POSES, MARKS_STATE, RIG_STATE), "simulator"),

@@ -6,7 +6,6 @@ The findings of the analyzer that ran with the twin are compared with those of t
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 from typing import Any
 
@@ -14,12 +13,13 @@ import numpy as np
 
 from drill_twin.core.arrays import Array
 from drill_twin.core.files.yaml_reader import YamlError, plain_yaml
+from drill_twin.core.numerals import number, whole_number
 from drill_twin.dynamics.twin.frame import COUNTS
 from drill_twin.io.messages.decode import read_string
 from drill_twin.io.messages.diagnostics import decode_diagnostics
 from drill_twin.io.messages.stamps import seconds, unpack_stamp
 from drill_twin.io.messages.whirl_encode import OnsetMessage, decode_onset
-from drill_twin.runs.monitor import RecordedRejections, is_count, recorded_sentences
+from drill_twin.runs.monitor import RecordedRejections, recorded_sentences
 
 _SIMULATORS = {"simulator", "twin"}
 
@@ -61,7 +61,7 @@ class RunLog:
             values = status.values
             if status.name.rpartition("/")[2] in _SIMULATORS and "realtime_factor" in values:
                 self._on_speed(values)
-                self.steps |= {key: int(values[key]) for key in COUNTS if is_count(values.get(key, ""))}
+                self.steps |= {key: n for key in COUNTS if (n := whole_number(values.get(key, ""))) is not None}
                 self.left_out = recorded_sentences(values)
                 self.guard.update(values)
                 if self.guard.energy:
@@ -69,11 +69,11 @@ class RunLog:
 
     def _on_speed(self, values: Mapping[str, str]) -> None:
         """Read the two speeds; before they had a name each, the real-time factor was that of the physics alone."""
-        factor = _finite(values["realtime_factor"])
+        factor = number(values["realtime_factor"])
         if "physics_speed" not in values:
             self.physics_speed = self.physics_speed if factor is None else factor
             return
-        speed = _finite(values["physics_speed"])
+        speed = number(values["physics_speed"])
         self.realtime_factor = self.realtime_factor if factor is None else factor
         self.physics_speed = self.physics_speed if speed is None else speed
 
@@ -98,15 +98,6 @@ def _run_block(text: str) -> dict[str, Any]:
     numbers = {key: run[key] for key in ("seed", "elements", "step_s") if isinstance(run.get(key), int | float)}
     words = {key: run[key] for key in ("version", "pace", "started") if isinstance(run.get(key), str)}
     return numbers | words | ({"effects": effects} if texts else {})
-
-
-def _finite(text: str) -> float | None:
-    """Number in a text; None if it is not a finite number."""
-    try:
-        value = float(text)
-    except ValueError:
-        return None
-    return value if math.isfinite(value) else None
 
 
 class LiveFindings:

@@ -15,12 +15,12 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from drill_twin.core.errors import DrillTwinError
+from drill_twin.core.numerals import whole_number
 from drill_twin.scene.paths import config_dir
 
 HIGHEST_DOMAIN = 101
 """Highest ROS_DOMAIN_ID whose ports stay below Linux's ephemeral range."""
 _HIGHEST_POSSIBLE = 232
-_LONGEST_NUMBER = 9  # digits
 
 
 def prepare() -> None:
@@ -53,9 +53,9 @@ def domain_of_environment() -> int | None:
     text = os.environ.get("ROS_DOMAIN_ID", "").strip()
     if not text:
         return None
-    if not text.isdecimal() or len(text) > _LONGEST_NUMBER or int(text) > _HIGHEST_POSSIBLE:
+    if (domain := whole_number(text)) is None or domain > _HIGHEST_POSSIBLE:
         raise DrillTwinError(f"ROS_DOMAIN_ID: expected a whole number from 0 to {_HIGHEST_POSSIBLE}, found {text!r}")
-    return int(text)
+    return domain
 
 
 class DomainClaim:

@@ -11,7 +11,6 @@ import argparse
 import math
 import threading
 import time
-import webbrowser
 from collections.abc import Mapping, Sequence
 from functools import partial
 from typing import Any, ClassVar
@@ -219,13 +218,11 @@ def run(arguments: Sequence[str], stop: StopRequest) -> None:
             allowed_hosts=given.allow_host,
         )
         try:
-            print(f"the twin of ROS_DOMAIN_ID={context.get_domain_id()} at {server.url}", flush=True)
-            if server.remote_url:
-                print(f"on other machines: {server.remote_url}", flush=True)
+            server.links.show(f"the twin of ROS_DOMAIN_ID={context.get_domain_id()}")
             if viewers is not None:
                 print(f"for Foxglove: {viewers.url}", flush=True)
             if not given.no_browser:
-                webbrowser.open(server.url)
+                server.links.open_browser()
             run_in_order(node, stop)
         finally:
             server.close()

@@ -7,6 +7,7 @@ from contextlib import suppress
 
 import numpy as np
 
+from drill_twin.core.numerals import whole_number
 from drill_twin.dynamics.twin.frame import EnergyBalance, Frames, RigState, StepStats
 from drill_twin.physics.model.section_stress import LARGEST_STRESS
 from drill_twin.scene import Scene
@@ -194,7 +195,6 @@ COUNT, NEW, STOP = "guard_interventions", "guard", "guard_stop"
 """Keys in the simulator's diagnostics: the count so far, those since the last report, and the reason of a stop."""
 LARGEST_REPORT = 20
 """Largest number of rejected frames that one report describes."""
-_LONGEST_COUNT = 18  # digits
 
 
 class RejectedSteps:
@@ -239,11 +239,6 @@ def energy_values(energy: EnergyBalance) -> dict[str, str]:
     return {f"{ENERGY}{key}": repr(float(value)) for key, value in values.items()}
 
 
-def is_count(text: str) -> bool:
-    """Check that a text is a count; Python refuses to convert texts of thousands of digits."""
-    return text.isdecimal() and len(text) <= _LONGEST_COUNT
-
-
 class RecordedRejections:
     """Rejected frames and energy balance of a recorded run, read from the simulator's diagnostics.
 
@@ -262,7 +257,8 @@ class RecordedRejections:
 
     def update(self, values: Mapping[str, str]) -> None:
         """Read the values of one report."""
-        self.count = int(values[COUNT]) if is_count(values.get(COUNT, "")) else self.count
+        count = whole_number(values.get(COUNT, ""))
+        self.count = self.count if count is None else count
         self.events += values[NEW].split(SEPARATOR) if values.get(NEW) else []
         self.stopped = values.get(STOP) or self.stopped
         found = {key.removeprefix(ENERGY): text for key, text in values.items() if key.startswith(ENERGY)}

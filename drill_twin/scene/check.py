@@ -10,17 +10,18 @@ import math
 from collections.abc import Callable, Iterator
 from contextlib import suppress
 from functools import partial
-from typing import Any, Protocol, get_args
+from typing import TYPE_CHECKING, Any, get_args
 
-from drill_twin.core.units.system import UnitSystem
 from drill_twin.physics.effects.config import BitReaction, EffectConfig, Incompatibility
 from drill_twin.scene.blocks.effects import Effects
 from drill_twin.scene.blocks.hole import Hole
-from drill_twin.scene.blocks.numerics import Numerics
 from drill_twin.scene.blocks.rig import Rig
 from drill_twin.scene.blocks.section import Section
-from drill_twin.scene.blocks.sensors import Sensors, Sub, Surface
+from drill_twin.scene.blocks.sensors import Sub, Surface
 from drill_twin.scene.blocks.string import String
+
+if TYPE_CHECKING:
+    from drill_twin.scene.schema import Scene
 
 TOGETHER = ("stretch", "torsion")
 """Effects that are listed both or not at all: the spatial formulation, or the lateral one."""
@@ -28,38 +29,6 @@ LARGEST_STRAIN = 0.05
 """Largest axial strain under the load [-]: steel yields at 0.5 %, polyamide at 3 %."""
 EVEN = 1e-4
 """Largest share by which frames in a sample of an instrument may differ from a whole number [-]."""
-
-
-class SceneParts(Protocol):
-    """The parts of a scene (`drill_twin.scene.Scene`)."""
-
-    @property
-    def string(self) -> String:
-        """The drillstring and its marks."""
-
-    @property
-    def hole(self) -> Hole:
-        """The hole."""
-
-    @property
-    def rig(self) -> Rig:
-        """Set-points and duration."""
-
-    @property
-    def effects(self) -> Effects:
-        """Effects to simulate."""
-
-    @property
-    def numerics(self) -> Numerics:
-        """Resolution."""
-
-    @property
-    def sensors(self) -> Sensors | None:
-        """Simulated measurements, if any."""
-
-    @property
-    def unit_system(self) -> UnitSystem:
-        """Units in which people read the scene."""
 
 
 class UnknownPartError(Exception):
@@ -74,7 +43,7 @@ class UnknownPart:
         raise UnknownPartError(name)
 
 
-def contradictions(scene: SceneParts) -> Iterator[Incompatibility]:
+def contradictions(scene: Scene) -> Iterator[Incompatibility]:
     """Yield all contradictions between the parts of a scene; checks that meet an UnknownPart end early.
 
     Args:
@@ -104,7 +73,7 @@ NEED_LATERAL = ("fatigue", "top_shake")
 """Effects that need lateral motion of the whole string."""
 
 
-def _may_follow_the_hole(scene: SceneParts) -> Iterator[Incompatibility]:
+def _may_follow_the_hole(scene: Scene) -> Iterator[Incompatibility]:
     numerics, effects = scene.numerics, scene.effects
     depth = numerics.lateral_from
     if depth == 0.0:
@@ -135,7 +104,7 @@ def _blocks(effects: Effects) -> list[tuple[str, EffectConfig]]:
         return []
 
 
-def _effect_fits(key: str, block: EffectConfig, scene: SceneParts) -> Iterator[Incompatibility]:
+def _effect_fits(key: str, block: EffectConfig, scene: Scene) -> Iterator[Incompatibility]:
     for place, text in block.check_against(scene):
         yield Incompatibility(("effects", key, *place), text)
 
@@ -240,7 +209,7 @@ def _top_can_turn(rig: Rig, effects: Effects) -> Iterator[Incompatibility]:
         )
 
 
-def _sensors_fit(scene: SceneParts) -> Iterator[Incompatibility]:
+def _sensors_fit(scene: Scene) -> Iterator[Incompatibility]:
     if scene.sensors is None:
         return
     string, surface = scene.string, scene.sensors.surface

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from drill_twin.core.errors import SceneError
 from drill_twin.core.files.yaml_reader import YamlError, plain_yaml
+from drill_twin.core.numerals import number, whole_number
 from drill_twin.scene.lines import Lines, is_effect
 
 if TYPE_CHECKING:
@@ -22,8 +23,7 @@ SHORTHANDS = {
 }
 """Short name -> its key and the unit of a bare number."""
 
-_BARE = re.compile(r"[+-]?(\d+(\.\d*)?|\.\d+)([eE][+-]?\d+)?")
-_LONGEST_KEY, _LONGEST_INDEX = 300, 9  # characters, digits
+_LONGEST_KEY = 300  # characters
 _INDEX = re.compile(r"\[(\w+)\]")
 
 
@@ -76,7 +76,7 @@ def _expand(lines: Lines, key: str, given: float | str) -> tuple[str, float | st
 
 def _is_bare(given: float | str) -> bool:
     """True for a number in text, without a unit."""
-    return isinstance(given, str) and bool(_BARE.fullmatch(given.strip()))
+    return isinstance(given, str) and number(given.strip()) is not None
 
 
 def _value(lines: Lines, key: str, text: str) -> Any:
@@ -116,8 +116,8 @@ def _item(inside: Any, part: str) -> str | int | None:
     if isinstance(inside, dict):
         return part
     if isinstance(inside, list):
-        if part.isdecimal() and len(part) <= _LONGEST_INDEX and int(part) < len(inside):
-            return int(part)
+        if (index := whole_number(part)) is not None and index < len(inside):
+            return index
         names = [item.get("name") if isinstance(item, dict) else None for item in inside]
         return names.index(part) if part in names else None
     return None

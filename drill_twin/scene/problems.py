@@ -11,6 +11,7 @@ from pydantic_core import ErrorDetails
 
 from drill_twin.core.errors import SceneError
 from drill_twin.core.units import Quantity, show
+from drill_twin.physics.effects import LEFT_OUT
 from drill_twin.scene.lines import Lines, Path
 
 _MOST_EXPLAINED = 100
@@ -60,6 +61,8 @@ def _explanation(detail: ErrorDetails, place: Path, model: type[BaseModel]) -> s
     if kind == "extra_forbidden":
         known = _keys(model, place[:-1])
         key = str(place[-1])
+        if len(place) == 2 and place[0] == "effects" and key in LEFT_OUT:
+            return f'expected an effect that can be run, found "{key}", which is left out: {LEFT_OUT[key]}'
         effects = _keys(model, ("effects",)) if len(place) == 1 else []
         within = [f"effects.{one}" for one in effects if one == key]
         within += [f"effects.{one}.{key}" for one in effects if key in _keys(model, ("effects", one))]

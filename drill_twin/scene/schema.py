@@ -6,6 +6,7 @@ from typing import Annotated, Literal, NamedTuple, Self
 import numpy as np
 from pydantic import Field, model_validator
 
+from drill_twin.core.numerals import whole_number
 from drill_twin.core.units.system import UnitSystem, unit_system
 from drill_twin.scene.blocks.effects import Effects
 from drill_twin.scene.blocks.hole import Hole
@@ -154,7 +155,7 @@ def _reached(scene: Scene, key: str) -> object:
     found: object = scene
     for part in key.split("."):
         if isinstance(found, tuple):
-            found = found[int(part)] if part.isdigit() and int(part) < len(found) else None
+            found = None if (k := whole_number(part)) is None or k >= len(found) else found[k]
         else:
             found = getattr(found, part, None)
     return found

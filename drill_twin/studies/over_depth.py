@@ -13,6 +13,7 @@ from matplotlib.figure import Figure
 
 from drill_twin.core.arrays import Array
 from drill_twin.core.errors import ArgumentError, TableError
+from drill_twin.core.numerals import number
 from drill_twin.core.table import Table
 from drill_twin.core.units.dimension import FORCE, LENGTH, TORQUE
 from drill_twin.core.units.parse import name_and_unit
@@ -55,11 +56,9 @@ def coefficients(text: str) -> list[float]:
     Raises:
         ArgumentError: It is none of them.
     """
-    try:
-        found = parse_range("--friction", text).points(5) if ".." in text else [*map(float, text.split(","))]
-    except ValueError:
-        found = []
-    if not (0 < len(found) <= MOST and all(0.0 <= value <= LARGEST for value in found)):
+    words = [number(word.strip()) for word in text.split(",")]
+    found = parse_range("--friction", text).points(5) if ".." in text else [one for one in words if one is not None]
+    if not (len(words) <= len(found) <= MOST and all(0.0 <= value <= LARGEST for value in found)):
         raise ArgumentError(
             f'--friction: expected at most {MOST} coefficients from 0 to {LARGEST:g} such as "0.15..0.35:5" or '
             f'"0.2,0.3", found "{text}"'

@@ -62,10 +62,10 @@ def target(tmp_path_factory):
     return folder / "site"
 
 
-def python(target: Path, code: str) -> str:
+def python(target: Path, code: str, warnings: str = "error") -> str:
     paths = os.pathsep.join((str(target), str(ROOT)))
     done = subprocess.run(
-        [sys.executable, "-W", "error::UserWarning", "-c", code],
+        [sys.executable, "-W", f"{warnings}::UserWarning", "-c", code],
         env={**os.environ, "PYTHONPATH": paths},
         cwd=target,
         capture_output=True,
@@ -155,6 +155,89 @@ for name in ("no such", "clearance"):
 
 def test_a_package_is_imported_only_for_its_command(target):
     assert python(target, LOADED).split() == ["False", "True"]
+
+
+LISTED = """
+from drill_twin.physics.effects import EFFECTS, LEFT_OUT
+import drill_twin as dt
+print("lateral_spring" in EFFECTS, LEFT_OUT.get("lateral_spring", ""), sep=": ")
+try:
+    dt.load_scene("pa6_bench", overrides={"effects.lateral_spring.stiffness": "1 kN/m^2"})
+except dt.SceneError as error:
+    print(error)
+"""
+
+
+def test_a_misspelled_function_is_refused_with_the_nearest_name(target, tmp_path):
+    site = shutil.copytree(target, tmp_path / "site")
+    file = site / "drill_twin_example" / "lateral_spring.py"
+    text = file.read_text("utf-8")
+    file.write_text(text.replace("def distributed_load(", "def distributed_loads("), "utf-8")
+    listed, refused = python(site, LISTED, warnings="ignore").splitlines()
+    said = 'found "distributed_loads", which nothing calls, did you mean "distributed_load"?'
+    assert listed.startswith(f"False: {said}")
+    assert 'effects.lateral_spring: expected an effect that can be run, found "lateral_spring"' in refused
+    assert f"which is left out: {said}" in refused
+
+
+HELPERS = """
+
+def stiffness_of(block):
+    return block.stiffness
+
+def _distributed_loads(block):
+    return block.stiffness
+
+def distributed_load_soft(parameters, rod, here, half_step, load, stiff):
+    pass
+"""
+
+
+def test_helpers_and_variants_may_have_their_names(target, tmp_path):
+    site = shutil.copytree(target, tmp_path / "site")
+    with (site / "drill_twin_example" / "lateral_spring.py").open("a", encoding="utf-8") as file:
+        file.write(HELPERS)
+    assert python(site, LISTED) == "True: \n"
+
+
+VARIANT = """
+from drill_twin.dynamics.discretisation.kernel_arguments import variants_of
+try:
+    print(variants_of(scene))
+except dt.RunError as error:
+    print(error)
+"""
+SOFT = """    @property
+    def variant(self) -> str:
+        return "soft"
+
+    stiffness: Annot"""
+
+
+@pytest.mark.parametrize(("defined", "said"), [("soft", "'lateral_spring:soft'"), ("sfot", "distributed_load_soft")])
+def test_a_variant_without_a_function_is_refused(target, tmp_path, defined, said):
+    """It would be the default law, in silence."""
+    site = shutil.copytree(target, tmp_path / "site")
+    file = site / "drill_twin_example" / "lateral_spring.py"
+    text = file.read_text("utf-8").replace("    stiffness: Annot", SOFT) + HELPERS.replace("_soft(", f"_{defined}(")
+    file.write_text(text, "utf-8")
+    assert said in python(site, SCENE + VARIANT)
+
+
+@pytest.mark.parametrize(
+    ("made", "code"), [("check_finite('/marks/state', np.array([np.nan]))", 1), ("read_clock(b'12')", 2)]
+)
+def test_a_result_that_is_not_finite_is_no_wrong_input(target, tmp_path, made, code):
+    site = shutil.copytree(target, tmp_path / "site")
+    info = site / "odd-1.0.dist-info"
+    info.mkdir()
+    (info / "METADATA").write_text("Metadata-Version: 2.1\nName: odd\nVersion: 1.0\n", "utf-8")
+    (info / "entry_points.txt").write_text("[drill_twin.commands]\nodd = odd_module:odd\n", "utf-8")
+    lines = ["import numpy as np", "from drill_twin.io.messages.decode import read_clock",
+             "from drill_twin.io.messages.finite import check_finite", "def odd() -> None:", f"    {made}"]  # fmt: skip
+    (site / "odd_module.py").write_text("\n".join(lines), "utf-8")
+    done = said(site, "study", "odd")
+    assert (done.returncode, done.stderr.count("\n")) == (code, 1), done.stderr
 
 
 ALL_BROKEN = """

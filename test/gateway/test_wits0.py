@@ -96,6 +96,20 @@ def test_a_rig_is_read_in_si_and_read_again_after_it_was_gone(rig, reader):
     assert reader.checked()[WOB].value == pytest.approx(50000.0)
 
 
+@pytest.mark.parametrize("text", ["2_0", "inf", "nan", "0x10", "1e", "2,5", "x"])
+def test_what_python_alone_takes_for_a_number_is_none(rig, reader, text):
+    rig.send(f"&&\r\n0116{text}\r\n011812.5\r\n!!\r\n")
+    _until(lambda: not reader.checked()[TORQUE].fault)
+    assert reader.checked()[WOB].fault == "expected a number, found str"
+
+
+@pytest.mark.parametrize("text", ["-999.25", "-999.2500", "-9999", "-9999.0", "-9999.00", "-8888.000", "-9.999e3"])
+def test_no_value_is_known_by_its_number(rig, reader, text):
+    rig.send(f"&&\r\n0116{text}\r\n011812.5\r\n!!\r\n")
+    _until(lambda: not reader.checked()[TORQUE].fault)
+    assert reader.checked()[WOB].fault == "expected a finite number, found nan"
+
+
 def test_what_is_no_wits_is_told(rig, reader):
     rig.send("x" * 2000)
     _until(lambda: "expected lines of WITS" in reader.fault)

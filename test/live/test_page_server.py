@@ -1,122 +1,20 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The server of the page under hostile clients: who may open it, who may command, and what many or slow ones cost."""
+"""The server of the page under hostile clients: who may open it, and what many or slow ones cost."""
 
 import http.client
 import json
 import socket
 import threading
 import time
-from contextlib import ExitStack, contextmanager, suppress
+from contextlib import ExitStack
 
 import pytest
+from served_page import UPGRADE, answer, ask, commanding
 from websockets.exceptions import InvalidStatus
 from websockets.sync.client import connect
 
 from drill_twin.core.errors import DrillTwinError, RunError
-from drill_twin.live.access import Access
-from drill_twin.live.server import MOST_CLIENTS, MOST_CONNECTIONS, PageServer
-
-PICTURE = {"scene": None, "text": "x" * 20_000}
-UPGRADE = (
-    "Upgrade: websocket",
-    "Connection: Upgrade",
-    "Sec-WebSocket-Version: 13",
-    "Sec-WebSocket-Key: AAAAAAAAAAAAAAAAAAAAAA==",
-)
-
-
-class Served:
-    """A server and the requests that reached it."""
-
-    def __init__(self, **options):
-        self.requests = []
-        self.server = PageServer(lambda: PICTURE, self.requests.append, port=0, **options)
-        self.place = self.server.url.split("/")[2]
-        self.live = f"ws://{self.place}/live"
-        self.token = self.server.url.partition("#token=")[2]
-
-    def raw(self, *lines):
-        """Status of a request given line by line."""
-        with socket.create_connection(("127.0.0.1", self.server.port), 10.0) as client:
-            client.sendall(("\r\n".join(lines) + "\r\n\r\n").encode())
-            return int(client.makefile("rb").readline().split()[1])
-
-    def upgrade(self):
-        """A request for the websocket, by a client that may then read nothing."""
-        lines = ("GET /live HTTP/1.1", f"Host: {self.place}", *UPGRADE, "", "")
-        return "\r\n".join(lines).encode()
-
-
-@pytest.fixture
-def serve():
-    served = []
-
-    def make(**options):
-        served.append(Served(**options))
-        return served[-1]
-
-    yield make
-    for one in served:
-        begun = time.monotonic()
-        one.server.close()
-        assert time.monotonic() - begun < 4.0
-
-
-@contextmanager
-def commanding(page):
-    """A client of the websocket that has shown the token."""
-    with connect(page.live) as client:
-        client.send(json.dumps({"token": page.token}))
-        assert answer(client) == ""
-        yield client
-
-
-def answer(client):
-    """The first answer to a request, among the pictures."""
-    while "error" not in (said := json.loads(client.recv(timeout=10.0))):
-        pass
-    return said["error"]
-
-
-@contextmanager
-def forwarder(to):
-    """A proxy on this machine, such as one for TLS: passes bytes on from another port, which it yields."""
-
-    def serve_one(client):
-        with client, socket.create_connection(("127.0.0.1", to), 10.0) as server:
-            back = threading.Thread(target=pump, args=(server, client), daemon=True)
-            back.start()
-            pump(client, server)
-            back.join()
-
-    def pump(source, sink):
-        with suppress(OSError):
-            while more := source.recv(65536):
-                sink.sendall(more)
-            sink.shutdown(socket.SHUT_WR)
-
-    def accept():
-        with suppress(OSError):
-            while True:
-                threading.Thread(target=serve_one, args=(listener.accept()[0],), daemon=True).start()
-
-    with socket.create_server(("127.0.0.1", 0)) as listener:
-        threading.Thread(target=accept, daemon=True).start()
-        yield listener.getsockname()[1]
-        listener.shutdown(socket.SHUT_RDWR)
-
-
-def raw_websocket(port, headers):
-    """A websocket whose headers are these."""
-    given = {name: value for name, value in headers.items() if name != "Host"}
-    return connect(
-        f"ws://{headers['Host']}/live", additional_headers=given, sock=socket.create_connection(("127.0.0.1", port))
-    )
-
-
-def ask(client, request):
-    client.send(json.dumps(request))
-    return answer(client)
+from drill_twin.live.server import KEPT, MOST_CLIENTS, MOST_CONNECTIONS, PageServer
 
 
 @pytest.mark.parametrize("host", ["127.0.0.1", "0.0.0.0", "127.0.0.2", "localhost"])  # noqa: S104
@@ -174,66 +72,12 @@ def test_headers_given_twice_or_not_at_all_are_bad_requests(serve):
     assert page.raw("GET / HTTP/1.1", host) == 200
 
 
-def test_only_the_token_is_the_token():
-    access = Access()
-    assert access.is_token(access.token)
-    for other in ("", access.token[:-1], access.token + "x", "\xe4", "\ud800", "x" * 10_000):
-        assert not access.is_token(other)
-    assert Access().token != access.token
-
-
-def test_commands_from_this_machine_need_the_token_as_those_of_a_proxy_on_it_do(serve):
-    page = serve(allowed_hosts=["rig.example"])
-    with forwarder(page.server.port) as port:
-        for place, headers in (
-            (page.server.port, {}),
-            (port, {}),
-            (port, {"X-Forwarded-For": "127.0.0.1", "Forwarded": "for=127.0.0.1"}),
-            (port, {"Host": "rig.example", "Origin": "http://rig.example"}),
-        ):
-            named = {"Host": f"127.0.0.1:{place}", **headers}
-            with raw_websocket(place, named) as client:
-                for said in (
-                    {"wob": 50}, {"reset": True}, {"token": "guess"}, {"wob": 17.0}, {"token": ""},
-                    {"token": page.token, "wob": 50}, {"token": [page.token]}, {"token": page.token[:-1]}, {"wob": 33},
-                ):  # fmt: skip
-                    assert ask(client, said).startswith("expected "), said
-            assert not page.requests
-        with raw_websocket(port, {"Host": f"127.0.0.1:{port}"}) as client:
-            assert ask(client, {"token": page.token}) == ""
-            assert ask(client, {"wob": 60}) == ""
-            assert ask(client, {"token": "guess"}).startswith("expected the token")  # a wrong one takes the right away
-            assert ask(client, {"wob": 70}).startswith("expected the token")
-    assert page.requests == [{"wob": 60}]
-
-
-def test_neither_the_query_of_an_address_nor_a_header_holds_the_token(serve):
-    page = serve()
-    for query in (f"?token={page.token}", f"?{page.token}"):
-        with connect(page.live + query) as client:
-            client.send('{"wob": 50}')
-            assert answer(client).startswith("expected the token")
-    sent = []
-    with socket.create_connection(("127.0.0.1", page.server.port), 10.0) as client:
-        client.sendall(f"GET / HTTP/1.1\r\nHost: {page.place}\r\n\r\n".encode())
-        while more := client.recv(65536):
-            sent.append(more)
-    told = b"".join(sent)
-    assert b"no-referrer" in told
-    assert page.token.encode() not in told
-    assert not page.requests
-
-
-def test_a_local_server_has_no_address_for_others(serve):
-    assert serve().server.remote_url == ""
-    assert "#token=" in serve(host="0.0.0.0").server.remote_url  # noqa: S104
-
-
-def test_many_clients_share_two_threads_and_the_next_is_refused(serve):
+def test_many_clients_share_two_threads_and_places_are_kept_for_those_that_may_command(serve):
     page = serve()
     before = threading.active_count()
     with ExitStack() as stack:
-        clients = [socket.create_connection(("127.0.0.1", page.server.port), 10.0) for _ in range(MOST_CLIENTS)]
+        readers = MOST_CLIENTS - KEPT
+        clients = [socket.create_connection(("127.0.0.1", page.server.port), 10.0) for _ in range(readers)]
         for client in clients:
             stack.enter_context(client)
             client.sendall(page.upgrade())
@@ -242,6 +86,13 @@ def test_many_clients_share_two_threads_and_the_next_is_refused(serve):
         with pytest.raises(InvalidStatus, match="503"):
             connect(page.live)
         assert page.raw("GET / HTTP/1.1", f"Host: {page.place}") == 200
+        for _ in range(KEPT):
+            client = stack.enter_context(commanding(page))
+            assert ask(client, {"wob": 50}) == ""
+        _, cookie, _ = page.enter()
+        with pytest.raises(InvalidStatus, match="503"):
+            connect(page.live, additional_headers={"Cookie": cookie})
+    assert page.requests == KEPT * [{"wob": 50}]
     end = time.monotonic() + 20.0
     while time.monotonic() < end:
         try:

@@ -28,7 +28,7 @@ def page(bench_run, browse):
     player = Player(bench_run.bag)
     server = PageServer(player.snapshot, player.on_request, history=player.state.history, port=0)
     try:
-        browser = browse(server.url)
+        browser = browse(server.links.new())
         until(lambda: browser.picture("picture.nodes.length > 0 && picture.time > 2.9"), "the end of the recording")
         yield browser, player
     finally:

@@ -7,6 +7,7 @@ import re
 import signal
 import sys
 import time
+import urllib.request
 from contextlib import contextmanager
 
 import pytest
@@ -21,15 +22,18 @@ STEADY = "rig.weight_on_bit.duration=0.1 s; rig.rotation.duration=0.1 s"
 
 
 def _served(process):
-    return until(lambda: re.search(r"http://[\d.]+:\d+/#token=\S+", process.text), f"the page:\n{process.text}")[0]
+    """The last link that was printed."""
+    return until(lambda: re.findall(r"http://[\d.]+:\d+/#code=\S+", process.text), f"the page:\n{process.text}")[-1]
 
 
 @contextmanager
 def _commanding(url):
     """Websocket of a page, by which it may command."""
-    page, _, token = url.partition("#token=")
-    with connect(page.replace("http", "ws") + "live") as socket:
-        socket.send(json.dumps({"token": token}))
+    page, _, code = url.partition("#code=")
+    with urllib.request.urlopen(urllib.request.Request(f"{page}enter", headers={"X-Code": code})) as answer:  # noqa: S310
+        cookie, key = answer.headers["Set-Cookie"].partition(";")[0], answer.read().decode()
+    with connect(page.replace("http", "ws") + "live", additional_headers={"Cookie": cookie}) as socket:
+        socket.send(json.dumps({"key": key}))
         while json.loads(socket.recv(timeout=10.0)).get("error") != "":
             pass
         yield socket
@@ -224,7 +228,7 @@ def test_the_page_of_a_bag_plays_stops_and_goes_to_a_time(bench, browse, small_b
     page = bench.command("page", command)
     browser = browse(_served(page))
     until(lambda: browser.picture("picture.nodes.length > 0"), "the picture")
-    assert browser.value("location.href") == _served(page).partition("#")[0]  # without the token
+    assert browser.value("location.href") == _served(page).partition("#")[0]  # without the code
     assert browser.value("document.referrer") == ""
     assert browser.value("document.getElementById('rig').hidden") is True
     assert browser.text("name") == "pa6_bench"

@@ -82,7 +82,9 @@ def as_python(function: Any) -> Callable[..., Any]:
     """A kernel as Python, with all kernels that it calls: to call it outside of compiled code."""
     source = function.py_func
     known = {name: source.__globals__.get(name) for name in source.__code__.co_names}
-    called = {name: as_python(value) for name, value in known.items() if isinstance(value, Dispatcher)}
+    called = {  # `along` reads a field of its own name, and calls nothing of that name
+        name: as_python(value) for name, value in known.items() if isinstance(value, Dispatcher) and value != function
+    }
     named = {**source.__globals__, **called}
     bound = [cell.cell_contents for cell in source.__closure__ or ()]
     cells = tuple(CellType(as_python(value) if isinstance(value, Dispatcher) else value) for value in bound)

@@ -8,11 +8,13 @@ texts.
 
 from __future__ import annotations
 
+import re
 from typing import Any
 
 import yaml
 
 from drill_twin.core.errors import DrillTwinError
+from drill_twin.core.numerals import NUMBER
 
 LARGEST_TEXT = 1_000_000
 """Characters of a text."""
@@ -29,6 +31,7 @@ Place = tuple[str | int, ...]
 """Place of a value in the data: keys and list indices."""
 
 _Loader: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
+_NUMBER = re.compile(rf"(?![+-]?0\d){NUMBER}|[+-]?\.(inf|nan)", re.ASCII | re.IGNORECASE)
 _SCALARS = {
     f"tag:yaml.org,2002:{kind}": kind for kind in ("str", "int", "float", "bool", "null", "timestamp", "merge", "value")
 }
@@ -143,8 +146,9 @@ class _Reader:
         return self.scalar(node)
 
     def scalar(self, node: yaml.Node) -> Any:
-        """Number, truth value or nothing; the text where it is none, or an integer too large for a float."""
-        if len(node.value) > _LONGEST_NUMBER:
+        """Number, truth value or nothing; else the text, also of what YAML 1.1 reads as 010 in eights, 1_0 or 1:30."""
+        unread = _SCALARS[node.tag] in {"int", "float"} and not _NUMBER.fullmatch(node.value)
+        if unread or len(node.value) > _LONGEST_NUMBER:
             return node.value
         try:
             value = self.scalars.construct_object(node)

@@ -9,6 +9,7 @@ import math
 import re
 from functools import cache
 
+from drill_twin.core.numerals import NUMBER
 from drill_twin.core.units.dimension import DIMENSIONLESS, DIMENSIONS, Dimension
 from drill_twin.core.units.registry import (
     UNIT_NAMES,
@@ -20,11 +21,10 @@ from drill_twin.core.units.registry import (
     tidy,
 )
 
-_NUMBER = r"[+-]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][+-]?\d+)?"
-_FRACTION = r"(?:\s+(\d+)/(\d+)|/(\d+))?"
+_FRACTION = r"(?:\s+(\d{1,9})/(\d{1,9})|/(\d{1,9}))?"
 _MARKS = {'"': "in", "″": "in", "”": "in", "'": "ft", "′": "ft", "’": "ft"}
 """Units by their signs, as in `8 1/2"`."""
-_QUANTITY = re.compile(rf"\s*({_NUMBER}){_FRACTION}(?:(?<=[\d.])|\s)\s*([^\d\s.+-].*)?", re.DOTALL | re.ASCII)
+_QUANTITY = re.compile(rf"\s*({NUMBER}){_FRACTION}(?:(?<=[\d.])|\s)\s*([^\d\s.+-].*)?", re.DOTALL | re.ASCII)
 
 
 def parse(text: str, dimension: Dimension) -> float:

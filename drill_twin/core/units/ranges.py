@@ -52,7 +52,7 @@ def parse_range(name: str, text: str) -> Range:
         (first, begin), (last, end) = split(low, DIMENSIONLESS), split(high, DIMENSIONLESS)
     except UnitError:
         first, begin, last, end = math.nan, "", math.nan, ""
-    ordered = first < last or (first == last and number == 1)
+    ordered = -math.inf < first < last < math.inf or (first == last and number == 1)
     if not (dots and ordered and begin in {"", end} and (number or not counted) and number <= 10_000):
         raise ArgumentError(
             f'{name}: expected LO..HI or LO..HI:N with LO below HI and a unit, such as "1..300 N", '

@@ -81,16 +81,14 @@ def assembly_modes(
     coarse = lateral_modes(first, fastest)
     moved = lateral_modes(assembly_of(scene, command, fastest, resting, above=MOVED), fastest)
     assembly = assembly_of(scene, command, fastest, resting, finer=2)
-    kept: list[Mode] = []
+    kept: dict[int, Mode] = {}
     fine = lateral_modes(assembly, fastest)
     for mode in coarse:
-        away = _change(mode, moved)
-        if fine and abs(away) < STAYS * abs(mode.eigenvalue):
-            change = _change(mode, fine)
-            same = next(other for other in fine if other.eigenvalue == mode.eigenvalue + change)
-            if all(same.eigenvalue != other.eigenvalue for other in kept):
-                kept.append(same._replace(number=len(kept) + 1, change=change, cut_change=away))
-    return first, assembly, kept
+        _, away = _nearest(mode, moved)
+        same, change = _nearest(mode, fine)
+        if abs(away) < STAYS * abs(mode.eigenvalue) and same >= 0 and same not in kept:
+            kept[same] = fine[same]._replace(number=len(kept) + 1, change=change, cut_change=away)
+    return first, assembly, list(kept.values())
 
 
 def critical_ranges(table: ModeTable) -> list[list[float]]:
@@ -120,7 +118,7 @@ def table_of(scene: Scene, command: Command, fastest: float, resting: Resting, c
     if command.rotation == 0.0:
         raise RunError(
             "expected a rotation for the modes of an assembly that lies on the wall, found 0 rad/s: friction holds a "
-            "string that does not turn; give --rpm or --rpm"
+            "string that does not turn; give one, such as --rpm 120"
         )
     coarse, assembly, lateral = assembly_modes(scene, command, fastest, resting)
     whole, equations = Pencil(*coarse.linearised(command.rotation).sparse), coarse.equations
@@ -132,7 +130,7 @@ def table_of(scene: Scene, command: Command, fastest: float, resting: Resting, c
     return ModeTable(balance, False, kept, growing, creeping, reach, assembly)
 
 
-def _change(mode: Mode, others: list[Mode]) -> complex:
-    """Change to the nearest eigenvalue; NaN where there is none."""
-    changes = (other.eigenvalue - mode.eigenvalue for other in others)
-    return min(changes, key=abs, default=complex(math.nan, math.nan))
+def _nearest(mode: Mode, others: list[Mode]) -> tuple[int, complex]:
+    """Index of the mode with the nearest eigenvalue, and the change to it; -1 and NaN where there is none."""
+    changes = ((number, other.eigenvalue - mode.eigenvalue) for number, other in enumerate(others))
+    return min(changes, key=lambda pair: abs(pair[1]), default=(-1, complex(math.nan, math.nan)))

@@ -38,16 +38,7 @@ from typing import Any, cast
 from drill_twin.core.compile import kernel_cache
 from drill_twin.dynamics.solver.parameter_records import fields_read, record_name
 from drill_twin.physics.effects import effect_config, effect_module, function_name, key_of
-
-HOOKS = {
-    "axial_damping": "parameters, element, axial, rate",
-    "section_stress": "parameters, rod, strain, half_step, resultants",
-    "distributed_load": "parameters, rod, here, half_step, load, stiff",
-    "end_load": "parameters, rod, command, time, half_step, u, v, v_old, ends",
-    "prescribed_motion": "parameters, rod, time, trial",
-    "after_step": "parameters, rod, command, time, step, u, v",
-}
-"""Functions of an effect that the loop calls, and their arguments."""
+from drill_twin.physics.effects.config import HOOKS
 
 _RIG = {
     "end_load": "rig_end_load(parameters.drive, command, half_step, u, v, v_old, ends)",
@@ -209,9 +200,9 @@ def _function(hook: str, effects: Sequence[str], *, audit: bool = False, above: 
             call = f"{key_of(effect)}.{function}({arguments_of(effect, function, HOOKS[hook])})"
             lines += [f"added = {call}", "force += added[0]", "slope += added[1]"] if damping else [call]
             lines += [f"energy_ledger.{_RECORD[hook].format(ledger=_LEDGER, account=account)}"] if audit else []
-        if audit and hook == "distributed_load" and hasattr(effect_module(effect), "dissipated_power"):
-            arguments = arguments_of(effect, "dissipated_power", "parameters, here, half_step")
-            heat = f"{key_of(effect)}.dissipated_power({arguments})"
+        if audit and hook == "distributed_load" and (function := function_name(effect, "dissipated_power")):
+            arguments = arguments_of(effect, function, "parameters, here, half_step")
+            heat = f"{key_of(effect)}.{function}({arguments})"
             lines.append(f"energy_ledger.record_heat({_LEDGER}, {account}, here, {heat})")
     if damping:
         last = ["energy_ledger.next_sample(parameters.ledger.entries)"] if audit else []

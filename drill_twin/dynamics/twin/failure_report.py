@@ -16,7 +16,7 @@ from drill_twin.core.errors import StoppedError
 from drill_twin.dynamics.audit.energy import element_unknowns
 from drill_twin.dynamics.twin.dynamics import Dynamics
 from drill_twin.dynamics.twin.step_guard import REMEDIES, Violation
-from drill_twin.physics.effects import effect_module, function_name
+from drill_twin.physics.effects import effect_module, function_name, key_of
 from drill_twin.physics.model.mesh import Rod
 from drill_twin.physics.model.section import RESULTANTS
 from drill_twin.physics.model.strain import Point, Strain, strain_at
@@ -43,7 +43,7 @@ def diagnose(
     Args:
         parameters: Of all effects, as the kernel takes them.
         rod: The string.
-        effects: Keys of the effects.
+        effects: Keys of the effects, with their variants.
         moments: States and times to evaluate at.
         node: The node at which to evaluate; all, where it is None.
     """
@@ -56,12 +56,10 @@ def diagnose(
                 loads[elements] = [_load_on_element(parameters, rod, name, e, moment) for e in elements]
                 loads[[0, -1]] += _load_at_ends(parameters, rod, name, moment) * [0 in elements, last in elements]
                 if not np.isfinite(loads).all():
-                    return (
-                        name,
-                        f"{name} gives no number {rod.arc[int(np.argmin(np.isfinite(loads)))]:.3g} m from the bit",
-                    )
+                    place = float(rod.arc[int(np.argmin(np.isfinite(loads)))])
+                    return key_of(name), f"{key_of(name)} gives no number {place:.3g} m from the bit"
                 if loads.max() > size:
-                    strongest, size, place = name, float(loads.max()), float(rod.arc[int(loads.argmax())])
+                    strongest, size, place = key_of(name), float(loads.max()), float(rod.arc[int(loads.argmax())])
     return strongest, f"strongest: {strongest} ({size:.3g} N {place:.3g} m from the bit)" if strongest else ""
 
 
@@ -73,8 +71,8 @@ def _load_on_element(parameters: Any, rod: Rod, name: str, e: int, at: Evaluatio
         load, stiff, out = np.zeros(4), np.zeros((4, 4)), np.zeros(RESULTANTS)
         if function := function_name(name, "distributed_load"):
             as_python(getattr(module, function))(parameters, rod, here, 0.5 * at.step, load, stiff)
-        if hasattr(module, "section_stress"):
-            as_python(module.section_stress)(parameters, rod, strain, 0.5 * at.step, out)
+        if function := function_name(name, "section_stress"):
+            as_python(getattr(module, function))(parameters, rod, strain, 0.5 * at.step, out)
         share = 0.5 * rod.length[e]
         total += share * float(np.linalg.norm(load[:3]) + abs(load[3]) / rod.outer_radius[e])
         total += float(np.linalg.norm(out[:4])) / rod.length[e]
@@ -84,9 +82,10 @@ def _load_on_element(parameters: Any, rod: Rod, name: str, e: int, at: Evaluatio
 def _load_at_ends(parameters: Any, rod: Rod, name: str, at: EvaluationPoint) -> Array:
     """Size of an effect's loads at the bit and at the top [N], shape (2,)."""
     module, ends = effect_module(name), np.zeros((2, 7, 8))
-    if hasattr(module, "end_load"):
+    if function := function_name(name, "end_load"):
         # in the frame of the hole at the top, which is accurate enough to compare effects
-        as_python(module.end_load)(parameters, rod, at.command, at.time, 0.5 * at.step, at.u, at.v, at.v, ends)
+        load = as_python(getattr(module, function))
+        load(parameters, rod, at.command, at.time, 0.5 * at.step, at.u, at.v, at.v, ends)
     force: Array = np.linalg.norm(ends[:, :3, 7], axis=1) + np.abs(ends[:, 6, 7]) / rod.outer_radius[[0, -1]]
     return force
 
@@ -135,7 +134,9 @@ def failure_report(
     if found.kind == "long":  # no place and no effect is to blame
         effect, doing = "", ""
     dynamics.memory_block[:] = kept
-    kind = "finite" if "no number" in doing else found.kind
+    kick = dynamics.scene.effects.lateral_kick
+    kicked = kick is not None and kick.offset != 0.0 and dynamics.time == 0.0 and found.kind == "penetration"
+    kind = "finite" if "no number" in doing else "kick" if kicked else found.kind
     remedy = REMEDIES["fold in a hole" if kind == "fold" and dynamics.wall is not None else kind]
     tried = f", however often it was taken back and the step halved, down to {step:.2g} s"
     return StoppedError(

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drill_twin.core.arrays import Array, Integers, Mask
-from drill_twin.core.compile.jit import kernel
+from drill_twin.core.compile.jit import copy, kernel
 from drill_twin.core.compile.packed_arguments import field
 from drill_twin.dynamics.solver.state import (
     CONVERGED,
@@ -103,20 +103,6 @@ class BoundTwin(NamedTuple):
     reactions: Reactions
     stress: Array  # (s, scalars) of the sections of `fatigue`
     past: Past
-
-
-@kernel
-def copy_words(values: NDArray[np.int64], out: NDArray[np.int64]) -> None:
-    """Copy whole numbers; an assignment to a slice would allocate."""
-    for k in range(out.size):
-        out[k] = values[k]
-
-
-@kernel
-def copy_numbers(values: Array, out: Array) -> None:
-    """Copy an array of one dimension."""
-    for k in range(out.size):
-        out[k] = values[k]
 
 
 @kernel
@@ -255,9 +241,9 @@ def bind(advance: Any, observe: Any) -> Callable[..., int]:
             step = nominal
             if judged:
                 if progress[NEXT_STEP] == 0.0 and course[REPEATED] == 0:
-                    copy_words(field(words, kind, "memory"), field(words, kind, "saved"))
-                    copy_numbers(effort.counters, effort.counters_before)
-                    copy_numbers(effort.impulse, effort.impulse_before)
+                    copy(field(words, kind, "memory"), field(words, kind, "saved"))
+                    copy(effort.counters, effort.counters_before)
+                    copy(effort.impulse, effort.impulse_before)
                     find_extremes(rod.outer_radius, u, v, before)
                     progress[UNFINISHED] = 1.0
                 step = min(nominal, seconds) * guard[FRACTION]
@@ -281,7 +267,7 @@ def bind(advance: Any, observe: Any) -> Callable[..., int]:
                 return IMPLAUSIBLE
             if course[REPEATED] == 0:
                 count_good_frame(guard)
-            copy_numbers(target, command)
+            copy(target, command)
             row = table[course[ROW]]
             row[0] = clock[TIME]
             at = put(row, 1, command)

@@ -33,6 +33,7 @@ REMEDIES = {
     "fold in a hole": "try a lower load or speed: no wall keeps a string from kinking once it is wound up so far",
     "slope": "list `stretch` and `torsion` (the motion across the hole alone is meant for small slopes), or `wall`",
     "penetration": "try a smaller numerics.step, a stiffer wall, or a lower load",
+    "kick": "try a smaller effects.lateral_kick.offset, which bends the string into the wall before the run begins",
     "energy": "try a smaller numerics.step or more elements",
 }
 

@@ -93,13 +93,15 @@ class TwinEncoder:
 def wall_push(centre: Array, wall_force: Array) -> Array:
     """Force of the wall on the string at marks across the hole [N], shape (..., m, 2): towards the axis of the hole.
 
+    A mark on the axis has no direction to the wall: its force is 0.
+
     Args:
         centre: Positions of the centre line from the axis [m], shape (..., m, 3).
         wall_force: Normal forces [N], shape (..., m).
     """
     outwards = centre[..., :2]
     radius = np.maximum(np.hypot(outwards[..., 0], outwards[..., 1]), np.finfo(float).tiny)
-    push: Array = -(wall_force / radius)[..., None] * outwards
+    push: Array = -wall_force[..., None] * (outwards / radius[..., None])  # first the direction: a force may overflow
     return push
 
 

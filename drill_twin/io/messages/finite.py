@@ -8,19 +8,19 @@ import math
 import numpy as np
 
 from drill_twin.core.arrays import Array
-from drill_twin.core.errors import MessageError
+from drill_twin.core.errors import MessageError, NotFiniteError
 
 
 def check_finite(topic: str, values: Array) -> None:
     """Check that all values are finite.
 
     Raises:
-        MessageError: A value is not finite; names the first one.
+        NotFiniteError: A value is not finite; names the first one.
     """
     if not np.isfinite(values).all():
         place = np.unravel_index(int(np.argmin(np.isfinite(values))), values.shape)
         at, shape = ", ".join(map(str, place)), " x ".join(map(str, values.shape))
-        raise MessageError(
+        raise NotFiniteError(
             f"{topic}: expected finite numbers, found {values[place]} at place {at} of an array of {shape}; "
             "it was not sent"
         )
@@ -30,7 +30,7 @@ def check_rows(topic: str, values: Array) -> None:
     """Check that all values of several messages are finite, one message a row.
 
     Raises:
-        MessageError: A value is not finite; names the first one, in the first such message.
+        NotFiniteError: A value is not finite; names the first one, in the first such message.
     """
     if not np.isfinite(values).all():
         for row in values:
@@ -52,7 +52,7 @@ def check_not_infinite(topic: str, values: Array) -> None:
     """Check that no value is infinite; NaN stands for an unknown value.
 
     Raises:
-        MessageError: A value is infinite.
+        NotFiniteError: A value is infinite.
     """
     if np.isinf(values).any():
-        raise MessageError(f"{topic}: expected finite numbers, or NaN for what is not known, found an infinite one")
+        raise NotFiniteError(f"{topic}: expected finite numbers, or NaN for what is not known, found an infinite one")

@@ -2,15 +2,19 @@
 // The websocket of the server: pictures come, requests go. What came before the page was opened is asked for once.
 import { keepHistory, takeHistory } from "./state.js";
 
-// The token that lets this page command comes behind the # of the address, which is sent to nobody. It is kept for this
-// tab, so that the page can be loaded again, and taken out of the address and the history.
-const given = new URLSearchParams(location.hash.slice(1)).get("token");
-if (given !== null) {
-  try { sessionStorage.setItem("token", given); } catch { /* a browser without storage asks again when it is loaded anew */ }
-  history.replaceState(null, "", location.pathname + location.search);
+// The code of a link comes behind the # of the address, which is sent to nobody. It is exchanged, once, for a cookie and
+// a key, which let this page command, also when it is loaded again. What the history keeps is a code that is spent.
+let code = new URLSearchParams(location.hash.slice(1)).get("code"), key = null;
+if (code !== null) history.replaceState(null, "", location.pathname + location.search);
+function kept() { try { return localStorage.getItem("drill_twin_key") ?? key; } catch { return key; /* a browser without storage */ } }
+
+async function enter(refuse) {
+  const answer = await fetch("enter", { headers: { "X-Code": code } }), said = await answer.text();
+  code = null;
+  if (!answer.ok) { if (kept() === null) refuse(said); return; }
+  key = said;
+  try { localStorage.setItem("drill_twin_key", key); } catch { /* it needs another link when it is loaded anew */ }
 }
-function kept() { try { return sessionStorage.getItem("token"); } catch { return null; } }
-const token = given ?? kept();
 
 let socket = null, asking = false, heard = Date.now();
 const NOTHING = { time: null, advice: { text: "", level: 0 }, map: null, nodes: [], marks: [], trail: {}, rig: {}, motion: { state: "", criterion: "", whirls: false }, onset: null,
@@ -28,9 +32,10 @@ export function say(request) { if (socket?.readyState === 1) socket.send(JSON.st
 // `show` gets each picture, `refuse` the sentence of each answer, which is empty for a request that is carried out.
 export function connect(show, refuse) {
   let last = null;
-  const open = () => {
+  const open = async () => {
+    try { if (code !== null) await enter(refuse); } catch { setTimeout(open, 1000); return; }
     socket = new WebSocket(`${location.protocol === "https:" ? "wss" : "ws"}://${location.host}/live`);
-    socket.onopen = () => { if (token) say({ token }); };
+    socket.onopen = () => { const key = kept(); if (key !== null) say({ key }); };
     socket.onmessage = (event) => {
       heard = Date.now();
       const said = JSON.parse(event.data);

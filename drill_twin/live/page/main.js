@@ -11,7 +11,7 @@ import { number, offerUnits, text, unitsFor } from "./units.js";
 import { drawString } from "./well_view.js";
 
 const ROWS = [["bit_rps", "bit speed", "rotation"], ["bit_torque", "bit torque", "torque"], ["drag", "drag", "force"]];
-let sceneText = null;
+let sceneText = null, refused = "";
 
 function show(picture) {
   keepTrails(picture);
@@ -23,7 +23,7 @@ function show(picture) {
   showAlarms(picture);
   showControls(picture);
   showOrbits(picture);
-  if (picture.refused !== undefined) $("trouble").textContent = picture.refused;
+  if (picture.refused !== undefined && picture.refused !== refused) $("trouble").textContent = refused = picture.refused;
   $("advice").hidden = !picture.map && !picture.advice?.text;
   $("advice_text").textContent = picture.advice?.text ?? "";
   $("advice_text").className = `level_${picture.advice?.level ?? 0}`;

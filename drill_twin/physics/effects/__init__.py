@@ -12,10 +12,13 @@ from pkgutil import iter_modules
 from types import ModuleType
 from typing import Any
 
-from drill_twin.physics.effects.config import EffectConfig
+from drill_twin.core.errors import RunError
+from drill_twin.physics.effects.config import HOOKS, EffectConfig, uncalled
 
 GROUP = "drill_twin.effects"
 """Entry-point group of effects in other packages."""
+LEFT_OUT: dict[str, str] = {}
+"""Key of an effect of another package that cannot be run -> why."""
 
 
 def _config_of(key: str, module: ModuleType) -> type[EffectConfig] | None:
@@ -43,9 +46,10 @@ def _find() -> dict[str, tuple[ModuleType, type[EffectConfig]]]:
                 trouble = f"there is an effect of that name in {found[entry.name][0].__name__}"
             elif config is None:
                 trouble = f"{entry.value} defines no EffectConfig of that name in CamelCase"
-            else:
+            elif not (trouble := uncalled(module, config)):
                 found[entry.name] = module, config
         if trouble:
+            LEFT_OUT[entry.name] = trouble
             warnings.warn(f"the effect {entry.name} of {entry.value} is left out: {trouble}", stacklevel=2)
     return found
 
@@ -79,8 +83,17 @@ def key_of(effect: str) -> str:
 
 
 def with_variant(key: str, config: EffectConfig) -> str:
-    """Key of an effect in a kernel: that of the scene, with the variant that the block asks for."""
-    return f"{key}:{config.variant}" if config.variant else key
+    """Key of an effect in a kernel: that of the scene, with the variant that the block asks for.
+
+    Raises:
+        RunError: The module has no function of the variant.
+    """
+    variant = config.variant
+    if variant and not any(hasattr(effect_module(key), f"{hook}_{variant}") for hook in HOOKS):
+        functions = ", ".join(f"{hook}_{variant}" for hook in HOOKS)
+        raise RunError(f'effects.{key}: expected one of the functions {functions} for the variant "{variant}" of its '
+                       f"block, found none in {effect_module(key).__name__}")  # fmt: skip
+    return f"{key}:{variant}" if variant else key
 
 
 def function_name(effect: str, hook: str) -> str:
@@ -90,5 +103,6 @@ def function_name(effect: str, hook: str) -> str:
 
 
 __all__ = [
-    "EFFECTS", "GROUP", "EffectConfig", "effect_module", "function_name", "key_of", "parameters_of", "with_variant",
+    "EFFECTS", "GROUP", "LEFT_OUT", "EffectConfig", "effect_module", "function_name", "key_of", "parameters_of",
+    "with_variant",
 ]  # fmt: skip

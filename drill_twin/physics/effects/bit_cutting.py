@@ -44,6 +44,7 @@ class BitCutting(EffectConfig):
 
     requires: ClassVar[tuple[str, ...]] = ("stretch", "torsion")
     provides = ("torque", "weight")
+    seed_is_of = "dispersion"
 
     threshold: Annotated[Speed, Within(at_least="0 m/s", at_most="1 m/s")] = 3.429e-3
     """a1 [m/s]: rate of penetration lost against a proportional law."""

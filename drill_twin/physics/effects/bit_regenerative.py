@@ -50,13 +50,14 @@ class BitRegenerative(EffectConfig):
     radius: Annotated[Length, Within(above="0 m", at_most="2 m")]
     """Radius of the bit, a [m]."""
     blades: Annotated[int, BeforeValidator(_blades), Field(ge=1, le=MOST_BLADES)] = 4
-    """Blades, evenly spaced, n."""
+    """Blades, evenly spaced, n; without regeneration their number changes nothing."""
     specific_energy: Annotated[Pressure, Within(above="0 Pa", at_most="1e11 Pa")]
     """Intrinsic specific energy of the rock, eps [Pa]."""
     thrust: Annotated[Dimensionless, Within(above="0", at_most="10")] = 0.6
     """Thrust over cutting force of a cutter, zeta [-]."""
     wear: Annotated[Length, Within(at_least="0 m", at_most="1 m")] = 0.0
-    """Length of all wear flats together across the cutters, l [m]; 0 m = a sharp bit."""
+    """Length of all wear flats together across the cutters, l [m]; 0 m = a sharp bit, which has no friction, `spread`,
+    `contact_depth` and `settling`."""
     contact_strength: Annotated[Pressure, Within(at_least="0 Pa", at_most="1e11 Pa")] = 0.0
     """Contact stress under the wear flats while the bit goes down, sigma [Pa]: their weight is Wf = a l sigma."""
     friction: Annotated[Dimensionless, Within(at_least="0", at_most="5")] = 0.6
@@ -81,9 +82,11 @@ class BitRegenerative(EffectConfig):
 
     def check_against(self, scene: Any) -> Iterator[Incompatibility]:
         """Yield a weight prescribed at the bit, and wear flats that carry nothing."""
-        if self.wear > 0.0 and self.contact_strength == 0.0:
+        missing = self.contact_strength > 0.0 and "wear" not in self.model_fields_set
+        if missing or (self.wear > 0.0 and self.contact_strength == 0.0):
+            given, other = ("contact_strength", "wear") if missing else ("wear", "contact_strength")
             yield Incompatibility(
-                ("wear",), "expected `contact_strength` with it, found none: the wear flats would carry no weight"
+                (given,), f"expected `{other}` with it, found none: the wear flats would carry no weight"
             )
         if scene.rig.weight_on_bit.at == "bit":
             yield Incompatibility(

@@ -15,6 +15,8 @@ from drill_twin.physics.effects.wall import SMALLEST, mean_force
 from drill_twin.physics.model.discrete_model import DiscreteModel
 from drill_twin.physics.model.mesh import Rod
 
+AT_THE_BIT = 1e-9  # of the string's length, from the bit up, where its gauge fits the hole
+
 
 class BitStabiliser(EffectConfig):
     """Stabiliser for `string.bit_end: stabilised`: contact with the wall at its gauge, tilt free or restrained."""
@@ -35,7 +37,8 @@ class BitStabiliser(EffectConfig):
 
     def check_against(self, scene: Any) -> Iterator[Incompatibility]:
         """Yield another constraint of the bit, or a gauge above the diameter of the hole."""
-        end, diameter = scene.string.bit_end, 2.0 * scene.hole.radius
+        end, length = scene.string.bit_end, scene.length
+        diameter = 2.0 * min(scene.hole.radius, scene.hole.least_radius(length * (1.0 - AT_THE_BIT), length))
         if end != "stabilised":
             yield Incompatibility(
                 (),
@@ -62,11 +65,11 @@ class Parameters(NamedTuple):
 
 
 def parameters(block: BitStabiliser, model: DiscreteModel) -> Parameters:
-    """Compute the clearance of the blades in the hole at the bit."""
+    """Compute the clearance of the blades in the hole at the bit; with less, no blade could be in its middle."""
     radius = 0.5 * block.gauge
-    hole = model.wellbore.clearance[0] + model.contact_radius[0]  # the hole's radius at the bit
+    hole = float(model.wellbore.clearance[0] + model.contact_radius[0])  # the hole's radius at the bit
     return Parameters(
-        float(hole) - radius, radius, block.stiffness, block.damping, block.friction, block.tilt_stiffness,
+        max(hole - radius, SMALLEST), radius, block.stiffness, block.damping, block.friction, block.tilt_stiffness,
         block.creep, no_iterate(),
     )  # fmt: skip
 

@@ -23,6 +23,7 @@ class Bow(EffectConfig):
 
     across = True
     energy_class = "kept"
+    seed_is_of = "correlation_length"
 
     amplitude: Annotated[Length, Within(at_least="0 m", at_most="10 m", reason="the widest hole")]
     """Deflection of the stress-free string from the straight line [m], below the clearance: at mid-span, or the root

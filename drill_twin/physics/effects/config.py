@@ -1,15 +1,29 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Base class of the effects' blocks in a scene file."""
+"""Base class of the effects' blocks in a scene file, and names of the functions of their modules that a run calls."""
 
+import difflib
 from collections import namedtuple
-from collections.abc import Iterator
-from typing import Annotated, Any, ClassVar, Literal, NamedTuple
+from collections.abc import Iterable, Iterator
+from types import ModuleType
+from typing import Annotated, Any, ClassVar, Literal, NamedTuple, Self
 
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Field
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, model_validator
 
 from drill_twin.core.units import refuse, show
 
 LARGEST_SEED = 2**63 - 1
+HOOKS = {
+    "axial_damping": "parameters, element, axial, rate",
+    "section_stress": "parameters, rod, strain, half_step, resultants",
+    "distributed_load": "parameters, rod, here, half_step, load, stiff",
+    "end_load": "parameters, rod, command, time, half_step, u, v, v_old, ends",
+    "prescribed_motion": "parameters, rod, time, trial",
+    "after_step": "parameters, rod, command, time, step, u, v",
+}
+"""Functions of an effect that the loop calls, and their arguments."""
+_OTHERS = ("dissipated_power", "initial_state", "parameters", "Parameters")
+NEAR = 0.85
+"""Likeness (`difflib`) from which a name is a misspelling: a letter of `end_load` too many or too few has 0.93."""
 
 
 def _seed(value: Any) -> int:
@@ -62,6 +76,15 @@ class EffectConfig(BaseModel):
     """Acts across the string only: left out where the string follows the hole (`numerics.lateral_from`)."""
     disabled_for_static: ClassVar[tuple[str, ...]] = ()
     """Fields set to zero in the search for the static equilibrium: excitation and friction."""
+    seed_is_of: ClassVar[str] = ""
+    """Field of what its `seed` draws; without it a seed other than 1, the default, would change nothing: refused."""
+
+    @model_validator(mode="after")
+    def _seed_is_of_something_random(self) -> Self:
+        random, seed = self.seed_is_of, getattr(self, "seed", 1)
+        if random and seed != 1 and (random not in self.model_fields_set or getattr(self, random) is None):
+            raise refuse(f"expected a `seed` with `{random}` only, found {seed} where nothing is random")
+        return self
 
     @property
     def variant(self) -> str:
@@ -78,3 +101,41 @@ class EffectConfig(BaseModel):
             scene: The `drill_twin.scene.Scene` that lists the effect.
         """
         yield from ()
+
+
+def misspelled(module: ModuleType, config: type[EffectConfig]) -> str:
+    """Words for the first public function of an effect, or method of its block, that misses the name of one called.
+
+    A name that nothing calls is that of a helper, which may have any other name.
+    """
+    functions = [name for name, value in vars(module).items() if callable(value)]
+    methods = [name for name in vars(config) if name not in config.model_fields]
+    for found, known in ((functions, (*HOOKS, *_OTHERS)), (methods, tuple(vars(EffectConfig)))):
+        for name in found:
+            if near := _nearly(name, [word for word in known if not word.startswith("_")]):
+                return (
+                    f'found "{name}", which nothing calls, did you mean "{near}"? A helper of such a name needs an '
+                    "underscore before it"
+                )
+    return ""
+
+
+def _nearly(name: str, known: Iterable[str]) -> str:
+    """The known name, or its begin before a variant, that a public name misses by a letter or two; "" where none."""
+    if name.startswith("_") or any(name == word or name.startswith(f"{word}_") for word in known):
+        return ""
+    likeness = {word: difflib.SequenceMatcher(None, name[: len(word) + 1], word).ratio() for word in known}
+    near = max(likeness, key=likeness.__getitem__)
+    return near if likeness[near] >= NEAR else ""
+
+
+def uncalled(module: ModuleType, config: type[EffectConfig]) -> str:
+    """Words for an effect of another package that a run would not call, or not in full; "" where it is in order."""
+    called = [hook for hook in (*HOOKS, "initial_state") if hasattr(module, hook)]
+    if words := misspelled(module, config):
+        return words
+    if not called:
+        return f"expected one of the functions {', '.join((*HOOKS, 'initial_state'))}, found none"
+    if called != ["initial_state"] and not hasattr(module, "Parameters"):
+        return f"expected `Parameters` beside {called[0]}, found none"
+    return ""

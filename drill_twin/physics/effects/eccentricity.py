@@ -34,11 +34,12 @@ class Eccentricity(EffectConfig):
 
     across = True
     energy_class = "kept"
+    seed_is_of = "rms"
 
     offset: Offset | None = None
     """Distance of the mass centre from the centre line [m]; below the outer radius."""
     angle: Direction = 0.0
-    """Direction of the mass centre in the material, from zero spin [rad]; not for the random part."""
+    """Direction of the mass centre in the material, from zero spin [rad]; only with `offset`."""
     sections: Annotated[tuple[Imbalance, ...], Field(max_length=1000)] = ()
     """Instead of `offset` and `angle`: the eccentricity of each section of the string, FROM THE BIT UP."""
     rms: Offset = 0.0
@@ -54,6 +55,9 @@ class Eccentricity(EffectConfig):
     def _has_one_definition(self) -> Self:
         if self.offset is not None and self.sections:
             raise refuse("expected `offset` or `sections`, found both: give the offset of each section only")
+        if self.offset is None and self.angle != 0.0:
+            other = "sections`, each with its own" if self.sections else "rms`, which is in all directions"
+            raise refuse(f"expected `angle` with `offset` only, found it beside `{other}")
         if self.offset is None and not self.sections and self.rms == 0.0:
             raise refuse("expected an `offset`, `sections`, or a random `rms` above 0 m, found none")
         if self.rms > 0.0 and self.correlation_length is None:
@@ -91,8 +95,8 @@ class Parameters(NamedTuple):
 def offsets(block: Eccentricity, model: DiscreteModel) -> Array:
     """Mass centre in the material frame at the Gauss points [m], shape (2 n, 2)."""
     own = [part.offset * np.exp(1j * part.angle) for part in block.sections]
-    fixed = np.array(own)[model.section] if own else np.full(model.section.shape, block.offset or 0.0 + 0.0j)
-    line = model.at_places(fixed) * np.exp(1j * block.angle)
+    uniform = np.full(model.section.shape, (block.offset or 0.0) * np.exp(1j * block.angle))
+    line = np.asarray(model.at_places(np.array(own)[model.section] if own else uniform), dtype=complex)
     if block.correlation_length is not None:
         random = generator(model, block.seed, "eccentricity")
         line = line + block.rms * random_line(model.places, block.correlation_length, random)

@@ -22,6 +22,7 @@ class TopShake(EffectConfig):
     """Lateral motion A sin(2 pi f t) of the top clamp, or a random one of the same mean square around f."""
 
     disabled_for_static = ("amplitude",)
+    seed_is_of = "bandwidth"
 
     amplitude: Annotated[Length, Within(at_least="0 m", at_most="10 m", reason="the widest hole")]
     """Amplitude A [m]; for a random motion sqrt(2) times the root mean square."""

@@ -17,6 +17,7 @@ from drill_twin.physics.model.discrete_model import DiscreteModel
 from drill_twin.physics.model.mesh import Rod
 from drill_twin.physics.model.strain import Point
 
+ACCURACY = 1e6  # steepness of the regularised sign, where none is given [s/m]
 Quad = tuple[float, float, float, float]
 Coefficient = Annotated[Dimensionless, Within(at_least="0", at_most="5")]
 SlipSpeed = Annotated[Speed, Within(above="0 m/s", at_most="100 m/s")] | None
@@ -59,7 +60,7 @@ class WallFriction(EffectConfig):
     """Friction coefficient at high slip speed, mu_d [-], which `decay` leads to; not above `coefficient`."""
     exponent: Annotated[Dimensionless, Within(at_least="1", at_most="20")] | None = None
     """Exponent n of Stribeck's law [-]; left out: the hyperbola."""
-    accuracy: Annotated[InverseSpeed, Within(at_least="1 s/m", at_most="1e12 s/m")] = 1e6
+    accuracy: Annotated[InverseSpeed, Within(at_least="1 s/m", at_most="1e12 s/m")] = ACCURACY
     """Steepness xi of the regularised sign at zero slip [s/m]."""
     sign: Literal["root", "arctan"] = "root"
     """Regularised sign of the slip: `root` v / sqrt(v^2 + c^2); `arctan` 2/pi arctan(xi v), as the paper has it."""
@@ -85,10 +86,15 @@ class WallFriction(EffectConfig):
             raise refuse("expected `static_speed` and `dynamic_speed` together, found one of them")
         if low is not None and high is not None and high <= low:
             raise refuse(f"expected `dynamic_speed` above `static_speed` ({low:g} m/s), found {show(high)}")
-        if low is not None and (self.decay > 0.0 or self.exponent is not None or self.sign != "root"):
+        own = self.decay > 0.0 or self.exponent is not None or self.sign != "root" or self.accuracy != ACCURACY
+        if low is not None and own:
             raise refuse(
-                "expected no `decay`, `exponent` or `sign` beside `static_speed`, which joins mu and mu_d itself"
+                "expected no `decay`, `exponent`, `sign` or `accuracy` beside `static_speed`, which joins mu and mu_d "
+                "itself"
             )
+        falls = low is not None or "decay" in self.model_fields_set  # a decay of 0 s/m, if given, is a limit of the law
+        if not falls and (self.sliding > 0.0 or self.exponent is not None):
+            raise refuse("expected a `decay` with `sliding` or `exponent`, found none: friction would not fall")
         return self
 
     @model_validator(mode="after")

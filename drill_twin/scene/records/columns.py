@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import difflib
 import math
+from collections import defaultdict
 from collections.abc import Mapping
 from datetime import UTC, datetime
 from pathlib import Path
@@ -12,6 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from drill_twin.core import numerals
 from drill_twin.core.arrays import Array
 from drill_twin.core.errors import TableError
 from drill_twin.core.rig_channels import RECORDED, RIG_CHANNELS
@@ -49,12 +51,10 @@ def null_values(given: str, place: str) -> frozenset[float]:
     Raises:
         TableError: The one given is no number.
     """
-    try:
-        if not given.isascii() or "_" in given:
-            raise ValueError(given)
-        return frozenset((-999.25, float(given or -999.25)))
-    except ValueError:
-        raise TableError(f'{place}: expected a number as null value, found "{given[:40]}"; correct it') from None
+    null = math.nan if given.lower() in {"", "nan"} else numerals.number(given)
+    if null is None:
+        raise TableError(f'{place}: expected a number as null value, found "{given[:40]}"; correct it')
+    return frozenset((-999.25, null))
 
 
 _MOST_NAMES, _LONGEST_NAME = 20, 60  # in a message
@@ -94,11 +94,15 @@ class Columns(dict[str, Array]):
         self._texts = dict(texts or {})
 
     def named(self, channel: str) -> list[str]:
-        """Columns named by the first mnemonic of a channel that the file has; a unit in brackets does not count."""
-        bare: dict[str, list[str]] = {}
+        """Columns named by the first mnemonic of a channel that the file has; units do not count."""
+        bare, stems = defaultdict[str, list[str]](list), defaultdict[str, list[str]](list)
         for name in (*self, *self._texts):
-            bare.setdefault(name_and_unit(name)[0].lower(), []).append(name)
-        return next((bare[name] for name in CHANNELS[channel].mnemonics if name in bare), [])
+            bare[name_and_unit(name)[0].lower()].append(name)
+            stem, _, ending = name.rpartition("_")
+            if ending == self.unit(name, CHANNELS[channel].dimension):  # no variable of MATLAB has brackets in its name
+                stems[stem.lower()].append(name)
+        mnemonics = CHANNELS[channel].mnemonics
+        return next((names[name] for names in (bare, stems) for name in mnemonics if name in names), [])
 
     def unit(self, name: str, dimension: Dimension) -> str:
         """Unit of a column, as the file gives it or as its name ends: `WOB [kN]`, `wob_kN`; empty if there is none."""
@@ -148,14 +152,7 @@ _MISSING = {"", "nan", "na", "n/a", "null", "none", "-", "inf", "-inf", "+inf"}
 
 def number(cell: str) -> float | None:
     """Value of a cell, NaN if it is missing, None if it is text."""
-    if cell.lower() in _MISSING:
-        return math.nan
-    if not cell.isascii() or "_" in cell:  # Python reads 1_0 and digits of other scripts as numbers
-        return None
-    try:
-        return float(cell)
-    except ValueError:
-        return None
+    return math.nan if cell.lower() in _MISSING else numerals.number(cell)
 
 
 def date(cell: str) -> float | None:

@@ -42,7 +42,7 @@ def main() -> None:
     size = dask_workers.LARGEST_TASK
     with tempfile.TemporaryDirectory() as folder:
         file = Path(folder) / "scheduler.json"
-        scheduler = start(folder, "scheduler", "--port", "0", "--host", "127.0.0.1", "--scheduler-file", str(file))
+        scheduler = start(folder, "scheduler", "--port", "0", "--scheduler-file", str(file))
         while not file.exists():
             time.sleep(0.1)
         worker = start(folder, "worker", "--scheduler-file", str(file), "--nthreads", "1", "--no-nanny")
@@ -77,9 +77,10 @@ def main() -> None:
 
 
 def start(folder: str, kind: str, *words: str) -> subprocess.Popen[bytes]:
-    """Start a scheduler or a worker."""
+    """Start a scheduler or a worker, whose ports are of this machine alone: they run what anybody sends."""
     environment = os.environ | {"PYTHONPATH": os.pathsep.join(sys.path)}
-    command = [sys.executable, "-m", f"distributed.cli.dask_{kind}", *words, "--no-dashboard"]
+    command = [sys.executable, "-m", f"distributed.cli.dask_{kind}", *words, "--host", "127.0.0.1"]
+    command += ["--no-dashboard", "--dashboard-address", "127.0.0.1:0"]
     return subprocess.Popen(command, cwd=folder, env=environment, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
 
 

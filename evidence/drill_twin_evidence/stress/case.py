@@ -13,7 +13,7 @@ from drill_twin.scene import Scene, added_scenes, load_scene
 SPATIAL, LATERAL = "spatial", "lateral"
 QUICK_LIMIT = 100.0
 """Simulated time above which a case is left out of the quick run [s]."""
-EXPECTED_STOPS = {"hard/folds": "folded back"}
+EXPECTED_STOPS = {"hard/folds": "folded back", "hard/kick_into_the_wall": "effects.lateral_kick.offset"}
 """Scenes that must stop with an error, and a part of its message."""
 LARGE_SLOPES = frozenset({"hard/clearance_10_m", "hard/folds"})
 """Scenes with slopes of order one; the lateral formulation is for small slopes."""

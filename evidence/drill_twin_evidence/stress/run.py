@@ -13,6 +13,7 @@ import numpy as np
 from drill_twin.core.errors import DrillTwinError
 from drill_twin.dynamics.twin.frame import Frames
 from drill_twin.dynamics.twin.twin import Twin
+from drill_twin.io.messages.encode import RIG_COLUMNS, wall_push
 from drill_twin.runs import compile_kernel
 from drill_twin.runs.ensemble.parts import frames_of, planned
 from drill_twin.studies.pool import run_jobs
@@ -83,7 +84,9 @@ class RunStatistics:
         self.iterations += frames.stats.iterations
         self.interventions += len(frames.interventions)
         self.depth = max(self.depth, float(frames.wall_depth.max()))
-        parts = (frames.u, frames.v, frames.tangents, frames.wall_force)
+        marks = frames.marks
+        parts = (frames.u, frames.v, frames.tangents, frames.wall_force, *marks, frames.rig[:, RIG_COLUMNS],
+                 wall_push(marks.centre, marks.wall_force))  # as published  # fmt: skip
         self.finite = self.finite and all(bool(np.isfinite(part).all()) for part in parts if part is not None)
         if frames.v is not None:
             self.speed = max(self.speed, float(np.linalg.norm(frames.v[..., :2], axis=-1).max()))
@@ -127,7 +130,7 @@ def run_case(case: HardCase, energy: bool = False) -> Result:
         twin, found, stopped = Twin(scene), RunStatistics(), ""
     except DrillTwinError as error:
         nothing = (0, 0.0, 0.0, 0, 0, 0, 0, -np.inf, 0.0, 0.0, 0.0, 0.0, None)
-        return Result(case.name, case.why, case.form, *nothing, f"stopped: {error}")
+        return Result(case.name, case.why, case.form, *nothing, verdict_on(case, RunStatistics(), str(error), 0.0))
     began = time.perf_counter()
     try:
         for frames in frames_of(twin, *planned(scene), 1 if energy else None):

@@ -316,10 +316,11 @@ def effects(draw: Draw, names: frozenset[str], s: Scale) -> dict[str, dict[str, 
         for key in sorted(names)
     }
     if "bow" in found and found["bow"]["shape"] != "random":
-        del found["bow"]["correlation_length"]
+        del found["bow"]["correlation_length"], found["bow"]["seed"]
     if "eccentricity" in found:
         block = found["eccentricity"]
-        del block["offset" if block["sections"] else "sections"]
+        for key in ("offset", "angle") if block["sections"] else ("sections",):
+            del block[key]
         if block["rms"] == 0.0:
             del block["correlation_length"]
         else:

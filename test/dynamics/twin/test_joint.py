@@ -7,11 +7,13 @@ import numpy as np
 import pytest
 
 import drill_twin as dt
+from drill_twin.core.compile.jit import as_python
 from drill_twin.core.errors import SceneError
 from drill_twin.dynamics.discretisation.discretise import discretise
 from drill_twin.dynamics.discretisation.joint import LONGEST_ABOVE, buckled_up_to, joined_workspace, joint_of
 from drill_twin.dynamics.discretisation.resolution import mesh, resolution_of
 from drill_twin.dynamics.discretisation.warnings import notes_on
+from drill_twin.dynamics.solver.joined import elements
 from drill_twin.dynamics.twin.dynamics import Dynamics
 from drill_twin.dynamics.twin.twin import Twin
 from drill_twin.report.quantities import wall_depth
@@ -150,3 +152,26 @@ def test_a_curved_string_is_that_of_the_whole_one_within_a_hundredth():
             (np.mean(np.asarray(result.hookload)[late]), np.mean(np.asarray(result.torque)[late]), slip["period_s"])
         )
     assert np.allclose(found[1], found[0], rtol=0.01)
+
+
+def test_effects_above_the_joint_are_given_the_turn_of_the_string():
+    """An effect that is fixed in the material turns with it, above the joint as below."""
+    scene = load_scene("wells/s_shaped", overrides=AUTO)
+    rod = mesh(scene, resolution_of(scene)[0])
+    work = joined_workspace(scene, discretise(scene, rod), np.zeros((2, 7), bool))
+    work.here[:, 0], work.here[:, 1] = rod.arc[-work.here.shape[0] :] - rod.arc[-1], 1.0
+    work.here[:, 2] = np.linspace(0.3, 40.0, len(work.here))
+    seen = []
+    effects = SimpleNamespace(axial_damping=lambda *_: (0.0, 0.0))
+    assemble = elements.bind(
+        effects,
+        lambda _, __, strain, *___: seen.append((strain.psi, strain.cos_psi, strain.sin_psi)),
+        lambda _, __, here, *___: seen.append((here.spin, here.cos_spin, here.sin_spin)),
+        lambda *_: (0.0,) * 6,
+    )
+    as_python(assemble)(None, rod, work, 0.0, 1e-3, True, 0.0)
+    turn, cos, sin = np.array(seen).T
+    assert len(seen) == 4 * work.twist.size
+    assert cos == pytest.approx(np.cos(turn))
+    assert sin == pytest.approx(np.sin(turn))
+    assert np.ptp(turn) > 30.0

@@ -12,7 +12,7 @@ from drill_twin.io.messages.cdr import JointStateTemplate
 from drill_twin.io.messages.decode import read_clock, read_float64, read_joint_state, read_pose_array
 from drill_twin.io.messages.drawing.geometry import default_exaggeration
 from drill_twin.io.messages.drawing.transforms import orientation, spin_of
-from drill_twin.io.messages.encode import TwinEncoder
+from drill_twin.io.messages.encode import TwinEncoder, wall_push
 from drill_twin.io.messages.rig_messages import CommandEncoder, read_command, read_rig_state
 from drill_twin.io.messages.stamps import seconds, stamp_ns
 from drill_twin.io.messages.whirl_encode import WhirlStateEncoder
@@ -189,3 +189,16 @@ def test_what_is_not_known_of_whirl_may_be_nan_but_nothing_is_infinite():
     assert WhirlStateEncoder(["mark_1"]).rows([0], values)
     with pytest.raises(MessageError, match="/whirl/state: expected finite numbers, or NaN"):
         WhirlStateEncoder(["mark_1"]).rows([0], np.nan_to_num(values, nan=np.inf))
+
+
+@pytest.mark.parametrize("radius", [0.0, 1e-320, 1e-310, 1e-200, 1e-12, 0.08])
+@pytest.mark.parametrize("force", [0.0, 1.0, 10.0, 1e9])
+def test_the_push_of_the_wall_is_finite_at_any_radius(radius, force):
+    """On the axis it has no direction, off it the size of the force; `force / radius` may overflow."""
+    with np.errstate(all="raise", under="ignore"):
+        push = wall_push(np.array([[0.6 * radius, -0.8 * radius, 1.0]]), np.array([force]))
+    assert np.isfinite(push).all()
+    if radius == 0.0:
+        assert not push.any()
+    elif radius > 1e-300:
+        assert push == pytest.approx(force * np.array([[-0.6, 0.8]]))

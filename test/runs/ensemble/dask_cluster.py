@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A Dask scheduler and workers, each a process of its own."""
+"""A Dask scheduler and workers, each a process of its own; all of their ports are of this machine alone."""
 
 import os
 import subprocess
@@ -14,10 +14,10 @@ ROOT = Path(__file__).resolve().parents[3]
 class Cluster:
     """Processes of a cluster; `address` is the scheduler's."""
 
-    def __init__(self, folder, stack):
-        self._folder, self._stack = folder, stack
+    def __init__(self, folder, stack, protocol="tcp", **environment):
+        self._folder, self._stack, self._environment, self._protocol = folder, stack, environment, protocol
         file = folder / "address"
-        self.scheduler = self._start("scheduler", "--port", "0", "--host", "127.0.0.1", "--scheduler-file", file)
+        self.scheduler = self._start("scheduler", "--port", "0", "--scheduler-file", file)
         for _ in range(600):
             if file.exists() and (text := file.read_text("utf-8")).endswith("}"):
                 break
@@ -29,9 +29,11 @@ class Cluster:
         return self._start("worker", self.address, "--nthreads", "1", "--no-nanny", tree=tree)
 
     def _start(self, kind, *words, tree=ROOT):
+        here = ["--host", "127.0.0.1", "--no-dashboard", "--dashboard-address", "127.0.0.1:0"]
+        here += ["--protocol", self._protocol]
         process = subprocess.Popen(
-            [sys.executable, "-m", f"distributed.cli.dask_{kind}", *map(str, words), "--no-dashboard"],
-            env=os.environ | {"PYTHONPATH": str(tree), "PYTHONSAFEPATH": "1"},
+            [sys.executable, "-m", f"distributed.cli.dask_{kind}", *map(str, words), *here],
+            env=os.environ | {"PYTHONPATH": str(tree), "PYTHONSAFEPATH": "1"} | self._environment,
             cwd=self._folder,
             stdout=subprocess.DEVNULL,
             stderr=subprocess.DEVNULL,
@@ -42,7 +44,7 @@ class Cluster:
 
 
 @contextmanager
-def cluster(folder):
+def cluster(folder, *given, **environment):
     """A scheduler without workers, until the end of the block."""
     with ExitStack() as stack:
-        yield Cluster(folder, stack)
+        yield Cluster(folder, stack, *given, **environment)

@@ -1,11 +1,16 @@
 # SPDX-License-Identifier: Apache-2.0
 """Members on the workers of a Dask scheduler: the bits of a local ensemble, and one sentence where they cannot run."""
 
+import os
+import shlex
 import shutil
+import subprocess
+import sys
 
 import numpy as np
 import pytest
 from dask_cluster import ROOT, cluster
+from distributed import Client
 
 import drill_twin as dt
 from drill_twin.core.errors import RunError
@@ -118,3 +123,50 @@ def test_a_lost_scheduler_and_workers_that_die_again_and_again_are_said(tmp_path
         kill = killing(60, broken.worker())
         with pytest.raises(RunError, match="workers that outlive their members, found that 1 died in the same ones"):
             made(broken, tmp_path, progress=kill)
+
+
+def test_the_ports_of_a_cluster_of_ours_are_of_this_machine_alone(dask):
+    """A scheduler and a worker run what anybody sends; by default both listen on all addresses."""
+    psutil = pytest.importorskip("psutil", reason="needs psutil, as distributed does")
+    worker = dask.worker()
+    with Client(dask.address, timeout=60.0, set_as_default=False) as client:
+        client.wait_for_workers(1, timeout=60.0)
+    for process in (dask.scheduler, worker):
+        found = [one.laddr.ip for one in psutil.Process(process.pid).net_connections() if one.status == "LISTEN"]
+        assert set(found) == {"127.0.0.1"}
+    worker.kill()
+
+
+RUN = """
+import sys
+import drill_twin as dt
+found = dt.Ensemble("pa6_bench", {"seed": [1, 2]}, overrides=dict(one.split("=") for one in sys.argv[2:]))
+print(found.run(0.1, dask=sys.argv[1]).failed)
+"""
+
+
+def test_tls_as_on_the_page(tmp_path, ensemble, monkeypatch):
+    """The two files of `docs/ensembles.md`: with them all talk by TLS, and who has none runs nothing."""
+    openssl = shutil.which("openssl")
+    if openssl is None:
+        pytest.skip("needs openssl")
+    page = (ROOT / "docs" / "ensembles.md").read_text("utf-8")
+    command = next(line.removeprefix("$ ") for line in page.splitlines() if line.startswith("$ openssl"))
+    subprocess.run(shlex.split(command), cwd=tmp_path, check=True, capture_output=True)
+    settings = page.partition("```yaml\n")[2].partition("```")[0].replace("/etc/dask/", f"{tmp_path}/")
+    file = tmp_path / "dask.yaml"
+    file.write_text(settings, "utf-8")
+    with cluster(tmp_path, "tls", DASK_CONFIG=str(file)) as found:
+        found.worker()
+        assert found.address.startswith("tls://127.0.0.1:")
+        # A client in a process of its own, because it reads the settings of dask as it starts.
+        words = [RUN, found.address, *(f"{key}={value}" for key, value in COARSE.items())]
+        given = os.environ | {"PYTHONPATH": str(ROOT), "DASK_CONFIG": str(file)}
+        done = subprocess.run(
+            [sys.executable, "-c", *words], cwd=tmp_path, env=given, capture_output=True, text=True, check=False
+        )
+        assert done.stdout.strip() == "{}", done.stderr
+        monkeypatch.setattr(dask_workers, "CONNECT", 2.0)
+        for address in (found.address, found.address.replace("tls", "tcp")):
+            with pytest.raises(RunError, match="expected a Dask scheduler, found none"):
+                ensemble.run(0.1, dask=address)

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.io import savemat
 
 import drill_twin as dt
 from drill_twin.cli.analyze import analyze
@@ -13,7 +14,7 @@ from drill_twin.cli.export import export
 from drill_twin.core.errors import TableError
 from drill_twin.io.bag.virtual_bags import RecordBag
 from drill_twin.report import build_report, read_recording, summarise
-from drill_twin.scene.records import read_columns
+from drill_twin.scene.records import CHANNELS, Columns, read_columns
 from drill_twin.scene.set_points import read_table
 
 RPM = math.pi / 30.0
@@ -191,3 +192,16 @@ def test_a_report_of_a_record_draws_what_it_holds_and_says_what_it_leaves_out(tm
     assert "not drawn: " not in page  # a record of a rig has one figure
     assert said in page
     assert f"<h1>{name}</h1>" in page
+
+
+@pytest.mark.parametrize("names", ["time_s wob_kN rpm", "Time_s WOB_kN RPM_rpm", "time_min SWOB_klbf rpma_rpm"])
+def test_variables_of_a_mat_file_by_plain_names_that_end_in_their_unit(tmp_path, names):
+    time, wob, rpm = names.split()
+    path = tmp_path / "well.mat"
+    savemat(path, {time: np.arange(50.0), wob: np.full(50, 100.0), rpm: np.full((1, 50), 120.0), "note": "none"})
+    found = read_columns(path)
+    assert [found.named(channel) for channel in ("time", "weight_on_bit", "rotation")] == [[time], [wob], [rpm]]
+    assert found.unit(time, CHANNELS["time"].dimension) == time.rpartition("_")[2]
+    assert found.unit(rpm, CHANNELS["rotation"].dimension).lower() == "rpm"
+    export = Columns(path, {"WOB": np.arange(2.0), "wob_kN": np.arange(2.0)})
+    assert export.named("weight_on_bit") == ["WOB"]  # the name itself before one with an ending

@@ -143,12 +143,13 @@ def bind(effects: Effects, section_stress: Any, distributed_load: Any, friction:
                 strain = d[0] * z0 + d[1] * s0 + d[2] * z1 + d[3] * s1 - 1.0
                 at = along(scratch.points, 2 * j + point, z)
                 psi, psi_rate = l0 * q[j, 2] + l1 * q[j + 1, 2], l0 * dq[j, 2] + l1 * dq[j + 1, 2]
+                cos, sin = np.cos(psi), np.sin(psi)
                 bend = at.curvature
                 qx, qy, qz = bend * at.nx, bend * at.ny, bend * at.nz
                 px, py, pz = at.ty * qz - at.tz * qy, at.tz * qx - at.tx * qz, at.tx * qy - at.ty * qx
                 s = Strain(
                     e, 2 * e + point, 1.0, at.tx, at.ty, at.tz, 0.0, qx, qy, qz, px, py, pz, 1.0 + at.tz, twist,
-                    twist_rate, psi_rate, -psi_rate * px, -psi_rate * py, -psi_rate * pz, psi, 1.0, 0.0,
+                    twist_rate, psi_rate, -psi_rate * px, -psi_rate * py, -psi_rate * pz, psi, cos, sin,
                 )  # fmt: skip
                 elastic_resultants(rod.bending[e], rod.torsion[e], s, half_step, work.resultants)
                 section_stress(parameters, rod, s, half_step, work.resultants)
@@ -157,7 +158,7 @@ def bind(effects: Effects, section_stress: Any, distributed_load: Any, friction:
                 here = Point(
                     e, 2 * e + point, time, 0.0, 0.0, z, speed * at.tx, speed * at.ty, speed * at.tz,
                     growth * at.tx, growth * at.ty, growth * at.tz, at.tx, at.ty, at.tz,
-                    psi, psi_rate, rate * (l0 * dw0 + l1 * dw1), 1.0, 0.0, first_iteration, number,
+                    psi, psi_rate, rate * (l0 * dw0 + l1 * dw1), cos, sin, first_iteration, number,
                 )  # fmt: skip
                 distributed_load(parameters, rod, here, half_step, work.load, work.stiff)
                 weight, load, stiff, pull = 0.5 * h, work.load, work.stiff, axial * strain * bend

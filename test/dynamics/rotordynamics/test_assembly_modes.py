@@ -1,0 +1,64 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Lateral modes of an assembly on two meshes, each with the one that is nearest to it."""
+
+import cmath
+from typing import Any
+
+import numpy as np
+import pytest
+
+from drill_twin.core.errors import RunError
+from drill_twin.dynamics.rotordynamics import assembly_modes
+from drill_twin.dynamics.rotordynamics.modes import Mode
+from drill_twin.scene import load_scene
+from drill_twin.scene.set_points.command import Command
+
+
+def modes_at(*eigenvalues: complex) -> list[Mode]:
+    return [Mode("lateral", value, np.ones(3, complex)) for value in eigenvalues]
+
+
+def paired(monkeypatch: Any, *meshes: list[Mode]) -> list[Mode]:
+    """The modes that are kept, of those of the coarse mesh, of the moved cut, and of the fine mesh."""
+    found = iter(meshes)
+    monkeypatch.setattr(assembly_modes, "assembly_of", lambda *_, **__: None)
+    monkeypatch.setattr(assembly_modes, "lateral_modes", lambda *_: next(found))
+    given: Any = None
+    return assembly_modes.assembly_modes(given, given, 10.0, given)[2]
+
+
+def test_pairs_whose_difference_does_not_add_up_are_pairs(monkeypatch):
+    """In floats m + (o - m) is not always o: of 500 pairs some 80."""
+    random = np.random.default_rng(1)
+    lost = 0
+    for _ in range(500):
+        frequency = random.uniform(5.0, 20.0)
+        coarse = complex(-random.uniform(0.02, 1.0), frequency)
+        fine = complex(-random.uniform(0.02, 1.0), frequency * (1.0 + 1e-3 * random.normal()))
+        lost += coarse + (fine - coarse) != fine
+        (kept,) = paired(monkeypatch, modes_at(coarse), modes_at(coarse), modes_at(fine))
+        assert (kept.eigenvalue, kept.change, kept.number) == (fine, fine - coarse, 1)
+    assert lost > 20
+
+
+def test_a_mode_without_a_partner_is_left_out(monkeypatch):
+    coarse = modes_at(-0.1 + 5.0j, -0.1 + 9.0j)
+    assert paired(monkeypatch, coarse, [], coarse) == []
+    assert paired(monkeypatch, coarse, coarse, []) == []
+    moved = modes_at(-0.1 + 5.0j, -0.1 + 8.0j)
+    kept = paired(monkeypatch, coarse, moved, coarse)
+    assert [mode.eigenvalue for mode in kept] == [-0.1 + 5.0j]
+
+
+def test_each_mode_of_the_fine_mesh_is_taken_once(monkeypatch):
+    """Two of the coarse mesh may have the same neighbour, and two of the fine mesh the same eigenvalue."""
+    near = modes_at(-0.1 + 5.0j, -0.1 + 5.001j)
+    kept = paired(monkeypatch, near, near, modes_at(-0.1 + 5.0j))
+    assert [mode.number for mode in kept] == [1]
+    assert not cmath.isnan(kept[0].change)
+
+
+def test_a_string_that_does_not_turn_is_told_what_to_give():
+    given: Any = None
+    with pytest.raises(RunError, match=r"found 0 rad/s: .* does not turn; give one, such as --rpm 120$"):
+        assembly_modes.table_of(load_scene("wells/vertical_3000"), Command(1e5, 0.0), 10.0, given, 6)
