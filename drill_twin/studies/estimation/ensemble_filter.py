@@ -127,8 +127,8 @@ class EnsembleFilter:
         every = max(1, round(frame_rate / options.rate))
         samples = max(1, round(options.window * frame_rate / every))
         self.pace = WindowTiming(scene.numerics.frame_period, every * samples, samples)
-        self.members = EstimatorMembers(scene, ranges, options.members, self.pace, options.seed, subs)
         self._computed = [f"{name}{INSTANT}" if name in instant else name for name in channels]
+        self.members = EstimatorMembers(scene, ranges, options.members, self.pace, options.seed, subs, self._computed)
         self.channels = [*channels, *(f"{sub.name}/speed" for sub in self.members.subs)]
         self.time = 0.0
         self._errors = ChannelErrors(self.channels, options.error)
@@ -149,8 +149,8 @@ class EnsembleFilter:
         Raises:
             RunError: No member could be followed.
         """
-        self._restarts.begin(window.commands)
-        frames, prediction = self.members.advance(window.commands, self._nearest)
+        self._restarts.begin(window)
+        frames, prediction = self.members.advance(window, self._nearest)
         start, self.time, self._regained = self.time, self.time + self.pace.window, False
         predicted, measured, readings = self._compared(prediction, window)
         measured = self._errors.screen(predicted, measured)
@@ -171,7 +171,8 @@ class EnsembleFilter:
         sensors = self._sensors(prediction, found, lateral)
         self._recent.append(sensors)
         self._alarm.take(start, normalised)
-        self._unmeasured = 0.0 if np.isfinite(misfit).any() else self._unmeasured + self.pace.window
+        measuring = window.between or np.isfinite(misfit).any()
+        self._unmeasured = 0.0 if measuring else self._unmeasured + self.pace.window
         predicted = np.concatenate((predicted, self._phase.predicted), axis=1)
         measured = np.concatenate((measured, self._phase.measured))
         deviation = np.concatenate((self._errors.deviation, self._phase.errors.deviation))

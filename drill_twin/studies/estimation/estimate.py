@@ -19,13 +19,18 @@ class FilterWindow:
 
     Attributes:
         commands: Set-points at the end of each frame, as `Command.values`, shape (F, 3).
-        measured: Means over the samples by channel, shape (S,) each; NaN where there is none.
+        measured: Samples by channel, shape (S,) each; NaN where there is none.
+        weights: Share of each frame in the time of a sample, of the C channels, shape (C, `WindowTiming.tail` + F, S):
+            frames of a member times them are what is to be compared; 0 where there is no sample.
         readings: Of s subs, at the frames, shape (s, F, 6); NaN for a sub that has none.
+        between: True for a window without samples, in which none was due.
     """
 
     commands: Array
     measured: Mapping[str, Array]
+    weights: Array
     readings: Array | None = None
+    between: bool = False
 
 
 @dataclass(frozen=True)

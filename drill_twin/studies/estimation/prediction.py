@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 
@@ -64,6 +65,10 @@ def shown_unit(sensor: str, units: UnitSystem) -> tuple[float, str]:
     return (float(units.show(1.0, "offset")), units.offset) if unit == "m" else units.in_unit(unit)
 
 
+_REACH = 2.5
+"""Time before a window [s] that its means may reach back to: the slowest record is one of 0.5 Hz, whose stamps vary."""
+
+
 @dataclass(frozen=True)
 class WindowTiming:
     """Lengths in time.
@@ -71,7 +76,7 @@ class WindowTiming:
     Attributes:
         period: Of a frame [s].
         frames: Frames of a window.
-        samples: Samples of a window.
+        samples: Samples of a window, at most.
     """
 
     period: float
@@ -83,13 +88,18 @@ class WindowTiming:
         """Length of a window [s]."""
         return self.period * self.frames
 
+    @property
+    def tail(self) -> int:
+        """Frames before a window that its means may reach back to."""
+        return math.ceil(_REACH / self.period)
+
 
 @dataclass(frozen=True)
 class Prediction:
     """A window of N members.
 
     Attributes:
-        channels: By name, shape (N, S): means over the samples (`drill_twin.runs.ensemble.time_outputs.Channels`).
+        channels: By name, shape (N, S): means over the time of each sample of the window, 0 where there is none.
         sensors: Virtual sensors by name, each of shape (N,).
         whirls: Whether each member whirls, shape (N,).
         readings: Of the subs, shape (N, F, s, 6) (`drill_twin.studies.estimation.subs`).
