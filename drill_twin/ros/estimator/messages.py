@@ -72,6 +72,7 @@ def values_for_diagnostics(found: Estimate) -> dict[str, str]:
         values |= {f"residual_over_noise_{name}": exact(of.ratio), f"chi_square_{name}": exact(of.chi_square)}
         values |= {f"autocorrelation_{name}": exact(of.correlation), f"in_band_{name}": exact(of.inside)}
     values |= {"not_told": ", ".join(found.untold)} if found.untold else {}
+    values |= {f"withheld_{name}": reason for name, reason in found.withheld.items()}
     return values | {"absurd_beside_the_model": str(found.absurd), "members_replaced": str(found.replaced)}
 
 

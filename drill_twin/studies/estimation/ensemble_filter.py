@@ -21,7 +21,7 @@ from drill_twin.studies.estimation.innovations import WINDOWS, Innovations, wide
 from drill_twin.studies.estimation.jumps import UNEXPLAINED, Jumps
 from drill_twin.studies.estimation.members import EstimatorMembers
 from drill_twin.studies.estimation.phase import PhaseCorrection
-from drill_twin.studies.estimation.prediction import Band, Prediction, WindowTiming
+from drill_twin.studies.estimation.prediction import UNTOLD, Band, Prediction, Swing, WindowTiming
 from drill_twin.studies.estimation.regime_resampling import RegimeResampling
 from drill_twin.studies.estimation.restarts import Restarts
 from drill_twin.studies.estimation.square_root_filter import Correction, applied, corrections
@@ -140,6 +140,7 @@ class EnsembleFilter:
         self._restarts = Restarts(self.members, self._computed, few)
         self._phase = PhaseCorrection(self.members, options.error)
         self._replaced, self._unmeasured, self._regained = 0, 0.0, False
+        self._swing = Swing(self.pace)
         self._recent: deque[dict[str, Array]] = deque(maxlen=WINDOWS)
         self._distance: Array = np.zeros(options.members)
 
@@ -155,6 +156,7 @@ class EnsembleFilter:
         predicted, measured, readings = self._compared(prediction, window)
         measured = self._errors.screen(predicted, measured)
         self._restarts.end(measured, predicted.mean(axis=0))
+        self._swing.take(prediction.speeds)
         self._innovations.take(predicted, measured, self._errors.scale, self._errors.stated)
         misfit, normalised = self._innovations.misfit, self._innovations.normalised
         shifts, stated = self._innovations.shifts, self._errors.stated
@@ -179,12 +181,15 @@ class EnsembleFilter:
         self._resample(predicted, measured, deviation)
         self._weigh_distance(applied([*found, *lateral], predicted), measured, deviation)
         goodness = self._innovations.judged()
+        withheld = {} if self.members.subs else self._swing.withheld(window.spacing)
         factor, of_numbers = widening(goodness), widening_of_numbers(goodness)
         return Estimate(
             time=self.time,
             numbers=self.members.bands(of_numbers),
             untold=self.members.untold(of_numbers),
-            sensors={name: self._band(name, values, factor) for name, values in sensors.items()},
+            sensors={name: self._band(name, of, factor) for name, of in sensors.items()}
+            | dict.fromkeys(withheld, UNTOLD),
+            withheld=withheld,
             whirls=float(prediction.whirls.mean()),
             chance=self._chance(window.commands, float(prediction.whirls.mean())),
             unexplained=self._alarm.since,

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
@@ -23,6 +24,7 @@ class FilterWindow:
         weights: Share of each frame in the time of a sample, of the C channels, shape (C, `WindowTiming.tail` + F, S):
             frames of a member times them are what is to be compared; 0 where there is no sample.
         readings: Of s subs, at the frames, shape (s, F, 6); NaN for a sub that has none.
+        spacing: Usual time from sample to sample of the channels that show torsion [s]; NaN where it is not known.
         between: True for a window without samples, in which none was due.
     """
 
@@ -30,6 +32,7 @@ class FilterWindow:
     measured: Mapping[str, Array]
     weights: Array
     readings: Array | None = None
+    spacing: float = math.nan
     between: bool = False
 
 
@@ -43,6 +46,7 @@ class Estimate:
         untold: Share of its range that the band of a number covers, of those that the record does not tell, by key.
         sensors: Virtual sensors by name, see `drill_twin.studies.estimation.prediction.SENSORS`; with a sub also the
             places of the centre line at the marks at the end of the window [m], MARK/x and MARK/y.
+        withheld: Reason why a virtual sensor has no band, and no mean, by name.
         whirls: Share of the members that whirl.
         chance: Share of those that whirl within the horizon; NaN if it is not computed.
         unexplained: Time since which the misfit of a channel is far above the predicted [s], by name.
@@ -60,6 +64,7 @@ class Estimate:
     numbers: Mapping[str, Band]
     untold: Mapping[str, float]
     sensors: Mapping[str, Band]
+    withheld: Mapping[str, str]
     whirls: float
     chance: float
     unexplained: Mapping[str, float]

@@ -103,10 +103,6 @@ class Intake:
         """Stamp [s] of time zero of the windows; 0 before the first sample."""
         return self._origin or 0.0
 
-    def usual(self, channel: str = "") -> float:
-        """Usual time from sample to sample [s], of a channel or of all; NaN where it is not known yet."""
-        return self._distances[channel].usual
-
     def take(self, stamp: float, values: Mapping[str, float]) -> bool:
         """Take a sample; returns False for one whose stamp cannot be used, as it is late, repeated or not finite.
 
@@ -172,13 +168,16 @@ class Intake:
         self._open = []
         if samples:
             self._distances[""].take([time for time, _ in samples])
-        overdue = following[0] - self._distances[""].newest > _LOST * self.usual()
+        overdue = following[0] - self._distances[""].newest > _LOST * self._distances[""].usual
         if not samples and overdue:
             self.troubles["missing window"] += 1
         ends: Array = self._start + self._pace.period * np.arange(1.0, self._pace.frames + 1.0)
         commands = np.stack([self._set_points(name, samples, following, ends) for name in SET_POINTS], axis=1)
         parts = {name: self._compared(name, samples, following) for name in self._channels}
         readings = np.array([sub.close(self._start) for sub in self._subs])
+        known = [
+            usual for name in self._channels if name != "hookload" and (usual := self._distances[name].usual) > 0.0
+        ]
         self._start += self._pace.window
         self._ready.append(
             FilterWindow(
@@ -186,6 +185,7 @@ class Intake:
                 measured={name: measured for name, (measured, _) in parts.items()},
                 weights=np.array([weights for _, weights in parts.values()]),
                 readings=readings if self._subs else None,
+                spacing=min(known, default=math.nan),
                 between=not samples and not overdue,
             )
         )
@@ -216,8 +216,10 @@ class Intake:
         usual = distances.usual
         if math.isnan(usual) and math.isfinite(following[1].get(name, math.nan)):
             usual = following[0] - distances.newest
-        length = np.full(time.size, pace.period) if name in self._instant else np.where(
-            distance <= _LOST * usual, distance, usual
+        length = (
+            np.full(time.size, pace.period)
+            if name in self._instant
+            else np.where(distance <= _LOST * usual, distance, usual)
         )
         sound = self._sound(name, value) & (time - length > self._start - pace.tail * pace.period - _ROUND_OFF)
         sound &= time - length > -_ROUND_OFF

@@ -25,10 +25,9 @@ from drill_twin.scene.overrides import full_key
 from drill_twin.scene.set_points import Command
 from drill_twin.studies.estimation.estimate import FilterWindow
 from drill_twin.studies.estimation.lateral import LateralMotion, asynchronous_radius
-from drill_twin.studies.estimation.prediction import SENSORS, SHARE, Band, Prediction, WindowTiming
+from drill_twin.studies.estimation.prediction import SENSORS, Band, Prediction, WindowTiming, bands_of, untold_of
 from drill_twin.studies.estimation.square_root_filter import Correction, applied
 from drill_twin.studies.estimation.subs import VALUES, SubReader, listed
-from drill_twin.studies.fitting.posterior import UNDETERMINED
 from drill_twin.studies.fitting.sampling import Ranges, in_ranges
 from drill_twin.whirl.criteria import Criteria
 
@@ -48,6 +47,7 @@ class EstimatorMembers:
         scene: The scene of which they are variants.
         keys: Keys of the free numbers.
         pace: Frames, samples and windows.
+        channels: Names of what they compute at the frames.
         subs: Downhole subs.
         lateral: Their lateral motion.
         normal: Free numbers in the space where their prior is standard normal, shape (N, d).
@@ -70,7 +70,7 @@ class EstimatorMembers:
             ArgumentError: A number that cannot be changed in the middle of a run, or a sub that the scene has not.
             SceneError: A range does not fit the scene.
         """
-        self.scene, self._ranges, self.pace, self._channels = scene, ranges, pace, list(channels)
+        self.scene, self._ranges, self.pace, self.channels = scene, ranges, pace, list(channels)
         self.keys, self.subs = list(ranges), listed(scene, subs)
         self._full = {key: full_key(key, scene) for key in self.keys if key != LOAD}
         self._seeds = [seed + number + 1 for number in range(count)]
@@ -92,28 +92,15 @@ class EstimatorMembers:
     @property
     def values(self) -> Array:
         """Free numbers [SI], shape (N, d)."""
-        return self._in_ranges(self.normal)
+        return in_ranges(special.ndtr(self.normal), self._ranges)
 
     def bands(self, factor: float = 1.0) -> dict[str, Band]:
-        """Bands of the free numbers [SI] by key, their deviations times a factor.
-
-        A filter for near-linear motion knows a mean and a variance, in the space of `normal`; single members, which
-        are mixed by it, have no more to say.
-        """
-        low, high = self._in_ranges(self._ends(factor))
-        of = zip(self.values.mean(axis=0), factor * self.values.std(axis=0, ddof=1), low, high, strict=True)
-        return {key: Band(*map(float, each)) for key, each in zip(self.keys, of, strict=True)}
+        """Bands of the free numbers [SI] by key, their deviations times a factor."""
+        return bands_of(self.normal, self._ranges, factor)
 
     def untold(self, factor: float = 1.0) -> dict[str, float]:
         """Share of its range that the band of a number covers, by key, of those that the record does not tell."""
-        low, high = special.ndtr(self._ends(factor))
-        shares = zip(self.keys, (high - low).tolist(), strict=True)
-        return {key: share for key, share in shares if share > UNDETERMINED}
-
-    def _ends(self, factor: float) -> Array:
-        """Ends of the bands in the space of `normal`, shape (2, d)."""
-        ends = factor * special.ndtri(0.5 + 0.5 * SHARE * np.array([[-1.0], [1.0]]))
-        return np.asarray(self.normal.mean(axis=0) + ends * self.normal.std(axis=0, ddof=1))
+        return untold_of(self.normal, self._ranges, factor)
 
     def advance(self, window: FilterWindow, shown: int = -1) -> tuple[list[Frame], Prediction]:
         """Advance by a window; a member that fails becomes a copy of one that does not.
@@ -140,16 +127,17 @@ class EstimatorMembers:
             self.copy(source, number)
             found[number] = found[source]
         columns = [found[number] for number in range(len(self))]
-        channels = self._sampled([*range(len(self))], np.array([each[0] for each in columns]), window)
+        channels = self._sampled(slice(None), np.array([each[0] for each in columns]), window)
         sensors = {name: np.array([each[1][name] for each in columns]) for name in SENSORS}
-        whirls, readings = (np.array([each[k] for each in columns]) for k in (2, 3))
-        return frames, Prediction(channels, sensors, whirls, readings)
+        whirls, readings, speeds = (np.array([each[k] for each in columns]) for k in (2, 3, 4))
+        return frames, Prediction(channels, sensors, whirls, readings, speeds)
 
-    def _sampled(self, members: Sequence[int], frames: Array, window: FilterWindow) -> dict[str, Array]:
-        """Channels of some members over the samples of a window, (M, S) each, from their frames, shape (M, C, F)."""
-        whole = np.concatenate((self._tail[members], frames), axis=2)
-        self._tail[members] = whole[:, :, -self.pace.tail :]
-        return dict(zip(self._channels, whole.swapaxes(0, 1) @ window.weights, strict=True))
+    def _sampled(self, members: int | slice, frames: Array, window: FilterWindow) -> dict[str, Array]:
+        """Channels of a member, (S,) each, or of all, (N, S), over the samples of a window, from their frames."""
+        whole = np.concatenate((self._tail[members], frames), axis=-1)
+        self._tail[members] = whole[..., -self.pace.tail :]
+        sampled = np.einsum("...cf,cfs->c...s", whole, window.weights)
+        return dict(zip(self.channels, sampled, strict=True))
 
     def checkpoint(self, number: int) -> dict[str, Array]:
         """Copy the state of a member, for `replay`: of its twin, and its frames before the window."""
@@ -196,7 +184,7 @@ class EstimatorMembers:
 
     def replay(
         self, number: int, state: Mapping[str, Array], windows: Sequence[FilterWindow]
-    ) -> list[Mapping[str, Array]]:
+    ) -> list[dict[str, Array]]:
         """Set a member back to a checkpoint, and advance it with the numbers that it has now; returns its channels.
 
         Args:
@@ -210,11 +198,7 @@ class EstimatorMembers:
         self.twins[number].restore(state)
         self.twins[number].change_numbers(self._scene(number))
         self._tail[number] = state[_TAIL]
-        found = []
-        for window in windows:
-            of_member = self._sampled([number], self._advance(number, window.commands)[0][None], window)
-            found.append({name: values[0] for name, values in of_member.items()})
-        return found
+        return [self._sampled(number, self._advance(number, window.commands)[0], window) for window in windows]
 
     @property
     def places(self) -> dict[str, Array]:
@@ -248,10 +232,6 @@ class EstimatorMembers:
         twin.restore(before)
         return frames
 
-    def _in_ranges(self, normal: Array) -> Array:
-        """Numbers [SI] from those of the space in which their prior is standard normal, both of shape (..., d)."""
-        return in_ranges(special.ndtr(normal), self._ranges)
-
     def _load(self, number: int) -> float:
         """Weight on bit of a member over that of the set-points."""
         return float(self.values[number, self.keys.index(LOAD)]) if LOAD in self.keys else 1.0
@@ -266,8 +246,8 @@ class EstimatorMembers:
         finally:
             twin.restore(before)
 
-    def _advance(self, number: int, commands: Array) -> tuple[Array, Mapping[str, float], bool, Array]:
-        """Channels at the frames, (C, F), virtual sensors, whether it whirls, and readings of the subs, of a member."""
+    def _advance(self, number: int, commands: Array) -> tuple[Array, Mapping[str, float], bool, Array, Array]:
+        """Channels at the frames, (C, F), and what else a `Prediction` has of a member."""
         twin, record, pace = self.twins[number], self._record, self.pace
         commands = commands * np.array([self._load(number), 1.0, 1.0])
         request = Request((), pace.period, pace.frames, 1)
@@ -286,11 +266,12 @@ class EstimatorMembers:
             "bending_stress": float(bending_stress(twin.rod, self._tubes, twin.unknowns[0]).max()),
         }
         variables = {name: value for collector in collectors for name, value in collector.close().items()}
-        values = np.array([variables[name].value for name in self._channels]).reshape(-1, pace.frames)
+        values = np.array([variables[name].value for name in self.channels]).reshape(-1, pace.frames)
         readings = np.empty((pace.frames, 0, VALUES))
         if record.nodes is not None:
             readings = self._reader.read(before, record.nodes, pace.period)
-        return values, sensors, bool(np.any(asynchronous_radius(rows) > self._onset)), readings
+        whirls = bool(np.any(asynchronous_radius(rows) > self._onset))
+        return values, sensors, whirls, readings, rig.bit_speed.copy()
 
     def _scene(self, number: int) -> Scene:
         """Scene of a member."""
