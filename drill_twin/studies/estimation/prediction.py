@@ -197,7 +197,8 @@ class Swing:
 
     def withheld(self, spacing: float) -> dict[str, str]:
         """Reason why samples at a distance [s] do not tell the virtual sensors of `_FAST`, by name; none if they do."""
-        if (samples := self.cycle / max(spacing, self._pace.window / self._pace.samples)) >= _FEWEST:
+        samples = self.cycle / float(np.fmax(spacing, self._pace.window / self._pace.samples))
+        if samples >= _FEWEST:
             return {}
         few = f"{samples:.1f} samples in a cycle of {self.cycle:.2g} s do not tell its phase: expected {_FEWEST:g}"
         return dict.fromkeys(_FAST, few)
