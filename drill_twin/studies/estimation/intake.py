@@ -6,7 +6,7 @@ from __future__ import annotations
 import math
 from collections import Counter, deque
 from collections.abc import Collection, Mapping, Sequence
-from dataclasses import dataclass, field, fields
+from dataclasses import fields
 
 import numpy as np
 
@@ -15,7 +15,7 @@ from drill_twin.scene import Scene
 from drill_twin.scene.blocks.sensors import Sub
 from drill_twin.scene.set_points import Command, Schedule
 from drill_twin.studies.estimation.estimate import FilterWindow
-from drill_twin.studies.estimation.prediction import WindowTiming
+from drill_twin.studies.estimation.prediction import REACH, WindowTiming
 from drill_twin.studies.estimation.subs import SubIntake
 
 SET_POINTS = tuple(field.name for field in fields(Command))
@@ -27,7 +27,7 @@ _BACK = 1.0
 _ROUND_OFF = 2e-6
 """Error of times [s]: stamps are counted from 1970."""
 _USUAL = 20
-"""Last distances of samples, whose median is the usual one."""
+"""Last samples of a channel, whose median distance is the usual one."""
 _LOST = 1.5
 """Distance over the usual one from which a sample between is lost: half-way between one and two of them."""
 _FROZEN = 3.0
@@ -41,26 +41,6 @@ _MOST = 0.15
 """Largest share of absurd samples; more are no error of single samples."""
 Sample = tuple[float, Mapping[str, float]]
 """Time [s] and values by name."""
-
-
-@dataclass
-class _Distances:
-    """Distances of the last samples."""
-
-    newest: float = math.nan
-    last: deque[float] = field(default_factory=lambda: deque(maxlen=_USUAL))
-
-    @property
-    def usual(self) -> float:
-        """The usual one [s]; NaN where none is known."""
-        return float(np.median(self.last)) if self.last else math.nan
-
-    def take(self, times: Sequence[float]) -> Array:
-        """Take the times of the next samples; returns their distances from those before, NaN for the very first."""
-        found = np.diff(times, prepend=self.newest)
-        self.last.extend(found[np.isfinite(found)].tolist())
-        self.newest = times[-1]
-        return found
 
 
 class Intake:
@@ -88,7 +68,7 @@ class Intake:
         self._schedule = Schedule.from_scene(scene)
         self._origin: float | None = None  # stamp of time zero
         self._start = 0.0  # of the open window
-        self._distances = {name: _Distances() for name in ("", *channels)}  # of all samples, and of each channel
+        self._past = {name: deque[float](maxlen=_USUAL) for name in channels}  # times of its last samples
         self._newest = 0.0
         self._open: list[Sample] = []
         self._held: dict[str, tuple[float, float]] = {}  # last set-points, with their times
@@ -166,18 +146,14 @@ class Intake:
         """Close the open window, at the first sample after it."""
         samples = sorted(self._open, key=lambda sample: sample[0])
         self._open = []
-        if samples:
-            self._distances[""].take([time for time, _ in samples])
-        overdue = following[0] - self._distances[""].newest > _LOST * self._distances[""].usual
-        if not samples and overdue:
-            self.troubles["missing window"] += 1
         ends: Array = self._start + self._pace.period * np.arange(1.0, self._pace.frames + 1.0)
         commands = np.stack([self._set_points(name, samples, following, ends) for name in SET_POINTS], axis=1)
-        parts = {name: self._compared(name, samples, following) for name in self._channels}
+        parts = {name: self._compared(name, samples) for name in self._channels}
         readings = np.array([sub.close(self._start) for sub in self._subs])
-        known = [
-            usual for name in self._channels if name != "hookload" and (usual := self._distances[name].usual) > 0.0
-        ]
+        usual = {name: of for name in self._channels if math.isfinite(of := self._usual(name))}
+        overdue = following[0] - self._newest > _LOST * min([REACH, *usual.values()])
+        if not samples and overdue:
+            self.troubles["missing window"] += 1
         self._start += self._pace.window
         self._ready.append(
             FilterWindow(
@@ -185,7 +161,7 @@ class Intake:
                 measured={name: measured for name, (measured, _) in parts.items()},
                 weights=np.array([weights for _, weights in parts.values()]),
                 readings=readings if self._subs else None,
-                spacing=min(known, default=math.nan),
+                spacing=min((of for name, of in usual.items() if name != "hookload"), default=math.nan),
                 between=not samples and not overdue,
             )
         )
@@ -203,26 +179,27 @@ class Intake:
         held: Array = np.interp(ends, time, value)
         return held
 
-    def _compared(self, name: str, samples: Sequence[Sample], following: Sample) -> tuple[Array, Array]:
+    def _usual(self, name: str) -> float:
+        """Usual time from sample to sample of a channel [s]; NaN where it is not known yet."""
+        return float(np.median(np.diff(self._past[name]))) if len(self._past[name]) > 1 else math.nan
+
+    def _compared(self, name: str, samples: Sequence[Sample]) -> tuple[Array, Array]:
         """Samples of a channel in the window, and weights of the frames, as of `FilterWindow`.
 
         Where there are more than the window has room for, neighbours are averaged: both what is measured and the time
         in which it was.
         """
-        pace, distances = self._pace, self._distances[name]
+        pace, past = self._pace, self._past[name]
         found = np.array([(time, values.get(name, math.nan)) for time, values in samples]).reshape(-1, 2)
         time, value = found[np.isfinite(found[:, 1])].T
-        distance = distances.take(time) if time.size else time
-        usual = distances.usual
-        if math.isnan(usual) and math.isfinite(following[1].get(name, math.nan)):
-            usual = following[0] - distances.newest
-        length = (
-            np.full(time.size, pace.period)
-            if name in self._instant
-            else np.where(distance <= _LOST * usual, distance, usual)
-        )
-        sound = self._sound(name, value) & (time - length > self._start - pace.tail * pace.period - _ROUND_OFF)
-        sound &= time - length > -_ROUND_OFF
+        distance = np.diff(time, prepend=past[-1] if past else math.nan)
+        past.extend(time.tolist())
+        usual = self._usual(name)
+        length = np.where(distance <= _LOST * usual, distance, usual)
+        if name in self._instant:
+            length[:] = pace.period
+        self.troubles += Counter({f"mean of more than {REACH:g} s": int(np.count_nonzero(length > REACH))})
+        sound = self._sound(name, value) & np.less_equal(length, REACH) & np.greater(time - length, -_ROUND_OFF)
         time, value, length = time[sound], value[sound], length[sound]
         if self._is_frozen(name, time, value):
             time, value, length = time[:0], value[:0], length[:0]

@@ -111,8 +111,9 @@ def shown_unit(sensor: str, units: UnitSystem) -> tuple[float, str]:
     return (float(units.show(1.0, "offset")), units.offset) if unit == "m" else units.in_unit(unit)
 
 
-_REACH = 2.5
-"""Time before a window [s] that its means may reach back to: the slowest record is one of 0.5 Hz, whose stamps vary."""
+REACH = 2.5
+"""Longest time of a mean [s], and so before a window that it may reach back to: the slowest record is one of 0.5 Hz,
+whose stamps vary."""
 
 
 @dataclass(frozen=True)
@@ -137,7 +138,7 @@ class WindowTiming:
     @property
     def tail(self) -> int:
         """Frames before a window that its means may reach back to."""
-        return math.ceil(_REACH / self.period)
+        return math.ceil(REACH / self.period)
 
 
 @dataclass(frozen=True)

@@ -30,7 +30,7 @@ WAYS: Mapping[str, Stamps] = {
     "drawn, instants": replace(USUAL, instant=True),
 }
 """Stamps by name; 10 Hz where no rate is named."""
-_SECONDS, _MEMBERS = 40.0, 16
+_SECONDS, _MEMBERS = 30.0, 16
 
 
 def rows_of(stamps: Stamps, truths: int, first: int) -> list[TruthRow]:

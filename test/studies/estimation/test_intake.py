@@ -52,7 +52,7 @@ def record_of(kind, rate, draw):
     ends = np.arange(1, int(9.9 * rate)) / rate
     stamps, kept = ends, np.ones(ends.size, dtype=bool)
     if kind == "late":
-        ends = stamps = ends + 0.3 / rate + 1e-3
+        ends = stamps = ends + 0.2 / rate + 1e-3
     elif kind == "fast clock":
         ends = stamps = ends * 1.0001
     elif kind == "uneven":
@@ -106,6 +106,13 @@ def test_a_slow_record_is_not_missing_between_its_samples(intake):
     lost = [window.between for window in feed(intake, [22.0, 24.0])]
     assert not any(lost[::2])
     assert intake.troubles["missing window"] > 0
+
+
+def test_means_that_last_too_long_are_left_out_and_told(intake):
+    windows = feed(intake, np.arange(0, 6) * 4.0)
+    assert all(np.isnan(window.measured["torque"]).all() for window in windows)
+    assert not any(window.between for window in windows[4:])
+    assert intake.troubles["mean of more than 2.5 s"] > 0
 
 
 def test_set_points_are_interpolated_and_held(intake):
