@@ -105,12 +105,15 @@ def _shown(found: Estimate, scene: Scene, troubles: dict[str, int]) -> Iterator[
 
     yield from filter(None, (found.alarm, found.remembered))
     rows = []
-    for name, band in {**found.numbers, **found.sensors}.items():
+    known = {name: band for name, band in found.sensors.items() if name not in found.withheld}
+    for name, band in {**found.numbers, **known}.items():
         size, unit = shown_unit(name, scene.unit_system) if name in found.sensors else shown_number(name, scene)
         mean, low, high = (f"{size * value:.4g}" for value in (band.mean, band.low, band.high))
         rows.append((f"{name} [{unit}]" if unit else name, mean, f"{size * band.deviation:.2g}", low, high))
     title = f"{scene.name} at {found.time:g} s"
     yield Table(("", "mean", "deviation", "low", "high"), rows, title=title, right=(1, 2, 3, 4))
+    for reason in dict.fromkeys(found.withheld.values()):
+        yield f"{', '.join(name for name, of in found.withheld.items() if of == reason)}: withheld, {reason}"
     for key, share in found.untold.items():
         yield f"{key}: the record does not tell it, its band covers {share:.0%} of its range"
     yield from of_law(found.numbers, scene)

@@ -19,7 +19,8 @@ def estimate(unexplained, spans):
     low = math.nan if unexplained else 2.0
     return Estimate(
         time=70.0, numbers={"load_factor": Band(1.0, 0.1, 0.9, 1.1)}, untold={},
-        sensors={"bit_speed": Band(2.5, low, low, low)}, whirls=0.0, chance=math.nan, unexplained=unexplained, jumps={},
+        sensors={"bit_speed": Band(2.5, low, low, low)}, withheld={}, whirls=0.0, chance=math.nan,
+        unexplained=unexplained, jumps={},
         misfit={"torque": 0.1}, goodness={}, absurd=0, unmeasured=0.0, frames=(), spans=spans,
     )  # fmt: skip
 

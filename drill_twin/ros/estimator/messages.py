@@ -74,6 +74,7 @@ def values_for_diagnostics(found: Estimate) -> dict[str, str]:
         values |= {f"autocorrelation_{name}": exact(of.correlation), f"in_band_{name}": exact(of.inside)}
     values |= {"not_told": ", ".join(found.untold)} if found.untold else {}
     values |= {"remembered": found.remembered} if found.spans else {}
+    values |= {f"withheld_{name}": reason for name, reason in found.withheld.items()}
     return values | {"absurd_beside_the_model": str(found.absurd)}
 
 

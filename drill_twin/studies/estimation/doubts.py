@@ -9,6 +9,7 @@ model that was wrong is believed again only after it has been right for long. Un
 
 from __future__ import annotations
 
+from collections import deque
 from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
@@ -16,6 +17,8 @@ import numpy as np
 
 from drill_twin.core.arrays import Array
 
+JUMP_WINDOWS = 2
+"""Windows in a row, not explained, that show a jump of numbers (`drill_twin.studies.estimation.jumps`)."""
 BEGIN = 10
 """Windows before the first alarm: numbers, and a motion that was not known, are still being found."""
 _ALLOWED = 1.3
@@ -58,6 +61,7 @@ class Doubts:
     def __init__(self, channels: Sequence[str]) -> None:
         self._channels, self._windows = list(channels), 0
         self._sums: Array = np.zeros(len(channels))
+        self._earlier: deque[Array] = deque([self._sums], maxlen=JUMP_WINDOWS + 1)  # sums after the last windows
         self._first: Array = np.full(len(channels), np.nan)
         self._off: Array = np.zeros(len(channels))  # of the first window
         self._before: Array = np.zeros(len(channels))  # squared innovation a sample, of the last window
@@ -84,17 +88,21 @@ class Doubts:
         self._first = np.where((self._sums <= _RISEN * _DOUBT) & (gain > 0.0), start, self._first)
         self._sums = np.clip(self._sums + gain, 0.0, _LONGEST)
         if self._windows == BEGIN and not np.all(self._off <= _KNOWN * scale):
-            self._sums[:] = 0.0
+            self._sums = np.zeros_like(self._sums)
+        self._earlier.append(self._sums)
+        self._judge()
+
+    def forget(self) -> None:
+        """Forget the windows of a jump: numbers that have changed explain them, or a motion that was lost does."""
+        self._sums = self._earlier[0]
+        self._judge()
+
+    def _judge(self) -> None:
         self.since = {
             name: float(first)
             for name, total, first in zip(self._channels, self._sums, self._first, strict=True)
             if self._windows > BEGIN and (total > _DOUBT or (name in self.since and total > 0.0))
         }
-
-    def forget(self) -> None:
-        """Forget the doubts: numbers that have changed explain the last windows, or a motion that was lost does."""
-        self._sums[:] = 0.0
-        self.since = {}
 
     def remember(self, start: float, end: float) -> None:
         """Take a window at whose end an alarm stands."""

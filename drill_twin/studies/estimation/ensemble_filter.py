@@ -16,13 +16,13 @@ from drill_twin.core.errors import ArgumentError
 from drill_twin.core.rig_channels import INSTANT
 from drill_twin.scene import Scene
 from drill_twin.studies.estimation.channel_errors import ChannelErrors
-from drill_twin.studies.estimation.doubts import Doubts
+from drill_twin.studies.estimation.doubts import JUMP_WINDOWS, Doubts
 from drill_twin.studies.estimation.estimate import Estimate, FilterWindow
 from drill_twin.studies.estimation.innovations import WINDOWS, Innovations, widening, widening_of_numbers
-from drill_twin.studies.estimation.jumps import JUMP_WINDOWS, UNEXPLAINED, Jumps
+from drill_twin.studies.estimation.jumps import UNEXPLAINED, Jumps
 from drill_twin.studies.estimation.members import EstimatorMembers
 from drill_twin.studies.estimation.phase import PhaseCorrection
-from drill_twin.studies.estimation.prediction import Band, Prediction, WindowTiming
+from drill_twin.studies.estimation.prediction import UNTOLD, Band, Prediction, Swing, WindowTiming
 from drill_twin.studies.estimation.restarts import Restarts
 from drill_twin.studies.estimation.square_root_filter import Correction, applied, corrections
 from drill_twin.studies.estimation.subs import VALUES, speed
@@ -127,8 +127,8 @@ class EnsembleFilter:
         every = max(1, round(frame_rate / options.rate))
         samples = max(1, round(options.window * frame_rate / every))
         self.pace = WindowTiming(scene.numerics.frame_period, every * samples, samples)
-        self.members = EstimatorMembers(scene, ranges, options.members, self.pace, options.seed, subs)
         self._computed = [f"{name}{INSTANT}" if name in instant else name for name in channels]
+        self.members = EstimatorMembers(scene, ranges, options.members, self.pace, options.seed, subs, self._computed)
         self.channels = [*channels, *(f"{sub.name}/speed" for sub in self.members.subs)]
         self.time = 0.0
         self._errors = ChannelErrors(self.channels, options.error)
@@ -139,6 +139,7 @@ class EnsembleFilter:
         self._restarts = Restarts(self.members, self._computed, few)
         self._phase = PhaseCorrection(self.members, options.error)
         self._unmeasured, self._regained = 0.0, False
+        self._swing = Swing(self.pace)
         self._recent: deque[dict[str, Array]] = deque(maxlen=WINDOWS)
         self._distance: Array = np.zeros(options.members)
 
@@ -148,12 +149,13 @@ class EnsembleFilter:
         Raises:
             RunError: No member could be followed.
         """
-        self._restarts.begin(window.commands)
-        frames, prediction = self.members.advance(window.commands, self._nearest)
+        self._restarts.begin(window)
+        frames, prediction = self.members.advance(window, self._nearest)
         start, self.time, self._regained = self.time, self.time + self.pace.window, False
         predicted, measured, readings = self._compared(prediction, window)
         measured = self._errors.screen(predicted, measured)
         self._restarts.end(measured)
+        self._swing.take(prediction.speeds)
         judged = self._innovations
         judged.take(predicted, measured, self._errors.scale, self._errors.stated)
         self._doubts.take(start, judged.surprises, judged.samples, judged.off, self._errors.scale)
@@ -170,18 +172,23 @@ class EnsembleFilter:
         self._forget()
         sensors = self._sensors(prediction, found, lateral)
         self._recent.append(sensors)
-        self._unmeasured = 0.0 if np.isfinite(misfit).any() else self._unmeasured + self.pace.window
+        measuring = window.between or np.isfinite(misfit).any()
+        self._unmeasured = 0.0 if measuring else self._unmeasured + self.pace.window
         predicted = np.concatenate((predicted, self._phase.predicted), axis=1)
         measured = np.concatenate((measured, self._phase.measured))
         deviation = np.concatenate((self._errors.deviation, self._phase.errors.deviation))
         self._weigh_distance(applied([*found, *lateral], predicted), measured, deviation)
         goodness = judged.judged()
+        withheld = {} if self.members.subs else self._swing.withheld(window.spacing)
+        withheld |= dict.fromkeys(sensors, "the model does not explain what is measured") if self._doubts.since else {}
         factor, of_numbers = widening(goodness), widening_of_numbers(goodness)
         estimate = Estimate(
             time=self.time,
             numbers=self.members.bands(of_numbers),
             untold=self.members.untold(of_numbers),
-            sensors={name: self._band(name, values, factor) for name, values in sensors.items()},
+            sensors={name: self._band(name, of, factor) for name, of in sensors.items()}
+            | dict.fromkeys(withheld, UNTOLD),
+            withheld=withheld,
             whirls=float(prediction.whirls.mean()),
             chance=self._chance(window.commands, float(prediction.whirls.mean())),
             unexplained=self._doubts.since,
@@ -210,9 +217,7 @@ class EnsembleFilter:
             each.forget()
 
     def _band(self, name: str, values: Array, factor: float) -> Band:
-        """Band of a virtual sensor; none in doubt; all that members did of late after a lost motion."""
-        if self._doubts.since:
-            return Band(float(values.mean()), math.nan, math.nan, math.nan)
+        """Band of a virtual sensor; after a jump not explained or a lost motion, all that the members did of late."""
         own = Band.of(values, self._wider(name, factor))
         if UNEXPLAINED not in self._jumps.since and not self._regained:
             return own

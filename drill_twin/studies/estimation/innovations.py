@@ -18,7 +18,7 @@ WINDOWS = 20
 """Windows that are judged together."""
 _FEWEST = 10
 """Windows from which a change of the mean innovation can be told; half of the samples that tell their noise."""
-_LEAST_NOISE = 0.5
+_LEAST_NOISE = 0.25
 """Noise of a channel over its stated error, at least: sensor and model err together as the stated error says, and the
 record of a twin has no noise."""
 
@@ -75,7 +75,8 @@ class Innovations:
         self.normalised = rms(square / ((self._few * window.spread) ** 2 + stated[:, None] ** 2))
         noise = self._noise()
         self.samples = np.where(np.isfinite(noise), np.isfinite(measured).sum(axis=1), 0)
-        self.surprises = np.array([_surprise(predicted[:, k], row, noise[k]) for k, row in enumerate(measured)])
+        wide = window.mean + self._few * (predicted - window.mean)
+        self.surprises = np.array([_surprise(wide[:, k], row, noise[k]) for k, row in enumerate(measured)])
 
     def _noise(self) -> Array:
         """Noise of each channel over the last windows, shape (C,); NaN where the samples are too few to tell it."""

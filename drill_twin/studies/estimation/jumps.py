@@ -14,10 +14,8 @@ import numpy as np
 
 from drill_twin.core.arrays import Array, Mask
 from drill_twin.studies.estimation.channel_errors import LIMIT
-from drill_twin.studies.estimation.doubts import BEGIN
+from drill_twin.studies.estimation.doubts import BEGIN, JUMP_WINDOWS
 
-JUMP_WINDOWS = 2
-"""Windows in a row, not explained, that show a jump."""
 _ALONE, _APART, _LONGEST = 10, 20, 80
 """Windows after a jump in which the numbers that explain it are corrected alone, and before the next jump: a motion
 that has lost its phase with the load is no jump of friction. Where none explains a large one, all are held until the

@@ -23,6 +23,7 @@ from scipy import special, stats
 
 from drill_twin.core.arrays import Array, Mask
 from drill_twin.core.errors import DrillTwinError, RunError
+from drill_twin.studies.estimation.estimate import FilterWindow
 from drill_twin.studies.estimation.innovations import rms
 from drill_twin.studies.estimation.members import EstimatorMembers
 from drill_twin.studies.goodness import noise_of
@@ -46,11 +47,11 @@ what was measured: more numbers always explain more."""
 
 
 class _Window(NamedTuple):
-    """A window: numbers and states of the members at its start, set-points, and what was measured, shape (C, S)."""
+    """A window: numbers and states of the members at its start, the window, and what was measured, shape (C, S)."""
 
     normal: Array
     states: Sequence[Mapping[str, Array]]
-    commands: Array
+    window: FilterWindow
     measured: Array
 
 
@@ -91,11 +92,11 @@ class Restarts:
         """Numbers of the members before the last windows, shape (N, d)."""
         return self._past[-min(windows, len(self._past))].normal
 
-    def begin(self, commands: Array) -> None:
+    def begin(self, window: FilterWindow) -> None:
         """Begin a window, before the members are advanced over it."""
         members = self._members
-        states = [twin.checkpoint() for twin in members.twins]
-        self._past.append(_Window(members.normal.copy(), states, commands, np.empty(0)))
+        states = [members.checkpoint(number) for number in range(len(members))]
+        self._past.append(_Window(members.normal.copy(), states, window, np.empty(0)))
 
     def end(self, measured: Array) -> None:
         """End it with what was measured, shape (C, S), the channels of the surface first."""
@@ -146,7 +147,7 @@ class Restarts:
         failed = []
         for number in range(count):
             try:
-                self._members.replay(number, past[0].states[number], [window.commands for window in past])
+                self._members.replay(number, past[0].states[number], [each.window for each in past])
             except DrillTwinError:
                 failed.append(number)
         sound = [number for number in range(count) if number not in failed]
@@ -162,7 +163,7 @@ class Restarts:
         members, past = self._members, list(self._past)[-back:]
         count = min(_TRIALS, len(members))
         who = np.linspace(0, len(members) - 1, count).round().astype(int)
-        normal, states = members.normal, [members.twins[number].checkpoint() for number in who]
+        normal, states = members.normal, [members.checkpoint(number) for number in who]
         members.normal = members.normal.copy()
         members.normal[who] = values = self._drawn(past[0].normal[who], chosen, centre, width, count)
         stated = errors[: len(self._channels), None]
@@ -170,7 +171,7 @@ class Restarts:
         computed: Array = np.full((count, *measured.shape), np.nan)
         for row, number in zip(computed, who.tolist(), strict=True):
             with suppress(DrillTwinError):
-                rows = members.replay(number, past[0].states[number], [window.commands for window in past])
+                rows = members.replay(number, past[0].states[number], [each.window for each in past])
                 row[:] = [[each[name] for name in self._channels] for each in rows[-judged:]]
         members.normal = normal
         for number, state in zip(who.tolist(), states, strict=True):
@@ -189,7 +190,7 @@ class Restarts:
         """Numbers, shape (count, d), with the chosen ones spread over a part of the prior."""
         if not chosen.any():
             return normal.copy()
-        cube = stats.qmc.Sobol(int(chosen.sum()), rng=1).random(count)
+        cube = stats.qmc.Sobol(int(chosen.sum()), seed=1).random(count)
         middle = 0.5 if centre is None else np.clip(centre[chosen], 0.5 * width, 1.0 - 0.5 * width)
         drawn = normal.copy()
         drawn[:, chosen] = special.ndtri(np.clip(middle + width * (cube - 0.5), 1e-3, 1.0 - 1e-3))

@@ -120,7 +120,7 @@ def lines(name: str, found: Mapping[str, Any]) -> list[str]:
     count, hours = found["alarms"]["count"], found["alarms"]["hours"]
     low, high = (24.0 / hours * end for end in rate_interval(count))
     sentence += f" Alarms of the misfit: {count} in {hours:.3g} h: {low:.2g} to {high:.2g} in 24 h (95 % interval)."
-    sentence += f" Bands of virtual sensors withheld in {found['withheld']:.1%} of the windows."
+    sentence += f" Speed of the bit withheld in {found['withheld']:.1%} of the windows."
     return [*tables, "", sentence, *_jump_lines(found["jumps"]), ""]
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Records of 120 s of rigs of other kinds, and what is true of them."""
+"""Records of a minute of rigs of other kinds, and what is true of them."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ from drill_twin_evidence.foreign_rigs.rigs import (
     with_noise,
 )
 
-SECONDS = 120.0
+SECONDS = 60.0
 """Length of a record [s]."""
 
 

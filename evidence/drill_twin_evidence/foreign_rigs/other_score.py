@@ -60,7 +60,7 @@ def _record(name: str, seed: int) -> tuple[Recorded, Mapping[str, float | str], 
 def followed(name: str, seed: int) -> Row:
     """Estimates over the record of a rig."""
     of, changes, channels = _record(name, seed)
-    options = dt.EstimatorOptions(members=32, horizon=0.0, seed=seed)
+    options = dt.EstimatorOptions(members=24, horizon=0.0, seed=seed)
     ranges = dict(rigs.RANGES) | {rigs.LOAD: rigs.LOADS}
     overrides = dict(rigs.OVERRIDES) | changes
     estimator = dt.Estimator(rigs.SCENE, ranges, channels=channels, overrides=overrides, options=options)

@@ -51,10 +51,15 @@ def test_what_was_wrong_is_believed_only_after_it_has_been_right_for_long():
     found = windows(doubts, [1.0] * 120, start=22)
     assert all(found[:95])
     assert not any(found[101:])
-    windows(doubts, [20.0] * 4, start=142)
+
+
+@pytest.mark.parametrize(("before", "told"), [(1.0, False), (5.0, True)])
+def test_a_jump_that_is_explained_is_forgotten_and_a_model_that_was_wrong_before_is_not(before, told):
+    doubts = Doubts(["torque"])
+    windows(doubts, [before] * 20 + [40.0] * 2)
     assert doubts.since
     doubts.forget()
-    assert not doubts.since
+    assert bool(doubts.since) is told
 
 
 @pytest.mark.parametrize(("off", "told"), [(KNOWN, True), (MOVING, False), (np.array([np.nan]), False)])
