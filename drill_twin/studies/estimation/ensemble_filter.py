@@ -20,7 +20,7 @@ from drill_twin.studies.estimation.doubts import JUMP_WINDOWS, Doubts
 from drill_twin.studies.estimation.estimate import Estimate, FilterWindow
 from drill_twin.studies.estimation.innovations import WINDOWS, Innovations, widening, widening_of_numbers
 from drill_twin.studies.estimation.jumps import UNEXPLAINED, Jumps
-from drill_twin.studies.estimation.members import EstimatorMembers
+from drill_twin.studies.estimation.members import LOAD, EstimatorMembers
 from drill_twin.studies.estimation.phase import PhaseCorrection
 from drill_twin.studies.estimation.prediction import UNTOLD, Band, Prediction, Swing, WindowTiming
 from drill_twin.studies.estimation.restarts import Restarts
@@ -227,9 +227,11 @@ class EnsembleFilter:
     def _wider(self, name: str, factor: float) -> float:
         """Factor of the band of a virtual sensor, from that of what is not measured."""
         impact = _IMPACT if name == "wall_force" else 1.0
-        if not self.members.subs or name in _FOLLOWED:
-            return impact * factor
-        return impact * _FEW * max(factor, math.sqrt(self._phase.chi_square))
+        if self.members.subs and name not in _FOLLOWED:
+            factor = _FEW * max(factor, math.sqrt(self._phase.chi_square))
+        if name == "weight_on_bit" and LOAD in self.members.keys:  # known at least as well as before any record
+            factor = min(factor, 1.0 / float(self.members.normal[:, self.members.keys.index(LOAD)].std(ddof=1)))
+        return impact * factor
 
     @property
     def _nearest(self) -> int:

@@ -127,3 +127,17 @@ def test_band_of_a_number_and_its_deviation_stay_within_its_range_however_much_t
     plain = in_ranges(special.ndtr(normal), ranges).std(axis=0, ddof=1)
     deviations = [band.deviation for band in bands_of(normal, ranges, 1.0).values()]
     assert deviations == pytest.approx(plain.tolist(), rel=0.15)
+
+
+def test_weight_on_bit_is_no_less_known_than_its_range_after_wrong_joints(rig):
+    estimator = dt.Estimator("two_mass", FREE, overrides=OVER, options=FEW)
+    estimator.take(0.0)
+    for k in range(1, 132):
+        values = {name: float(np.diff(of[5 * k - 5 : 5 * k + 1 : 5])[0] / 0.1) for name, of in rig[1].items()}
+        joints = ("hookload", "torque") if k <= 120 else ("torque", "hookload")
+        estimator.take(0.1 * k, dict(zip(joints, values.values(), strict=True)))
+        while (found := estimator.step()) is not None:
+            last = found
+    assert last.goodness["torque"].chi_square > 100.0
+    assert last.numbers["load_factor"].deviation <= 0.1
+    assert not last.sensors["weight_on_bit"].deviation > 1.5 * 0.1 * 55e3
