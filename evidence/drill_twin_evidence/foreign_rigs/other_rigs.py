@@ -102,8 +102,10 @@ def recorded(name: str, seed: int, seconds: float = SECONDS) -> Recorded:
     numbers = {key: draw.uniform(*span) for key, span in spans.items()}
     weight = numbers[LOAD] * INDICATED
     arm = RADIUS * weight
-    friction = {"sticking": numbers[STICKING] * arm, "sliding": numbers[SLIDING] * arm, "decay": numbers[DECAY]}
-    machine = Machine(**friction, weight=weight)._replace(**kind.machine)
+    plain = Machine(
+        sticking=numbers[STICKING] * arm, sliding=numbers[SLIDING] * arm, decay=numbers[DECAY], weight=weight
+    )
+    machine = plain._replace(**kind.machine)
     moved = motion(machine, round(seconds / STEP), _rock(machine.wander, seconds, draw))
     blocks = moved.reshape(-1, round(PERIOD / STEP), 4)
     values = blocks.mean(axis=1) if kind.averaged else blocks[:, -1]

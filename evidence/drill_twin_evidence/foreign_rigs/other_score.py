@@ -9,7 +9,7 @@ campaign that was broken off goes on from there.
 from __future__ import annotations
 
 import sys
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -44,11 +44,11 @@ class Row(TypedDict):
     numbers: dict[str, bool]
 
 
-def _record(name: str, seed: int) -> tuple[Recorded, Mapping[str, float | str], Sequence[str]]:
+def _record(name: str, seed: int) -> tuple[Recorded, dict[str, float | str], Sequence[str]]:
     """Record, changes to the scene, and channels."""
     if name in KINDS:
         of, averaged = recorded(name, seed), KINDS[name].averaged
-        changes = {"rig.rotation.value": KINDS[name].machine.get("speed", 2.5)}
+        changes: dict[str, float | str] = {"rig.rotation.value": KINDS[name].machine.get("speed", 2.5)}
     else:
         trial, averaged = rigs.trial(name, seed, seconds=SECONDS), rigs.RIGS[name].averaged
         of, changes = Recorded(trial.record, trial.truth, trial.bit[1][99::100]), {}
