@@ -46,6 +46,7 @@ HOOKS = {
     "end_load": "parameters, rod, command, time, half_step, u, v, v_old, ends",
     "prescribed_motion": "parameters, rod, time, trial",
     "after_step": "parameters, rod, command, time, step, u, v",
+    "missed": "parameters, v",
 }
 """Functions of an effect that the loop calls, and their arguments."""
 
@@ -208,6 +209,7 @@ def _function(hook: str, effects: Sequence[str], *, audit: bool = False, above: 
         if function := function_name(effect, hook):
             call = f"{key_of(effect)}.{function}({arguments_of(effect, function, HOOKS[hook])})"
             lines += [f"added = {call}", "force += added[0]", "slope += added[1]"] if damping else [call]
+            lines[-1] = f"miss = max(miss, {call})" if hook == "missed" else lines[-1]
             lines += [f"energy_ledger.{_RECORD[hook].format(ledger=_LEDGER, account=account)}"] if audit else []
         if audit and hook == "distributed_load" and hasattr(effect_module(effect), "dissipated_power"):
             arguments = arguments_of(effect, "dissipated_power", "parameters, here, half_step")
@@ -216,6 +218,8 @@ def _function(hook: str, effects: Sequence[str], *, audit: bool = False, above: 
     if damping:
         last = ["energy_ledger.next_sample(parameters.ledger.entries)"] if audit else []
         lines = ["force = 0.0", "slope = 0.0", *lines, *last, "return force, slope"]
+    if hook == "missed":
+        lines = ["miss = 0.0", *lines, "return miss"]
     return f"""
 @kernel
 def {"audited_" if audit else ""}{"above_" if above else ""}{hook}({HOOKS[hook]}):
