@@ -244,7 +244,7 @@ def end_load(
 @kernel
 def missed(parameters: Any, v: Array) -> float:
     """Share of the torque by which that of the next iteration will differ."""
-    return float(sign_missed(parameters.bit_regenerative.turn_iterate, v[0, SPIN], parameters.bit_regenerative.creep))
+    return float(sign_missed(parameters.bit_regenerative.turn_iterate, v[0, SPIN]))
 
 
 @kernel

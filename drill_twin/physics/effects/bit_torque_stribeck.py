@@ -98,17 +98,17 @@ def dual_of_step(memory: Array, time: float, half_step: float, speed: float, siz
 
 
 @kernel
-def sign_missed(memory: Array, speed: float, creep: float) -> float:
+def sign_missed(memory: Array, speed: float) -> float:
     """Difference of the regularised sign at a speed from its tangent in the last iteration, a share of the friction."""
     before, size, share = memory[0], memory[2], memory[3]
     tangent = (before + (1.0 - share * before / size) * (speed - before)) / size
-    return float(abs(speed / np.sqrt(speed * speed + creep * creep) - tangent))
+    return float(abs(speed / np.sqrt(max(speed * speed + size * size - before * before, 1e-300)) - tangent))
 
 
 @kernel
 def missed(parameters: Any, v: Array) -> float:
     """Share of the friction by which that of the next iteration will differ."""
-    return float(sign_missed(parameters.bit_torque_stribeck.memory, v[0, SPIN], parameters.bit_torque_stribeck.creep))
+    return float(sign_missed(parameters.bit_torque_stribeck.memory, v[0, SPIN]))
 
 
 @kernel
