@@ -107,7 +107,12 @@ def bind(
             small = size < 1.0 or size**order * clock[FACTOR] < CONVERGENCE_SAFETY
             if small and missed(parameters, state.trial) < LARGEST_MISS:
                 return iteration + 1
-            if iteration >= MIN_ITERATIONS_FOR_STALL and not small and size < LOOSE_FACTOR and size > STALL_RATIO * before:
+            if (
+                iteration >= MIN_ITERATIONS_FOR_STALL
+                and not small
+                and size < LOOSE_FACTOR
+                and size > STALL_RATIO * before
+            ):
                 counters[LOOSE_STEPS] += 1
                 return iteration + 1
             before = size
