@@ -1,14 +1,13 @@
 # SPDX-License-Identifier: Apache-2.0
 """Values that a run reports of itself in `/diagnostics`: timing, rejected frames, energy balance, effects left out."""
 
-import math
 import time
 from collections.abc import Mapping
 from contextlib import suppress
 
 import numpy as np
 
-from drill_twin.dynamics.discretisation.joint import joint_of
+from drill_twin.dynamics.discretisation.joint import JointMotion
 from drill_twin.dynamics.twin.frame import EnergyBalance, Frames, RigState, StepStats
 from drill_twin.physics.model.mesh import Rod
 from drill_twin.physics.model.section_stress import LARGEST_STRESS
@@ -133,11 +132,6 @@ def recorded_sentences(values: Mapping[str, str]) -> list[str]:
     return [sentence for key in (KEY, NOTES) if values.get(key) for sentence in values[key].split(SEPARATOR)]
 
 
-WHIRLS, OVER = 0.5, 2.0
-"""Sideways speed at the joint over that of the surface there from which the string is said to whirl, rms over a time
-[s]. In `test_joint_motion.py` calm strings have 0.01 to 0.33, and those whose hookload or torque is off 0.8 and 1.2."""
-
-
 class MissingEffects:
     """Checks every frame for the first sign of a missing effect, or of lateral motion that `lateral_from` cuts off.
 
@@ -147,11 +141,7 @@ class MissingEffects:
 
     def __init__(self, scene: Scene, rod: Rod) -> None:
         effects, self._units = scene.effects, scene.unit_system
-        joint = joint_of(scene)
-        self._joint = None if joint is None else int(np.searchsorted(rod.arc, joint - 1e-6))
-        self._depth = self._units.text(scene.length - (joint or 0.0), "length")
-        self._lever, self._since, self._fastest = float(rod.outer_radius[self._joint or 0]), 0.0, 0.0
-        self._squares, self._frames = 0.0, 0
+        self._joint = JointMotion(scene, rod)
         self.found: list[str] = []
         self._yielded: set[str] = set()
         self._check_wall = effects.wall is None
@@ -161,7 +151,8 @@ class MissingEffects:
 
     def update(self, frames: Frames) -> None:
         """Check frames, in order."""
-        self._check_joint(frames)
+        if frames.u is not None and frames.v is not None:
+            self.found += self._joint.update(frames.time, frames.u, frames.v, frames.rig[:, _TOP_SPEED])
         force, depth = frames.rig[:, _BIT_FORCE], frames.wall_depth
         through, pulled = depth > 0.0, force < 0.0
         for k in np.flatnonzero(through | pulled | (frames.stress is not None)).tolist():
@@ -184,31 +175,6 @@ class MissingEffects:
                 )
             if frames.stress is not None:
                 self._check_yield(time, frames.stress[k, :, LARGEST_STRESS].tolist())
-
-    def _check_joint(self, frames: Frames) -> None:
-        """Check whether the string whirls where its lateral motion ends."""
-        if self._joint is None or frames.u is None or frames.v is None or not frames.time.size:
-            return
-        along, moving = frames.u[:, self._joint, 3:6], frames.v[:, self._joint, :3]
-        along = along / np.linalg.norm(along, axis=1, keepdims=True)
-        sideways = moving - (moving * along).sum(1, keepdims=True) * along
-        if not self._frames:
-            self._since = float(frames.time[0])
-        self._squares += float((sideways * sideways).sum())
-        self._frames += frames.time.size
-        self._fastest = max(self._fastest, float(np.abs(frames.rig[:, _TOP_SPEED]).max()))
-        end = float(frames.time[-1])
-        if end < self._since + OVER:
-            return
-        speed, surface = math.sqrt(self._squares / self._frames), self._lever * self._fastest
-        self._squares, self._frames = 0.0, 0
-        if speed > WHIRLS * surface > 0.0:
-            self._joint = None
-            self.found.append(
-                f"at {end:.3f} s the string whirled where its lateral motion ends, at {self._depth} "
-                f"(`numerics.lateral_from`): it moved sideways at {speed:.2g} m/s, its surface turns at {surface:.2g} "
-                "m/s; hookload, torque and onset are not those of the whole string: give a smaller depth, or 0 m"
-            )
 
     def _check_yield(self, time: float, largest: list[float]) -> None:
         """Check the stress of the sections of `fatigue` [Pa]."""

@@ -24,6 +24,8 @@ In the loop:
 * ``prescribed_motion(parameters, rod, time, trial)``: velocities of constrained unknowns at mid-step, where they are
   not zero;
 * ``after_step(parameters, rod, command, time, step, u, v)``: update of an effect's own memory after a step;
+* ``missed(parameters, v)``: share of dry friction at the bit by which the law differs at velocities from the tangent of
+  the last iteration; Newton's method goes on where it is large;
 * ``dissipated_power(parameters, here, half_step)``: for the energy audit, power per length turned into heat, where
   that is not all of the work of ``distributed_load``.
 

@@ -137,7 +137,7 @@ def cycle_in_a_well(weight: float, rpm: float) -> Iterator[Row]:
     """
     torque, seconds = 12.444e3, 60.0
     twin, top = Twin(well(weight, rpm, torque / weight, seconds)), rpm * np.pi / 30.0
-    ends = np.arange(1, round(seconds / INTERVAL) + 1) * INTERVAL
+    ends: Array = np.arange(1, round(seconds / INTERVAL) + 1, dtype=float) * INTERVAL
     rows = [twin.advance(Command(weight, top * min(end / 10.0, 1.0)), INTERVAL).rig for end in ends.tolist()]
     spin, speed = np.array([(rig.bit_angle, rig.bit_speed) for rig in rows]).T
     string = torsion(PIPES, 30.0, 1e-3, lambda w: torque * (0.2 + 0.2 * np.exp(-0.3 * w)), top, 10.0)

@@ -75,7 +75,8 @@ class Torsion:
     @cached_property
     def inverses(self) -> tuple[Array, Array]:
         """Inverses of the inertia of the nodes below the top, with the bit and without."""
-        return np.linalg.inv(self.inertia[:-1, :-1]), np.linalg.inv(self.inertia[1:-1, 1:-1])
+        whole, above = np.linalg.inv(self.inertia[:-1, :-1]), np.linalg.inv(self.inertia[1:-1, 1:-1])
+        return np.asarray(whole, float), np.asarray(above, float)
 
     def accelerations(self, time: float, state: Array, first: int, torque: float) -> Array:
         """Accelerations of the nodes below the top, those before the first of them at rest [rad/s2]."""
