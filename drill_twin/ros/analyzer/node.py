@@ -84,7 +84,7 @@ class Analyzer(TwinNode):
         if self._pipeline is not None:
             self.drain(_QUIET)
             self.publish_diagnostics()
-            self.topics.flush(2.0)
+            self.flush(2.0)
         self._pipeline = None
         return DONE
 

@@ -108,11 +108,14 @@ class Recorder(TwinNode):
     @contextmanager
     def _writing(self) -> Iterator[None]:
         """Turn an error of the file into one that ends the run: the input was valid."""
+        self.stop.held = True
         try:
             yield
         except BagError as error:
             self._failure = str(error)
             raise RunError(str(error)) from error
+        finally:
+            self.stop.held = False
 
     def step(self) -> None:
         """Record many messages at a time, by the times at which DDS received them; flush the bag also when idle."""

@@ -6,12 +6,10 @@ from __future__ import annotations
 import difflib
 import importlib
 import inspect
-import time
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from typing import Any
 
-from rclpy.duration import Duration
 from rclpy.exceptions import InvalidParameterTypeException
 from rclpy.node import Node
 from rclpy.publisher import Publisher
@@ -165,9 +163,13 @@ class NodeTopics:
         keeps = row.latched if latched is None else latched
         counted = topic if topic not in _SEVERAL_PUBLISHERS and depth != 1 and not row.latched else ""
 
+        inputs = self._inputs
+
         def take(*given: Any) -> None:
             raw, info = given if len(given) > 1 else given[0]  # rclpy 7.1.6 hands over both as one argument
             self.taken += 1
+            if inputs is not self._inputs:  # the message was waiting when its subscription was destroyed
+                return
             self._drops.take(counted, info)
             if keeps or not self.muted:
                 self._kept(lambda: received(bytes(raw), info))
@@ -189,17 +191,11 @@ class NodeTopics:
         """Destroy all subscriptions, and all publishers but that of one topic."""
         for subscription, _, _ in self._inputs:
             self._node.destroy_subscription(subscription)
-        self._inputs.clear()
+        self._inputs = []
         self._gates.clear()
         for topic in set(self.publishers) - {kept}:
             self.withdraw(topic)
-
-    def flush(self, seconds: float = 5.0) -> None:
-        """Wait until every reader has acknowledged all that was published, at most this long [s]."""
-        deadline = time.monotonic() + seconds
-        for publisher in self.publishers.values():
-            left = max(deadline - time.monotonic(), 0.0)
-            publisher.wait_for_all_acked(Duration(seconds=left))
+        self._drops = DropCounter()
 
     @property
     def dropped(self) -> Mapping[str, int]:

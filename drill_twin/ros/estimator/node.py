@@ -108,6 +108,7 @@ class Estimator(TwinNode):
     PURPOSE: ClassVar = "Follows a rig with an ensemble: numbers, virtual sensors, chance of whirl, alarm."
     PARAMETERS: ClassVar = PARAMETERS
     ON_CHANGE: ClassVar = (RIG_COMMAND,)
+    _thread: ThreadPoolExecutor | None = None
 
     def on_configure(self, _: LifecycleState) -> TransitionCallbackReturn:
         """Create topics, and begin to make the ensemble on a thread of its own.
@@ -140,7 +141,7 @@ class Estimator(TwinNode):
     def on_cleanup(self, _: LifecycleState) -> TransitionCallbackReturn:
         """End a compilation, or the window that is being computed."""
         self._closing = True
-        if hasattr(self, "_thread"):  # a stop may have come before
+        if self._thread is not None:
             self._thread.shutdown(cancel_futures=True)
         return DONE
 

@@ -22,7 +22,7 @@ from drill_twin.ros.core.node import AUTOSTART, DONE, TwinNode
 from drill_twin.ros.core.parameters import Parameter
 from drill_twin.ros.core.scene_parameters import OVERRIDES, SCENE
 from drill_twin.ros.core.startup_barrier import StartupBarrier
-from drill_twin.ros.rig_driver.plan import SetPointPlan
+from drill_twin.ros.rig_driver.plan import SetPointPlan, check_set_points
 from drill_twin.scene.set_points.command import Command
 
 PARAMETERS = (
@@ -106,7 +106,7 @@ class RigDriver(TwinNode):
         """Wait until the last set-point has been received."""
         if self._sent:
             self.publish_diagnostics()
-            self.topics.flush(1.0)
+            self.flush(1.0)
         return DONE
 
     def step(self) -> None:
@@ -168,13 +168,12 @@ class RigDriver(TwinNode):
 
     def check_change(self, settings: SimpleNamespace) -> None:
         """Refuse a live set-point that is not valid in the scene."""
-        if self.configured:
-            self._plan.check(settings)
+        check_set_points(settings, self.settings)
 
     def on_change(self) -> None:
         """Start the transition to the new set-points."""
         weight, speed = (text or "as in the scene" for text in (self.settings.weight_on_bit, self.settings.rotation))
-        if self.configured and self._plan.change(self.settings, self._last, self._time):
+        if self._plan.change(self.settings, self._last, self._time):
             self.get_logger().info(f"from {self._time:.2f} s: weight on bit {weight}, speed {speed}")
 
     def health(self) -> Status:

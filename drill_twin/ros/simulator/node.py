@@ -183,18 +183,24 @@ class Simulator(TwinNode):
             self._run.stand_still(paused=True)
         return DONE
 
+    def on_deactivate(self, _: LifecycleState) -> TransitionCallbackReturn:
+        """Let time stand still, in the middle of a step too."""
+        if self._control is not None:
+            self._control.end_steps("it was deactivated")
+        return DONE
+
     def on_cleanup(self, _: LifecycleState) -> TransitionCallbackReturn:
         """Write the last checkpoint, wait until the readers have received everything, and drop the twin."""
+        if self._control is not None:
+            self._control.end_steps("it was asked to end")
         if self._run is not None:
             self._run.close()
-        self._run = self._control = None
         return DONE
 
     # --- the loop -------------------------------------------------------------------------------------------------
 
     def run(self, stop: StopRequest) -> None:
         """Work until the run is over or asked to stop, also in the middle of a frame."""
-        self._start_up.stop = stop
 
         def check() -> None:
             if stop:
@@ -210,7 +216,8 @@ class Simulator(TwinNode):
         self._run.tell_commander()
         if self._control.runs:
             self._run.advance()
-            self._run.keep_pace()
+            self._control.frame_taken()
+            self._run.keep_pace(steps=self._control.steps > 0)
         else:
             self._run.stand_still(paused=self._control.paused)
             self.spin_once(0.05)

@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import importlib
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -19,6 +20,7 @@ from std_srvs.srv import Trigger
 
 from drill_twin.core.errors import CheckpointError, DrillTwinError
 from drill_twin.ros.core.node import TwinNode
+from drill_twin.ros.core.requests import Later
 from drill_twin.ros.simulator.simulation import SimulatorRun
 
 # simulation_interfaces/Result and SimulationState, by number: their names have changed between versions.
@@ -39,6 +41,8 @@ SERVICES = {
 
 Action = Callable[[], str]
 """Returns a sentence on what it did; raises a DrillTwinError where it cannot."""
+Told = Callable[[bool, str], object]
+"""Called with whether all frames of a step were taken, and a sentence on them."""
 
 
 class RunControl:
@@ -58,11 +62,16 @@ class RunControl:
         self._simulation, self._node, self._settings = simulation, node, node.settings
         self._node_name = node.get_fully_qualified_name()
         self.paused = False
+        self.steps = 0
+        """Frames of a step that are still to be taken."""
+        self._step_of = 0  # frames in all
+        self._told: Told = lambda done, text: None
 
     @property
     def runs(self) -> bool:
         """True while the next frame may be computed."""
-        return self._node.active and not self.paused and not self._simulation.waits_for_command
+        goes_on = not self.paused and not self._simulation.waits_for_command
+        return self._node.active and (goes_on or self.steps > 0)
 
     @property
     def state(self) -> int:
@@ -83,7 +92,7 @@ class RunControl:
 
     def actions(self) -> dict[str, Action]:
         """Actions offered as services, by name."""
-        offered = (self.pause, self.resume, self.step, self.reset, self.save_checkpoint, self.load_checkpoint)
+        offered = (self.pause, self.resume, self.reset, self.save_checkpoint, self.load_checkpoint)
         return {action.__name__: action for action in offered}
 
     def quit(self) -> None:
@@ -92,24 +101,29 @@ class RunControl:
 
     def pause(self) -> str:
         """Stop simulated time."""
+        self.end_steps("the run was paused")
         self.paused = True
         return f"paused at {self._simulation.time_text}"
 
     def resume(self) -> str:
         """Let simulated time go on."""
+        self.end_steps("the run was resumed")
         self.paused = False
         return f"running from {self._simulation.time_text}"
 
-    def step(self) -> str:
-        """Advance by as many frames as the parameter says."""
-        return self.take_frames(self._settings.step_frames)
+    def take_frames(self, count: int, told: Told) -> None:
+        """Advance a paused run by frames, one in each turn of the loop, so that all else is answered meanwhile.
 
-    def take_frames(self, count: int) -> str:
-        """Advance a paused run by frames, all published before the answer is sent.
+        Args:
+            count: Number of frames.
+            told: Called once all are published, or something has ended the step.
 
         Raises:
-            DrillTwinError: The run is not paused, or is in lockstep.
+            DrillTwinError: The run is not paused, is in lockstep, or is taking a step.
         """
+        if self.steps or not self._node.active:
+            does = f"takes {self.steps} frames" if self.steps else "is inactive"
+            raise DrillTwinError(f"expected an active run that stands still to step, found one that {does}")
         if not self.paused:
             raise DrillTwinError(
                 f"expected a paused run to step, found one that runs; call {self._node_name}/pause first"
@@ -119,12 +133,28 @@ class RunControl:
                 "expected the pace realtime or fast to step by hand, found lockstep, where each command is a step; "
                 f"call {self._node_name}/resume and send commands one by one"
             )
-        for _ in range(count):
-            self._simulation.advance()
-        return f"{count} frame{'s' if count > 1 else ''} on, at {self._simulation.time_text}"
+        if count < 1:
+            raise DrillTwinError(f"expected at least one frame to step, found {count}")
+        self.steps, self._step_of, self._told = count, count, told
+
+    def frame_taken(self) -> None:
+        """Count a frame of a step; the last one is told."""
+        if self.steps:
+            self.steps -= 1
+            if not self.steps:
+                frames = f"{self._step_of} frame{'s' if self._step_of > 1 else ''}"
+                self._told(True, f"{frames} on, at {self._simulation.time_text}")
+
+    def end_steps(self, why: str) -> None:
+        """Leave the rest of a step undone, and tell it."""
+        if self.steps:
+            taken, self.steps = self._step_of - self.steps, 0
+            at = self._simulation.time_text
+            self._told(False, f"expected {self._step_of} frames, took {taken}, to {at}, as {why} meanwhile")
 
     def reset(self) -> str:
         """Start a new run at time zero."""
+        self.end_steps("it was reset")
         self._simulation.reset()
         return f"began again at {self._simulation.time_text}"
 
@@ -137,6 +167,7 @@ class RunControl:
     def load_checkpoint(self) -> str:
         """Go to the state in the file of `save_checkpoint`."""
         path = self._checkpoint_path()
+        self.end_steps("a checkpoint was loaded")
         self._simulation.resume(path)
         self._simulation.loop.announce()
         return f"went to {self._simulation.time_text}, from {path}"
@@ -192,7 +223,11 @@ class Answers:
         """So many frames on; the answer comes when they are out."""
         if self._run.state == PLAYING:
             return _said(response, INCORRECT_STATE, "expected a paused run to step, found one that plays")
-        return _done(response, lambda: self._run.take_frames(int(request.steps)))
+        return _after_step(
+            self._run,
+            int(request.steps),
+            lambda done, text: _said(response, OK if done else FAILED, "" if done else text),
+        )
 
     def reset_simulation(self, request: Any, response: Any) -> Any:
         """Begin again; time and state belong together."""
@@ -222,10 +257,26 @@ def _done(response: Any, *actions: Action) -> Any:
     return _said(response, OK)
 
 
+def _after_step(run: RunControl, count: int, response_of: Callable[[bool, str], Any]) -> Any:
+    """Answer to a step, sent once its frames are out; `response_of` makes the response, from what `Told` is given."""
+    later = Later()
+    try:
+        run.take_frames(count, lambda done, text: later.send(response_of(done, text)))
+    except DrillTwinError as error:
+        return response_of(False, str(error))
+    return later
+
+
 def offer(node: TwinNode, run: RunControl) -> None:
     """Offer the services of a run: one for each action, and those of `simulation_interfaces` where it is installed."""
     for name, action in run.actions().items():
         node.create_service(Trigger, f"~/{name}", _answering(node, action))
+
+    def step(request: Trigger.Request, response: Trigger.Response) -> Any:
+        del request
+        return _after_step(run, node.settings.step_frames, partial(_filled, node, response))
+
+    node.create_service(Trigger, "~/step", step)
     try:
         kinds = importlib.import_module("simulation_interfaces.srv")
     except ImportError:
@@ -239,13 +290,18 @@ def _answering(node: TwinNode, action: Action) -> Callable[[Trigger.Request, Tri
     def answer(request: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
         del request
         try:
-            response.message = action()
-            response.success = True
-            node.get_logger().info(response.message)
+            return _filled(node, response, True, action())
         except DrillTwinError as error:
-            response.message = str(error)
-            response.success = False
-            node.get_logger().warning(response.message)
-        return response
+            return _filled(node, response, False, str(error))
 
     return answer
+
+
+def _filled(node: TwinNode, response: Trigger.Response, success: bool, text: str) -> Trigger.Response:
+    """Fill a response, and log what it says."""
+    response.success, response.message = success, text
+    if success:  # rclpy refuses two severities from one line
+        node.get_logger().info(text)
+    else:
+        node.get_logger().warning(text)
+    return response

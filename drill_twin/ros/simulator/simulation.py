@@ -199,15 +199,15 @@ class SimulatorRun:
         if self._checkpoint_due is not None and self._checkpoint_due.due():
             self.checkpoints.start(self.checkpoint(), self._node.settings.checkpoint)
 
-    def keep_pace(self) -> None:
-        """Process what comes until the next frame is due."""
-        pace = self._node.settings.pace
+    def keep_pace(self, *, steps: bool = False) -> None:
+        """Process what comes until the next frame is due; those of a step follow each other as fast as possible."""
+        pace = "fast" if steps else self._node.settings.pace
         if pace == "realtime":
             if not self.pacer.wait(self._node.spin_once):
                 self._node.spin_all()
         elif pace == "fast":
             if self.loop.frames % _BURST == 0:
-                self._node.topics.flush(1.0)
+                self._node.flush(1.0)
             if self._look.due():
                 self._node.spin_all()
 
@@ -261,7 +261,7 @@ class SimulatorRun:
         if self.checkpoints.trouble:
             node.get_logger().error(f"no checkpoint: {self.checkpoints.trouble}")
         node.publish_diagnostics()
-        node.topics.flush()
+        node.flush()
         node.get_logger().info(f"{self.loop.twin.time:.2f} s simulated, {self.loop.timing.text()}")
 
     def _markers_due(self) -> bool:

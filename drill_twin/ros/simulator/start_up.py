@@ -10,7 +10,6 @@ from drill_twin.io.messages.topics import STRING_POSES
 from drill_twin.ros.core.node import TwinNode
 from drill_twin.ros.core.pacing import Tick
 from drill_twin.ros.core.scene_parameters import resolved, scene_of
-from drill_twin.ros.core.stop_request import StopRequest
 from drill_twin.ros.core.topics import relative
 from drill_twin.scene import Scene
 from drill_twin.scene.blocks.numerics import frame_period
@@ -33,8 +32,6 @@ class StartUp:
         self._log_due, self._diagnostics_due = Tick(_LOG_PERIOD), Tick(1.0)
         self.progress = ""
         """Progress of the compilation, while it goes on."""
-        self.stop = StopRequest()
-        """Ends a compilation within a requested transition."""
 
     def compiled_scene(self) -> Scene:
         """Scene of the parameters; its kernels are in the cache afterwards.
@@ -62,7 +59,7 @@ class StartUp:
         if self._node.settings.autostart:
             self._node.offer_ready()
             self._node.spin_all()
-        elif self.stop:
+        elif self._node.stop:
             raise RunError(f"stopped while {progress}")
         elif self._diagnostics_due.due():
             self._node.publish_diagnostics()
