@@ -29,7 +29,7 @@ from rclpy.service import Service
 from rclpy.timer import Timer
 from std_srvs.srv import Trigger
 
-from drill_twin.core.errors import DrillTwinError
+from drill_twin.core.errors import DrillTwinError, shortened
 from drill_twin.io.messages.diagnostics import Level, Status
 from drill_twin.io.messages.good_samples import GoodSamples
 from drill_twin.io.messages.topics import DIAGNOSTICS
@@ -196,6 +196,10 @@ class TwinNode(LifecycleNodeMixin, Node):
         if self._starts or self.ended:
             does = "ends" if self.ended else "starts by itself"
             raise DrillTwinError(f"expected a node that can change its state, found one that {does}")
+        asked, offered = request.transition, {row[0]: row[1] for row in self._state_machine.available_transitions}
+        if asked.label not in offered.values() if asked.label else asked.id not in offered:  # rcl would log any label
+            found = shortened(asked.label or str(asked.id))
+            raise DrillTwinError(f"expected a transition of {', '.join(offered.values())}, found {found}")
         response = change(request, response)
         self._raised.append(StateChanged())
         return response
