@@ -37,6 +37,9 @@ SHUTDOWN = {1: 5, 2: 6, 3: 7}
 LABELS = {1: "configure", 2: "cleanup", 3: "activate", 4: "deactivate"}
 LATER = ("step", "step_simulation")
 """Services that answer once their frames are done, or something has ended them."""
+NUMBERED = (0, 1, 50, 10**5, -(2**63))
+RESTS = {"gateway": 0.8}
+"""Share of the turns at which a node, whose configuration takes seconds, is activated again and not cleaned up."""
 STOPS_A_RUN = ("max_weight_on_bit", "max_speed", "negative_commands")
 """Parameters with which commands are followed that no string would bear: a run then ends with exit code 1, rightly."""
 
@@ -92,7 +95,11 @@ class Walk:
     def change_state(self):
         """A transition that is possible now, most of the time, or any other, by number or by label."""
         possible = [number for state, number in LEADS_TO if state == self.state]
-        number = self.odd.one_of(possible) if self.rng.random() < 0.7 else self.odd.one_of([0, 1, 2, 3, 4, 8, 10, 60, 99])
+        if self.rng.random() < 0.3:
+            possible = [0, 1, 2, 3, 4, 8, 10, 60, 99]
+        elif self.state == 2 and self.rng.random() < RESTS.get(self.node, 0.0):
+            possible = [3]
+        number = self.odd.one_of(possible)
         request = ChangeState.Request()
         request.transition.id = number
         if self.rng.random() < 0.2:
@@ -145,7 +152,7 @@ class Walk:
         number = self.odd.one_of(NUMBERS)
         return self.odd.one_of([
             ParameterValue(type=ParameterType.PARAMETER_DOUBLE, double_value=number),
-            ParameterValue(type=ParameterType.PARAMETER_INTEGER, integer_value=self.odd.one_of([0, 1, 50, 10**5, -(2**63)])),
+            ParameterValue(type=ParameterType.PARAMETER_INTEGER, integer_value=self.odd.one_of(NUMBERED)),
             ParameterValue(type=ParameterType.PARAMETER_STRING, string_value=self.odd.one_of(TEXTS)),
             ParameterValue(type=ParameterType.PARAMETER_BOOL, bool_value=bool(number > 0.0)),
             ParameterValue(type=int(self.odd.one_of([0, 200]))),

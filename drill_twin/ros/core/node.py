@@ -89,7 +89,7 @@ class TwinNode(LifecycleNodeMixin, Node):
         follow_changes(self, self.PARAMETERS, self.settings, check=self.check_change, changed=self._changed)
         self.samples = GoodSamples(on_change=self.ON_CHANGE)
         """Good and bad samples by topic."""
-        self.topics = NodeTopics(self, lambda topic: self.samples.unreadable(topic), self._keep)
+        self.topics = NodeTopics(self, self._unreadable, self._keep)
         self.stop = StopRequest()
         """Request to stop, once `run` has been called with it."""
         self._spins = self._starts = False
@@ -333,6 +333,9 @@ class TwinNode(LifecycleNodeMixin, Node):
             while not publisher.wait_for_all_acked(Duration(seconds=_SLICE)):
                 if time.monotonic() - begun > (min(seconds, _LAST) if self.stop else seconds):
                     return
+
+    def _unreadable(self, topic: str) -> None:
+        self.samples.unreadable(topic)
 
     def _keep(self, callback: Callable[[], object]) -> None:
         """Call a function within the executor; an error is raised once that has returned."""

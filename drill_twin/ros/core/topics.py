@@ -20,7 +20,7 @@ from rclpy.subscription import Subscription
 from drill_twin.core.errors import MessageError
 from drill_twin.io.messages.readers import reader_of
 from drill_twin.io.messages.topic_row import Topic
-from drill_twin.io.messages.topics import DIAGNOSTICS, RPS_COMMAND, TOPICS, TWIN_SCENE, WOB_COMMAND
+from drill_twin.io.messages.topics import CLOCK_TOPIC, DIAGNOSTICS, RPS_COMMAND, TOPICS, TWIN_SCENE, WOB_COMMAND
 from drill_twin.ros.core.graph import full_name, incompatible_publisher
 from drill_twin.ros.core.parameters import ParameterError, given_parameters
 from drill_twin.ros.core.queues import DropCounter, SceneGate
@@ -212,6 +212,22 @@ class NodeTopics:
         """Full names of the nodes that publish a topic, one entry a publisher."""
         found = self._node.get_publishers_info_by_topic(self._node.resolve_topic_name(relative(topic)))
         return sorted(map(full_name, found))
+
+    def several_clocks(self) -> str:
+        """Sentence on a clock of this node that several publish; empty where one does, or this node has none."""
+        clock = self._node.resolve_topic_name(relative(CLOCK_TOPIC))
+        reader = next((one for one, *_ in self._inputs if one.topic_name == clock), None)
+        own = self.publishers.get(CLOCK_TOPIC) or reader
+        found = [] if own is None else sorted(map(full_name, self._node.get_publishers_info_by_topic(own.topic_name)))
+        if len(found) < 2:
+            return ""
+        return f"expected one publisher of {CLOCK_TOPIC}, found {', '.join(found)}; stop all but one, for time flips"
+
+    @property
+    def loss(self) -> str:
+        """Messages that were dropped unread, in a sentence; empty where none was."""
+        lost = ", ".join(f"{number} of {topic}" for topic, number in self.dropped.items())
+        return f"messages were dropped unread, as this node was too slow for them: {lost}" if lost else ""
 
     def incompatible_publisher(self) -> str:
         """First publisher that no subscription of this node can be connected to; empty when there is none."""

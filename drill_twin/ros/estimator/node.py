@@ -162,7 +162,7 @@ class Estimator(TwinNode):
             self._step = None
         while self._following.intake.waiting > _BEHIND:
             self._following.intake.skip()
-        if self._step is None and self._following.intake.waiting:
+        if self._thread is not None and self._step is None and self._following.intake.waiting:
             self._step = self._thread.submit(self._stoppable, self._following.step)
 
     def _stoppable(self, function: Callable[[], Result]) -> Result:
@@ -242,7 +242,7 @@ class Estimator(TwinNode):
         level, text = (Level.OK, "") if self._found is None else trust_in(self._found)
         if text:
             return Status(self.NAME, level, text, values)
-        if lacks:
+        if lacks := lacks or self.topics.loss:
             return Status(self.NAME, Level.WARN, lacks, values)
         if intake.frozen:
             return Status(self.NAME, Level.WARN, f"{', '.join(sorted(intake.frozen))}: frozen, left out", values)

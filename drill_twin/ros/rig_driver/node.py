@@ -2,7 +2,8 @@
 """Rig driver node: sends weight on bit and top-drive speed, planned or measured, to the simulator.
 
 It follows the simulator's clock: on each `/clock` message it sends the set-points for the end of the next frame. It
-thus works at any pace, and a driver that is killed and started again continues at the present simulated time.
+thus works at any pace, and a driver that is killed and started again continues at the present simulated time. While
+several publish `/clock`, it goes on to send the last set-point.
 """
 
 from __future__ import annotations
@@ -89,12 +90,12 @@ class RigDriver(TwinNode):
         self._encoder = CommandEncoder(self.get_fully_qualified_name())
         self._clock_stamp: int | None = None  # ns
         self._last: Command | None = None
-        self._sent, self._sent_stamp, self._sent_at = 0, -1, math.inf
+        self._sent, self._sent_stamp, self._sent_at, self._several_clocks = 0, -1, math.inf, False
         if self._plan.report:
             self.get_logger().info(self._plan.report)
         self.topics.advertise(RIG_COMMAND)
         if self.settings.follow == "clock":
-            self.topics.subscribe(CLOCK_TOPIC, self._on_clock, depth=1, latched=True)
+            self._clocks = self.topics.subscribe(CLOCK_TOPIC, self._on_clock, depth=1, latched=True)
             self.every(1.0, self._repeat)
         else:
             self.every(seconds(self._plan.period), self._on_wall)
@@ -129,6 +130,14 @@ class RigDriver(TwinNode):
 
     def _on_clock(self, stamp: int) -> None:
         self.samples.take(CLOCK_TOPIC)
+        several = self._clocks.get_publisher_count() > 1
+        if several != self._several_clocks:
+            self._several_clocks = several
+            self.publish_diagnostics()
+        if several:  # which of them is the simulator's is not known: the set-point holds
+            if self._last is not None:
+                self._publish(self._sent_stamp, self._last)
+            return
         if stamp < (self._clock_stamp or 0):  # the simulator was reset
             self._sent_stamp = -1
             self._plan.begin_again()
@@ -152,7 +161,9 @@ class RigDriver(TwinNode):
         if not self._drives:
             return
         stamp = clock + self._plan.period
-        command = self._plan.at(seconds(stamp))
+        self._publish(stamp, self._plan.at(seconds(stamp)))
+
+    def _publish(self, stamp: int, command: Command) -> None:
         self.topics.publish(RIG_COMMAND, self._encoder.command(stamp, command))
         self._last, self._sent_stamp, self._sent_at = command, stamp, time.monotonic()
         self._sent += 1

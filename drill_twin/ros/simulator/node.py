@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from contextlib import suppress
 from pathlib import Path
+from types import SimpleNamespace
 from typing import TYPE_CHECKING, ClassVar
 
 from rclpy.context import Context
@@ -24,7 +25,7 @@ from drill_twin.ros.core.parameters import Parameter
 from drill_twin.ros.core.scene_parameters import OVERRIDES, SCENE
 from drill_twin.ros.core.stop_request import StopRequest
 from drill_twin.ros.core.topics import relative
-from drill_twin.ros.simulator.start_up import StartUp
+from drill_twin.ros.simulator.start_up import CheckpointPlaces, StartUp
 
 if TYPE_CHECKING:
     from drill_twin.ros.simulator.run_control import RunControl
@@ -138,7 +139,7 @@ class Simulator(TwinNode):
 
     def __init__(self, context: Context) -> None:
         super().__init__(context)
-        self._start_up = StartUp(self)
+        self._start_up, self._places = StartUp(self), CheckpointPlaces(self.settings)
 
     # --- life cycle -----------------------------------------------------------------------------------------------
 
@@ -156,11 +157,11 @@ class Simulator(TwinNode):
         for topic in (*topics_of(scene), COMMANDER):
             # The clock is latched, so that a driver which returns during a run learns the time at once.
             self.topics.advertise(topic, latched=True if topic == CLOCK_TOPIC else None)
-        self._run = run = SimulatorRun(self, scene, rate)
+        self._run = run = SimulatorRun(self, scene, rate, self._places)
         self._control = control = RunControl(run, self)
         start.refuse_second_simulator(own=1)
         if settings.checkpoint and Path(settings.checkpoint).exists():
-            run.resume(settings.checkpoint)
+            run.resume(self._places.file(settings.checkpoint))
         run.loop.announce()
         self.topics.subscribe_raw(RIG_COMMAND, run.commands.on_command)
         for topic, received in ((WOB_COMMAND, run.commands.on_weight_on_bit), (RPS_COMMAND, run.commands.on_speed)):
@@ -226,6 +227,11 @@ class Simulator(TwinNode):
     def finished(self) -> bool:
         """True once the wanted duration has been simulated."""
         return self._run is not None and self._run.complete
+
+    def check_change(self, settings: SimpleNamespace) -> None:
+        """Refuse the file of a checkpoint outside the folders that were named at the start."""
+        for path in filter(None, (settings.checkpoint, settings.saved_checkpoint)):
+            self._places.file(path)
 
     def on_change(self) -> None:
         """Apply a live parameter."""

@@ -65,7 +65,7 @@ class RunControl:
         self.steps = 0
         """Frames of a step that are still to be taken."""
         self._step_of = 0  # frames in all
-        self._told: Told = lambda done, text: None
+        self._told: Told | None = None
 
     @property
     def runs(self) -> bool:
@@ -139,7 +139,7 @@ class RunControl:
 
     def frame_taken(self) -> None:
         """Count a frame of a step; the last one is told."""
-        if self.steps:
+        if self.steps and self._told is not None:
             self.steps -= 1
             if not self.steps:
                 frames = f"{self._step_of} frame{'s' if self._step_of > 1 else ''}"
@@ -147,7 +147,7 @@ class RunControl:
 
     def end_steps(self, why: str) -> None:
         """Leave the rest of a step undone, and tell it."""
-        if self.steps:
+        if self.steps and self._told is not None:
             taken, self.steps = self._step_of - self.steps, 0
             at = self._simulation.time_text
             self._told(False, f"expected {self._step_of} frames, took {taken}, to {at}, as {why} meanwhile")
@@ -172,7 +172,7 @@ class RunControl:
         self._simulation.loop.announce()
         return f"went to {self._simulation.time_text}, from {path}"
 
-    def _checkpoint_path(self) -> str:
+    def _checkpoint_path(self) -> Path:
         own, periodic = self._settings.saved_checkpoint, self._settings.checkpoint
         if own and periodic and Path(own).resolve() == Path(periodic).resolve():
             raise CheckpointError(
@@ -180,7 +180,8 @@ class RunControl:
                 f"ros2 param set {self._node_name} saved_checkpoint FILE.npz"
             )
         if own or periodic:
-            return str(own or Path(periodic).with_name(f"{Path(periodic).stem}_saved.npz"))
+            file = own or Path(periodic).with_name(f"{Path(periodic).stem}_saved.npz")
+            return self._simulation.places.file(str(file))
         raise CheckpointError(
             "expected a file for the checkpoint, found none; "
             f"ros2 param set {self._node_name} saved_checkpoint FILE.npz"
