@@ -155,7 +155,9 @@ class Recorder(TwinNode):
             log(f"{bag.folder}: {count} messages recorded, lost: {', '.join(lost) or 'none'}")
             self._bag = None
         if lost and not self._failure:
-            raise RunError(f"{bag.folder}: expected every message in the bag, lost {', '.join(lost)}; record fewer topics")
+            raise RunError(
+                f"{bag.folder}: expected every message in the bag, lost {', '.join(lost)}; record fewer topics"
+            )
         return DONE
 
     def not_ready(self) -> str:
