@@ -223,7 +223,9 @@ def test_an_analyzer_says_what_it_lost(bench, small_bag):
     def publish():
         stamp = next(frames) * 10_000_000
         for topic, raw in samples.items():
-            publishers[topic].publish(raw[:4] + pack_stamp(stamp) + raw[12:])
+            stamped = bytearray(raw)
+            pack_stamp(stamped, 4, stamp)
+            publishers[topic].publish(bytes(stamped))
         return True
 
     status = bench.until_status("analyzer", lambda status: publish() and int(status.values["samples"]) > 10)

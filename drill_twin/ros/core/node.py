@@ -1,15 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Base class of all nodes: a lifecycle node with the topics of the contract, diagnostics, and the start-up barrier.
-
-Messages, services and timers are those of rclpy's own `EventsExecutor` (7.1.4 or later), driven by one event a turn: a
-turn then needs no look at every entity of the node, some forty of them, which takes `SingleThreadedExecutor` a
-millisecond in Python. Errors of callbacks are raised after the turn (`_keep`): the executor would print a traceback of
-them first. `docs/design.md` has the load of both.
-"""
+"""Base class of all nodes: a lifecycle node with the topics of the contract, diagnostics, and the start-up barrier."""
 
 from __future__ import annotations
 
-import time
 from collections.abc import Callable
 from contextlib import suppress
 from functools import partial
@@ -20,11 +13,8 @@ from lifecycle_msgs.srv import ChangeState
 from rclpy.clock import Clock
 from rclpy.clock_type import ClockType
 from rclpy.context import Context
-from rclpy.duration import Duration
-from rclpy.experimental.events_executor import EventsExecutor
 from rclpy.lifecycle import LifecycleState, TransitionCallbackReturn
 from rclpy.lifecycle.node import LifecycleNodeMixin
-from rclpy.node import Node
 from rclpy.service import Service
 from rclpy.timer import Timer
 from std_srvs.srv import Trigger
@@ -35,16 +25,14 @@ from drill_twin.io.messages.good_samples import GoodSamples
 from drill_twin.io.messages.topics import DIAGNOSTICS
 from drill_twin.ros.core.diagnostics_publisher import DiagnosticsPublisher
 from drill_twin.ros.core.parameters import Parameter, declare, follow_changes
-from drill_twin.ros.core.requests import Answer, guarded, log_refusal, sending_later
+from drill_twin.ros.core.requests import Answer, guarded, sending_later
+from drill_twin.ros.core.spinning import SpinningNode
 from drill_twin.ros.core.startup_barrier import answer_ready
 from drill_twin.ros.core.stop_request import StopRequest
 from drill_twin.ros.core.topics import NodeTopics, refuse_unused_overrides
 
 _DIAGNOSTICS_PERIOD = 1.0  # s
-_AT_ONCE = 1000  # messages processed in one turn
 _SCENE_PERIOD = 0.1  # s between two looks at the scenes that wait
-_LAST = 0.8  # s for what still arrives, and for what readers still acknowledge, of the 2 s that a stop may take
-_SLICE = 0.1  # s between two looks at a request to stop
 DONE, REFUSED = TransitionCallbackReturn.SUCCESS, TransitionCallbackReturn.FAILURE
 _CONFIGURED = LifecycleState("inactive", 2)
 AUTOSTART = Parameter(
@@ -59,7 +47,7 @@ class StateChanged(BaseException):
     """Raised by `spin_once` after a requested transition: the turn of the loop in which it came ends there."""
 
 
-class TwinNode(LifecycleNodeMixin, Node):
+class TwinNode(LifecycleNodeMixin, SpinningNode):
     """A node of drill_twin: a lifecycle node that by default configures and activates itself.
 
     A node implements `on_configure` (load what is needed; create topics, services and timers; an error refuses),
@@ -84,19 +72,14 @@ class TwinNode(LifecycleNodeMixin, Node):
 
     def __init__(self, context: Context) -> None:
         """Create the node without topics but the diagnostics."""
-        Node.__init__(self, self.NAME, context=context)
+        SpinningNode.__init__(self, self.NAME, context)
         self.settings: SimpleNamespace = declare(self, self.PARAMETERS, other_names=self.OTHER_PARAMETERS)
         follow_changes(self, self.PARAMETERS, self.settings, check=self.check_change, changed=self._changed)
-        self.samples = GoodSamples(on_change=self.ON_CHANGE)
-        """Good and bad samples by topic."""
-        self.topics = NodeTopics(self, self._unreadable, self._keep)
-        self.stop = StopRequest()
-        """Request to stop, once `run` has been called with it."""
-        self._spins = self._starts = False
+        self.topics = NodeTopics(self, lambda topic: self.samples.unreadable(topic), self._keep)  # noqa: PLW0108 - it changes
+        self._starts = False
         self._attributes: frozenset[str] = frozenset()  # those of an unconfigured node
         self.active = self.ended = self.ends = False
         """True while active; true once closed in order; true once asked by a service to end."""
-        self._raised: list[BaseException] = []
         self._endpoints: list[Service | Timer] = []
         self._ready: Service | None = None
         self._refusal: Exception | None = None
@@ -113,7 +96,6 @@ class TwinNode(LifecycleNodeMixin, Node):
         for service in self.services:
             if service.srv_type is ChangeState:  # rclpy raises where the present state does not have the transition
                 service.callback = guarded(self, ChangeState, partial(self._change_state, service.callback))
-        self._executor = EventsExecutor(context=context)
         self._executor.add_node(self)
         self._diagnostics = DiagnosticsPublisher(self, self.topics)
         self._every(_DIAGNOSTICS_PERIOD, self.publish_diagnostics)
@@ -210,8 +192,7 @@ class TwinNode(LifecycleNodeMixin, Node):
         def callback(state: LifecycleState) -> TransitionCallbackReturn:
             if begins:
                 self._attributes = frozenset(vars(self))
-                self.samples = GoodSamples(on_change=self.ON_CHANGE)
-                self.configured = True
+                self.configured, self.samples = True, GoodSamples(on_change=self.ON_CHANGE)
             try:
                 if (found := transition(state)) == DONE:
                     then()
@@ -289,60 +270,6 @@ class TwinNode(LifecycleNodeMixin, Node):
         while not (stop or self.ends or (self.configured and self.finished)):
             with suppress(StateChanged):
                 self.step() if self.active else self.spin_once(0.05)
-
-    def spin_once(self, seconds: float) -> None:
-        """Wait for a message, a service call or a timer, at most this long [s], and process what comes first.
-
-        Within a callback, such as a transition that a service asks for, nothing else is processed.
-        """
-        if self._spins:
-            time.sleep(seconds)
-            return
-        self._spins = True
-        try:
-            self._executor.spin_once(max(seconds, 0.0))
-        except (ValueError, TypeError, RuntimeError, SystemError) as error:  # rclpy could not take a request or answer
-            log_refusal(self, "taken by rclpy", error)
-        finally:
-            self._spins = False
-        if self._raised:
-            raise self._raised.pop(0)
-
-    def spin_all(self) -> None:
-        """Process all messages that have arrived; to find that none is left takes 0.1 ms."""
-        for _ in range(_AT_ONCE):  # a flood must not keep the node from its work
-            taken = self.topics.taken
-            self.spin_once(0.0)
-            if taken == self.topics.taken or self.stop:
-                return
-
-    def drain(self, quiet: float, longest: float = _LAST) -> None:
-        """Process what is still arriving, until nothing has come for `quiet` seconds or `longest` have passed."""
-        now = last = time.monotonic()
-        end = now + longest
-        while now - last < quiet and now < end:
-            taken = self.topics.taken
-            self.spin_once(0.01)
-            now = time.monotonic()
-            last = now if self.topics.taken > taken else last
-
-    def flush(self, seconds: float = 5.0) -> None:
-        """Wait until every reader has acknowledged all that was published, at most this long [s]; less after a stop."""
-        begun = time.monotonic()
-        for publisher in self.topics.publishers.values():
-            while not publisher.wait_for_all_acked(Duration(seconds=_SLICE)):
-                if time.monotonic() - begun > (min(seconds, _LAST) if self.stop else seconds):
-                    return
-
-    def _unreadable(self, topic: str) -> None:
-        self.samples.unreadable(topic)
-
-    def _keep(self, callback: Callable[[], object]) -> None:
-        """Call a function within the executor; an error is raised once that has returned."""
-        try:
-            callback()
-        except BaseException as error:  # noqa: BLE001 - raised by `spin_once`
-            self._raised.append(error)
 
     def publish_diagnostics(self) -> None:
         """Publish the diagnostics of this node now."""

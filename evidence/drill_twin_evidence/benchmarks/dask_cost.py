@@ -23,7 +23,7 @@ from pathlib import Path
 import numpy as np
 
 import drill_twin as dt
-from drill_twin.core.process import processor_time
+from drill_twin_evidence.benchmarks.cpu_load import processor_time
 from drill_twin.core.table import Table
 from drill_twin.runs.ensemble import dask_workers
 
