@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Events of a node: messages, services and timers, processed by the loop of the node when it has time for them.
 
-They are those of rclpy's own `EventsExecutor` (7.1.4 or later), driven by one event a turn: a turn then needs no look at
+They are those of `EventsExecutor` of rclpy (7.1.4 or later), driven by one event a turn: a turn then needs no look at
 every entity of the node, some forty of them, which takes `SingleThreadedExecutor` a millisecond in Python. Errors of
 callbacks are raised after the turn (`_keep`): the executor would print a traceback of them first. `docs/design.md` has
 the load of both.

@@ -94,7 +94,8 @@ PARAMETERS = (
     Parameter(
         "checkpoint",
         "",
-        'file to keep the state in (.npz); where it exists when the node starts, the run goes on from it; "": none',
+        "file to keep the state in (.npz); where it exists when the node starts, the run goes on from it; a change "
+        'stays in the folders named at the start; "": none',
         live=True,
     ),
     Parameter(

@@ -46,11 +46,7 @@ Told = Callable[[bool, str], object]
 
 
 class RunControl:
-    """Control of one simulation: the one way to let time stand still, whoever asks for it.
-
-    Attributes:
-        paused: True while the run is paused.
-    """
+    """Control of one simulation: the one way to let time stand still, whoever asks for it."""
 
     def __init__(self, simulation: SimulatorRun, node: TwinNode) -> None:
         """Start not paused.
@@ -62,6 +58,7 @@ class RunControl:
         self._simulation, self._node, self._settings = simulation, node, node.settings
         self._node_name = node.get_fully_qualified_name()
         self.paused = False
+        """True while the run is paused."""
         self.steps = 0
         """Frames of a step that are still to be taken."""
         self._step_of = 0  # frames in all
@@ -70,8 +67,7 @@ class RunControl:
     @property
     def runs(self) -> bool:
         """True while the next frame may be computed."""
-        goes_on = not self.paused and not self._simulation.waits_for_command
-        return self._node.active and (goes_on or self.steps > 0)
+        return self._node.active and (self.steps > 0 or not (self.paused or self._simulation.waits_for_command))
 
     @property
     def state(self) -> int:
@@ -114,16 +110,16 @@ class RunControl:
     def take_frames(self, count: int, told: Told) -> None:
         """Advance a paused run by frames, one in each turn of the loop, so that all else is answered meanwhile.
 
-        Args:
-            count: Number of frames.
-            told: Called once all are published, or something has ended the step.
-
         Raises:
-            DrillTwinError: The run is not paused, is in lockstep, or is taking a step.
+            DrillTwinError: The run is inactive, is not paused, is in lockstep, or is taking a step.
         """
-        if self.steps or not self._node.active:
-            does = f"takes {self.steps} frames" if self.steps else "is inactive"
-            raise DrillTwinError(f"expected an active run that stands still to step, found one that {does}")
+        if self.steps or count < 1 or not self._node.active:
+            found = (
+                f"one that takes {self.steps}" if self.steps else f"{count} frames of a node that is {self.state_text}"
+            )
+            raise DrillTwinError(
+                f"expected a step of one frame or more of an active run that stands still, found {found}"
+            )
         if not self.paused:
             raise DrillTwinError(
                 f"expected a paused run to step, found one that runs; call {self._node_name}/pause first"
@@ -133,8 +129,6 @@ class RunControl:
                 "expected the pace realtime or fast to step by hand, found lockstep, where each command is a step; "
                 f"call {self._node_name}/resume and send commands one by one"
             )
-        if count < 1:
-            raise DrillTwinError(f"expected at least one frame to step, found {count}")
         self.steps, self._step_of, self._told = count, count, told
 
     def frame_taken(self) -> None:
@@ -224,11 +218,8 @@ class Answers:
         """So many frames on; the answer comes when they are out."""
         if self._run.state == PLAYING:
             return _said(response, INCORRECT_STATE, "expected a paused run to step, found one that plays")
-        return _after_step(
-            self._run,
-            int(request.steps),
-            lambda done, text: _said(response, OK if done else FAILED, "" if done else text),
-        )
+        told = lambda done, text: _said(response, OK if done else FAILED, "" if done else text)  # noqa: E731
+        return _after_step(self._run, int(request.steps), told)
 
     def reset_simulation(self, request: Any, response: Any) -> Any:
         """Begin again; time and state belong together."""
@@ -259,7 +250,7 @@ def _done(response: Any, *actions: Action) -> Any:
 
 
 def _after_step(run: RunControl, count: int, response_of: Callable[[bool, str], Any]) -> Any:
-    """Answer to a step, sent once its frames are out; `response_of` makes the response, from what `Told` is given."""
+    """Answer to a step, sent once its frames are out, or something has ended it; `response_of` is as `Told`."""
     later = Later()
     try:
         run.take_frames(count, lambda done, text: later.send(response_of(done, text)))
