@@ -75,6 +75,7 @@ class TwinNode(LifecycleNodeMixin, SpinningNode):
         SpinningNode.__init__(self, self.NAME, context)
         self.settings: SimpleNamespace = declare(self, self.PARAMETERS, other_names=self.OTHER_PARAMETERS)
         follow_changes(self, self.PARAMETERS, self.settings, check=self.check_change, changed=self._changed)
+        self.samples = GoodSamples(on_change=self.ON_CHANGE)
         self.topics = NodeTopics(self, lambda topic: self.samples.unreadable(topic), self._keep)  # noqa: PLW0108 - it changes
         self._starts = False
         self._attributes: frozenset[str] = frozenset()  # those of an unconfigured node
