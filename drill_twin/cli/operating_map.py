@@ -138,7 +138,7 @@ def _shown(found: OperatingMap, scene: Scene) -> Iterator[str]:
         apart = margin.text(units)
         yield (
             f"  set-point of the scene, {units.set_point(load, turn)}: {found.regime(load, turn).value}"
-            + ("" if found.known[found.node(load, turn)] else " in the nearest run; not known there")
+            + ("" if found.is_known(load, turn) else " in the nearest run; not known there")
             + (f"; {word} {apart}" if apart else "")
         )
     yield from (f"  note: {note}" for note in found.notes)
