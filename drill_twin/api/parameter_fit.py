@@ -26,6 +26,7 @@ from drill_twin.studies.fitting import (
     sample,
 )
 from drill_twin.studies.fitting.sampling import in_ranges
+from drill_twin.studies.goodness import FEWEST
 
 
 def fit(
@@ -94,6 +95,12 @@ def fit(
         )
     length = base.rig.duration if end is None else in_si("end", end, TIME)
     frequency, first = in_si("rate", rate, FREQUENCY), in_si("begin", begin, TIME)
+    if (length - first) * min(frequency, base.numerics.frame_rate) < FEWEST:
+        raise ArgumentError(
+            f"fit: expected {FEWEST} samples or more to compare, found those from {first:g} s to {length:g} s at "
+            f"{frequency:g} Hz; choose another time to begin or to end"
+        )
+    size = in_si("window", window, TIME)
     batches: list[dict[str, Array]] = []
     time: Array = np.zeros(0)
     measured: dict[str, Array] = {}
@@ -113,7 +120,7 @@ def fit(
         batches.append({name: runs[of][:, -time.size :] for name, of in computed.items()})
         merged = {channel: np.concatenate([batch[channel] for batch in batches]) for channel in measured}
         period = float(time[1] - time[0])
-        result = LIKELIHOODS[likelihood](measured, merged, period, in_si("window", window, TIME), len(ranges))
+        result = LIKELIHOODS[likelihood](measured, merged, period, size, len(ranges))
         if not np.isfinite(result).any():
             raise RunError(
                 f"fit: no run of {failed} could be followed to {length:g} s: {next(iter(runs.failed.values()))}"
@@ -124,4 +131,6 @@ def fit(
         evaluate, len(ranges), members=members, rounds=rounds, effective=effective, seed=seed, done=progress
     )
     merged = {channel: np.concatenate([batch[channel] for batch in batches]) for channel in measured}
-    return Posterior(base, ranges, in_ranges(sampling.cube, ranges), sampling, found, time, measured, merged, failed)
+    drawn = in_ranges(sampling.cube, ranges)
+    windows = size if likelihood == "features" else None
+    return Posterior(base, ranges, drawn, sampling, found, time, measured, merged, failed, windows)

@@ -91,7 +91,7 @@ def operating_map(
     if replace and runs_file.exists():
         runs_file.replace(folder / "runs.jsonl.old")
     going_on = f"the same command goes on from {runs_file}"
-    with shown_progress("calm", runs, unit="runs", kept=going_on) as bar:
+    with shown_progress("calm", runs, unit="runs", kept=going_on, most=True) as bar:
         found = make(
             described, wob=wob, rpm=rpm, seeds=seeds, vary=ranges, runs=runs,
             hysteresis=not no_hysteresis, growth=not no_growth, steps=steps, folder=folder, workers=workers, dask=dask,
