@@ -17,11 +17,12 @@ from drill_twin.core.units.dimension import FREQUENCY, TIME
 from drill_twin.scene import Scene
 from drill_twin.studies.fitting import (
     CHANNELS,
-    LIKELIHOODS,
     SET_POINTS,
     Posterior,
     Record,
     Sampling,
+    of_features,
+    of_series,
     read_record,
     sample,
 )
@@ -83,9 +84,9 @@ def fit(
     base = as_scene(scene, overrides)
     found = record if isinstance(record, Record) else read_record(record, channels)
     ranges = {key: range_of(base, key, given) for key, given in free.items()}
-    if not ranges or likelihood not in LIKELIHOODS:
+    if not ranges or likelihood not in {"series", "features"}:
         raise ArgumentError(
-            f"fit: expected a range of at least one number and a likelihood of {', '.join(LIKELIHOODS)}, "
+            f"fit: expected a range of at least one number and a likelihood of series, features, "
             f"found {len(ranges)} and {likelihood!r}"
         )
     if told := sorted(SET_POINTS & found.series.keys()):
@@ -119,8 +120,10 @@ def fit(
         computed = {name: f"{name}{INSTANT}" if name in found.instant else name for name in measured}
         batches.append({name: runs[of][:, -time.size :] for name, of in computed.items()})
         merged = {channel: np.concatenate([batch[channel] for batch in batches]) for channel in measured}
-        period = float(time[1] - time[0])
-        result = LIKELIHOODS[likelihood](measured, merged, period, size, len(ranges))
+        if likelihood == "series":
+            result = of_series(measured, merged, len(ranges))
+        else:
+            result = of_features(measured, merged, float(time[1] - time[0]), size)
         if not np.isfinite(result).any():
             raise RunError(
                 f"fit: no run of {failed} could be followed to {length:g} s: {next(iter(runs.failed.values()))}"

@@ -9,6 +9,7 @@ with the reason.
 
 import os
 import re
+import resource
 import shlex
 import shutil
 import signal
@@ -42,6 +43,7 @@ ELSEWHERE = {
     r"--dask": "needs a scheduler and its workers: test/runs/ensemble",
     r"^drill-twin study (verify|hard|validate|paper|paper-search|analyzer-score|whirl-compare)( --page \S+)?$":
         "minutes to hours of processor time; `make evidence` runs them, the tests of evidence/ their cases",
+    r"study verify --only (?!buckling)": "minutes each; evidence/test runs every case",
     r"study analyzer-score --downhole|study estimator-score|foreign_rigs|two_depths|drill_twin_evidence\.pictures":
         "minutes to hours of processor time; docs and evidence/docs are printed by them",
     r"^drill-twin effects ": "a kernel for each set of effects, minutes: test/studies/accuracy/test_effects_study.py",
@@ -266,9 +268,9 @@ def test_the_commands_of_a_page_end_as_they_should(page, tmp_path):
     claim = DomainClaim()
 
     def run(line):
-        begin = time.monotonic()
         code, said = ended(line, tmp_path, claim.domain)
-        print(f"{time.monotonic() - begin:6.1f} s  {code}  {line}")
+        used = resource.getrusage(resource.RUSAGE_CHILDREN)
+        print(f"{used.ru_utime + used.ru_stime:6.1f} s of processor time up to {line}: {code}")
         assert "Traceback" not in said, f"{line}\n{said}"
         assert code == 0, f"{line}\n{said}"
 

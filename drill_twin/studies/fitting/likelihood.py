@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from typing import NamedTuple
 
 import numpy as np
@@ -27,7 +27,7 @@ Channels = Mapping[str, Array]
 """Values by channel: of the record of shape (T,), of M runs of shape (M, T)."""
 
 
-def of_series(record: Channels, runs: Channels, period: float, window: float, free: int = 1) -> Array:
+def of_series(record: Channels, runs: Channels, free: int) -> Array:
     """Logarithm of the likelihood of the time series of each run, shape (M,); Gaussian errors of `error_variance`.
 
     Samples that are missing in the record (NaN) are left out. The run that fits best tells what the model leaves.
@@ -35,11 +35,8 @@ def of_series(record: Channels, runs: Channels, period: float, window: float, fr
     Args:
         record: The record.
         runs: The runs.
-        period: Time from sample to sample [s]; unused.
-        window: Unused.
         free: Number of free numbers.
     """
-    del period, window
     squares: dict[str, Array] = {}
     total = result = np.zeros(len(next(iter(runs.values()))))
     for channel, values in runs.items():
@@ -85,7 +82,7 @@ def error_variance(square: float, noise: float, count: int, free: int) -> float:
     return plain * (1.0 + shown * max(1.0, count / free))
 
 
-def of_features(record: Channels, runs: Channels, period: float, window: float, free: int = 1) -> Array:
+def of_features(record: Channels, runs: Channels, period: float, window: float) -> Array:
     """Logarithm of the likelihood of the mean features of windows of each run, shape (M,).
 
     For motion whose phase is not determined. The covariance is known from as few windows as there are: the likelihood
@@ -96,12 +93,10 @@ def of_features(record: Channels, runs: Channels, period: float, window: float, 
         runs: The runs.
         period: Time from sample to sample [s].
         window: Length of a window [s].
-        free: Number of free numbers; unused.
 
     Raises:
         ArgumentError: The record has fewer windows without a gap than tell how they scatter.
     """
-    del free
     seen = WindowedRecord(record, period, window)
     result = np.full(len(next(iter(runs.values()))), -np.inf)
     for m in range(result.size):
@@ -110,13 +105,6 @@ def of_features(record: Channels, runs: Channels, period: float, window: float, 
             size = np.linalg.slogdet(found.covariance)[1]
             result[m] = -0.5 * (size + (found.freedom + 1.0) * math.log1p(found.square / found.freedom))
     return result
-
-
-LIKELIHOODS: Mapping[str, Callable[[Channels, Channels, float, float, int], Array]] = {
-    "series": of_series,
-    "features": of_features,
-}
-"""Likelihoods by name."""
 
 
 class Difference(NamedTuple):

@@ -90,7 +90,7 @@ def test_runs_that_failed_have_no_weight():
 def test_a_series_prefers_the_run_with_the_smaller_error_by_the_variance_of_an_error():
     draw = np.random.default_rng(2).standard_normal(1000)
     runs = {"torque": np.array([np.zeros(1000), np.full(1000, 0.3)])}
-    found = of_series({"torque": draw}, runs, 0.1, 1.0, 4)
+    found = of_series({"torque": draw}, runs, 4)
     squares = np.mean((runs["torque"] - draw) ** 2, axis=1)
     assert found[0] > found[1]
     noise = noise_in(draw, draw) ** 2
@@ -105,8 +105,8 @@ def test_samples_that_are_missing_are_left_out():
     draw = np.random.default_rng(3).standard_normal(200)
     runs = {"torque": np.random.default_rng(4).standard_normal((3, 200))}
     gap = np.where(np.arange(200) < 150, draw, np.nan)
-    found = of_series({"torque": gap}, runs, 0.1, 1.0, 2)
-    assert found == pytest.approx(of_series({"torque": draw[:150]}, {"torque": runs["torque"][:, :150]}, 0.1, 1.0, 2))
+    found = of_series({"torque": gap}, runs, 2)
+    assert found == pytest.approx(of_series({"torque": draw[:150]}, {"torque": runs["torque"][:, :150]}, 2))
 
 
 def test_what_the_model_leaves_counts_as_one_sample_a_free_number_and_noise_as_what_it_is():
