@@ -192,7 +192,7 @@ def well_record(kind):
             text += "".join(" ".join(map(str, row)) + "\n" for row in rows)
         else:
             curves = (("TIME", "s"), ("SWOB", "kN"), ("RPMA", "rpm"), ("TQA", "kN.m"))
-            text = '<logs xmlns="http://www.witsml.org/schemas/1series"><log><indexType>elapsed time</indexType>'
+            text = '<logs xmlns="http://www.witsml.org/schemas/1series" version="1.4.1.1"><log><indexType>elapsed time</indexType>'
             text += "".join(f"<logCurveInfo><mnemonic>{of}</mnemonic><unit>{unit}</unit></logCurveInfo>"
                             for of, unit in curves)  # fmt: skip
             names, units = (",".join(part) for part in zip(*curves, strict=True))
@@ -225,9 +225,8 @@ def given(folder, line, run):
     """Make what a command needs and its page has not made."""
     for name, make in GIVEN.items():
         made = folder / name
-        empty = made.is_dir() and name.endswith("bag_0") and not (made / "metadata.yaml").exists()
-        if empty:
-            shutil.rmtree(made)
+        if made.is_dir() and line.startswith(f"drill-twin replay {name} "):
+            shutil.rmtree(made)  # the recorder of the page had nothing to record
         if not made.exists() and re.search(rf"(?<!new )(?<!--out )(?<!bag:=)(?<![\w/]){name}(?!\w)", line):
             made.parent.mkdir(parents=True, exist_ok=True)
             make(folder, run)

@@ -168,7 +168,7 @@ class RunOfFile(RunRecord):
 
     @property
     def key(self) -> Key:
-        """What tells it from the other runs."""
+        """Its key."""
         return Key(*self.node, self.draw, self.origin, self.finer)
 
     @property

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""How often bands of `fit --likelihood features` hold, and whether it tells a wrong model; twin against twin.
+"""Coverage of the bands of `fit --likelihood features`, and whether it tells a wrong model; twin against twin.
 
     python -m drill_twin_evidence.foreign_rigs.features_coverage
 
@@ -37,7 +37,7 @@ class Case(NamedTuple):
     noise: float = 0.02
     """Noise over the standard deviation of a record."""
     change: Callable[[Array], Array] | None = None
-    """What is wrong with the record."""
+    """Error of the record; None for none."""
 
 
 WRONG: dict[str, Callable[[Array], Array]] = {
@@ -55,7 +55,7 @@ CASES = [
 
 
 def fits(case: Case, period: float, torques: Array, speeds: Array) -> list[tuple[bool, bool]]:
-    """Whether the band of each fit holds the truth, and whether the fit is explained."""
+    """Return whether the band of each fit holds the truth, and whether the fit is explained."""
     generator, found = np.random.default_rng(21), []
     size, begin = round(case.length / period), round(BEGIN / period)
     for _ in range(case.count):
