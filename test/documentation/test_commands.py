@@ -192,7 +192,8 @@ def well_record(kind):
             text += "".join(" ".join(map(str, row)) + "\n" for row in rows)
         else:
             curves = (("TIME", "s"), ("SWOB", "kN"), ("RPMA", "rpm"), ("TQA", "kN.m"))
-            text = '<logs xmlns="http://www.witsml.org/schemas/1series" version="1.4.1.1"><log><indexType>elapsed time</indexType>'
+            text = '<logs xmlns="http://www.witsml.org/schemas/1series" version="1.4.1.1">'
+            text += "<log><indexType>elapsed time</indexType>"
             text += "".join(f"<logCurveInfo><mnemonic>{of}</mnemonic><unit>{unit}</unit></logCurveInfo>"
                             for of, unit in curves)  # fmt: skip
             names, units = (",".join(part) for part in zip(*curves, strict=True))
