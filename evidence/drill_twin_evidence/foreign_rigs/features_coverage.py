@@ -30,7 +30,7 @@ class Case(NamedTuple):
     """Fits of one kind."""
 
     name: str
-    count: int
+    fits: int
     length: float
     """Time that is compared [s]."""
     window: float = 5.0
@@ -58,7 +58,7 @@ def fits(case: Case, period: float, torques: Array, speeds: Array) -> list[tuple
     """Return whether the band of each fit holds the truth, and whether the fit is explained."""
     generator, found = np.random.default_rng(21), []
     size, begin = round(case.length / period), round(BEGIN / period)
-    for _ in range(case.count):
+    for _ in range(case.fits):
         truth = int(generator.integers(5, torques.size - 5))
         later = round((BEGIN + generator.uniform(0.0, LATER)) / period)
         speed = speeds[truth, later : later + size]
@@ -87,7 +87,7 @@ def main() -> None:
         holds, explained = (sum(column) for column in zip(*found, strict=True))
         print(
             f"{case.name}, {case.length:g} s in windows of {case.window:g} s, noise {case.noise:g}: "
-            f"{holds} of {case.count} bands hold, {case.count - explained} not explained",
+            f"{holds} of {case.fits} bands hold, {case.fits - explained} not explained",
             flush=True,
         )
 
