@@ -50,6 +50,7 @@ ELSEWHERE = {
     r"^drill-twin cost ": "minutes: test/studies/accuracy/test_cost_study.py",
     r"^drill-twin map wells/": "two minutes: test/cli/test_matrix.py makes a small map of the well",
     r"^drill-twin study clearance|lateral_spring": "of a package that the page makes: test/api",
+    r"^drill-twin replay theirs": "a bag with topic names of others: test/ros/test_record_and_replay.py",
     r"175_completo_1": "a record that is not part of the package: evidence/docs/validation.md says where it is from",
 }  # fmt: skip
 """Commands that are not run here, and why."""
@@ -206,7 +207,7 @@ def well_record(kind):
 
 WELL = "base: wells/vertical_3000\n"
 GIVEN = {
-    "out/run": base_run, "out/bag_0": copied("out/bag_0"), "theirs": copied("theirs"),
+    "out/run": base_run, "out/bag_0": copied("out/bag_0"),
     "rig.csv": rig_record, "well_7.csv": well_record("csv"), "well_7.las": well_record("las"),
     "well_7.xml": well_record("xml"), "well_7.yaml": write("well_7.yaml", f"name: well_7\n{WELL}"),
     "my_well.yaml": write("my_well.yaml", f"name: my_well\n{WELL}"),
