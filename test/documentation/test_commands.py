@@ -239,6 +239,8 @@ def ended(line, folder, domain):
     words = line.replace("ros2 run drill_twin", "drill-twin ros node")  # what it does without `ros2`
     endless = UNTIL_STOPPED.search(line)
     more = {"ROS_DOMAIN_ID": str(domain), "ROS_LOG_DIR": str(folder), "BROWSER": "true", "PYTHONUNBUFFERED": "1"}
+    if "ros demo" in line:
+        del more["ROS_DOMAIN_ID"]  # it claims a free one
     answer = next((text for name, text in ANSWERS.items() if name in line), "")
     with (folder / "said.txt").open("w+", encoding="utf-8") as said:
         child = subprocess.Popen(
