@@ -17,15 +17,17 @@ from drill_twin.core.units.dimension import FREQUENCY, TIME
 from drill_twin.scene import Scene
 from drill_twin.studies.fitting import (
     CHANNELS,
-    LIKELIHOODS,
     SET_POINTS,
     Posterior,
     Record,
     Sampling,
+    of_features,
+    of_series,
     read_record,
     sample,
 )
 from drill_twin.studies.fitting.sampling import in_ranges
+from drill_twin.studies.goodness import FEWEST
 
 
 def fit(
@@ -82,9 +84,9 @@ def fit(
     base = as_scene(scene, overrides)
     found = record if isinstance(record, Record) else read_record(record, channels)
     ranges = {key: range_of(base, key, given) for key, given in free.items()}
-    if not ranges or likelihood not in LIKELIHOODS:
+    if not ranges or likelihood not in {"series", "features"}:
         raise ArgumentError(
-            f"fit: expected a range of at least one number and a likelihood of {', '.join(LIKELIHOODS)}, "
+            f"fit: expected a range of at least one number and a likelihood of series, features, "
             f"found {len(ranges)} and {likelihood!r}"
         )
     if told := sorted(SET_POINTS & found.series.keys()):
@@ -94,6 +96,12 @@ def fit(
         )
     length = base.rig.duration if end is None else in_si("end", end, TIME)
     frequency, first = in_si("rate", rate, FREQUENCY), in_si("begin", begin, TIME)
+    if (length - first) * min(frequency, base.numerics.frame_rate) < FEWEST:
+        raise ArgumentError(
+            f"fit: expected {FEWEST} samples or more to compare, found those from {first:g} s to {length:g} s at "
+            f"{frequency:g} Hz; choose another time to begin or to end"
+        )
+    size = in_si("window", window, TIME)
     batches: list[dict[str, Array]] = []
     time: Array = np.zeros(0)
     measured: dict[str, Array] = {}
@@ -112,8 +120,10 @@ def fit(
         computed = {name: f"{name}{INSTANT}" if name in found.instant else name for name in measured}
         batches.append({name: runs[of][:, -time.size :] for name, of in computed.items()})
         merged = {channel: np.concatenate([batch[channel] for batch in batches]) for channel in measured}
-        period = float(time[1] - time[0])
-        result = LIKELIHOODS[likelihood](measured, merged, period, in_si("window", window, TIME), len(ranges))
+        if likelihood == "series":
+            result = of_series(measured, merged, len(ranges))
+        else:
+            result = of_features(measured, merged, float(time[1] - time[0]), size)
         if not np.isfinite(result).any():
             raise RunError(
                 f"fit: no run of {failed} could be followed to {length:g} s: {next(iter(runs.failed.values()))}"
@@ -124,4 +134,6 @@ def fit(
         evaluate, len(ranges), members=members, rounds=rounds, effective=effective, seed=seed, done=progress
     )
     merged = {channel: np.concatenate([batch[channel] for batch in batches]) for channel in measured}
-    return Posterior(base, ranges, in_ranges(sampling.cube, ranges), sampling, found, time, measured, merged, failed)
+    drawn = in_ranges(sampling.cube, ranges)
+    windows = size if likelihood == "features" else None
+    return Posterior(base, ranges, drawn, sampling, found, time, measured, merged, failed, windows)

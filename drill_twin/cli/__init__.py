@@ -57,6 +57,7 @@ def _run_command(arguments: Sequence[str]) -> int:
         refuse_too_little_memory()
     except DrillTwinError as error:
         return _fail(str(error), code=1)
+    from typer import Abort
     from typer.main import get_command
 
     from drill_twin.cli.app import app
@@ -69,6 +70,8 @@ def _run_command(arguments: Sequence[str]) -> int:
         raise
     except (OSError, MemoryError) as error:
         return _fail(error_text(error), code=1)
+    except Abort:
+        return _fail("expected an answer to the question, found the end of the input; give it as an option")
     except Exception as error:
         if not hasattr(error, "format_message"):  # usage errors have one in every version of typer and click
             raise

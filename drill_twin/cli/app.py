@@ -76,11 +76,11 @@ _add(
 _scene = typer.Typer(cls=CommandGroup, help="List, make and check scenes.")
 _add(_scene, {"list": scenes, "new": new, "check": check, "schema": schema})
 
-_nodes = typer.Typer(cls=CommandGroup, help="Run, examine and measure the ROS 2 nodes; demo, node and load need rclpy.")
+_nodes = typer.Typer(cls=CommandGroup, help="Run and examine the ROS 2 nodes; demo and node need rclpy.")
 _NOT_OURS = {"allow_extra_args": True, "ignore_unknown_options": True}
 _nodes.command(add_help_option=False, context_settings={**_NOT_OURS, "help_option_names": []})(ros.demo)
 _nodes.command(context_settings={**_NOT_OURS, "allow_interspersed_args": False})(ros.node)
-_add(_nodes, {"doctor": ros.doctor, "topics": ros.topics, "load": ros.load, "keys": ros.keys})
+_add(_nodes, {"doctor": ros.doctor, "topics": ros.topics, "keys": ros.keys})
 
 _study = typer.Typer(cls=StudyGroup, help="Commands of other packages: those of drill_twin_evidence, and of yours.")
 for _name, _group in (("scene", _scene), ("ros", _nodes), ("study", _study)):

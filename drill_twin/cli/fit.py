@@ -54,7 +54,7 @@ def fit(
 
     ranges = options.ranges_of("--free", free)
 
-    with shown_progress("running the first round", rounds, unit="rounds") as bar:
+    with shown_progress("running the first round", rounds, unit="rounds", most=True) as bar:
 
         def told(number: int, found: Sampling) -> None:
             power = "" if found.power == 1.0 else f", likelihood to the power {found.power:.2g}"

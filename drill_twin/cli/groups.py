@@ -23,13 +23,6 @@ from drill_twin.core.errors import ArgumentError
 
 ENTRY_POINTS = "drill_twin.commands"
 """Entry-point group of commands in other packages."""
-_RENAMED = {
-    "drillbotics": "export --drillbotics",
-    "gateway-keys": "ros keys",
-    "scenes": "scene list",
-    "whirl-states": "whirl",
-}
-"""Present names of commands that were renamed; those that moved into a group are found there."""
 
 
 class CommandGroup(TyperGroup):
@@ -53,8 +46,8 @@ class CommandGroup(TyperGroup):
         root = ctx.find_root()
         groups = {key: group for key, group in root.command.commands.items() if isinstance(group, CommandGroup)}
         inside = [f"{key} {name}" for key, group in groups.items() if name in group.list_commands(ctx)]
-        if new := _RENAMED.get(name) or next(iter(inside), None):
-            return f'; it is "{root.command_path} {new}" now'
+        if inside:
+            return f'; it is "{root.command_path} {inside[0]}"'
         near = get_close_matches(name, self.list_commands(ctx), n=1)
         meant = f'; did you mean "{ctx.command_path} {near[0]}"?' if near else ";"
         return f"{meant} `{ctx.command_path} --help` lists all"

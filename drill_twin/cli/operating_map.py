@@ -91,7 +91,7 @@ def operating_map(
     if replace and runs_file.exists():
         runs_file.replace(folder / "runs.jsonl.old")
     going_on = f"the same command goes on from {runs_file}"
-    with shown_progress("calm", runs, unit="runs", kept=going_on) as bar:
+    with shown_progress("calm", runs, unit="runs", kept=going_on, most=True) as bar:
         found = make(
             described, wob=wob, rpm=rpm, seeds=seeds, vary=ranges, runs=runs,
             hysteresis=not no_hysteresis, growth=not no_growth, steps=steps, folder=folder, workers=workers, dask=dask,
@@ -138,7 +138,7 @@ def _shown(found: OperatingMap, scene: Scene) -> Iterator[str]:
         apart = margin.text(units)
         yield (
             f"  set-point of the scene, {units.set_point(load, turn)}: {found.regime(load, turn).value}"
-            + ("" if found.known[found.node(load, turn)] else " in the nearest run; not known there")
+            + ("" if found.is_known(load, turn) else " in the nearest run; not known there")
             + (f"; {word} {apart}" if apart else "")
         )
     yield from (f"  note: {note}" for note in found.notes)

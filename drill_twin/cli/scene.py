@@ -222,7 +222,9 @@ def new(
 
 
 def _ask(option: str) -> str:
-    if not sys.stdin.isatty():
-        raise ArgumentError(f"expected {option}, found nothing: {ASKED[option]}")
-    answer: str = typer.prompt(ASKED[option], err=True)
-    return answer
+    try:
+        if sys.stdin.isatty():
+            return str(typer.prompt(ASKED[option], err=True))
+    except typer.Abort:  # Ctrl-D
+        print(file=sys.stderr)
+    raise ArgumentError(f"expected {option}, found nothing: {ASKED[option]}")

@@ -124,7 +124,8 @@ def _amount(task: Task) -> str:
     """Amount done, as `12.3 of 30 s` or `4 of 17 runs`."""
     unit = task.fields["unit"]
     done = f"{task.completed:.1f}" if unit == "s" else f"{task.completed:.0f}"
-    return " ".join([done, *([f"of {task.total:g}"] if task.total else []), *([unit] if unit else [])])
+    most = "at most " * task.fields["most"]
+    return " ".join([done, *([f"of {most}{task.total:g}"] if task.total else []), *([unit] if unit else [])])
 
 
 def said_time(seconds: float) -> str:
@@ -153,7 +154,9 @@ class Bar:
         if self._progress.disable and time.monotonic() - self._printed >= _LINE_PERIOD:
             self._printed = time.monotonic()
             left = self._task.time_remaining
-            told = [text, *([_amount(self._task)] if self._task.total else []), *([said_time(left)] if left else [])]
+            most = "at most " * self._task.fields["most"]
+            told = [text, *([_amount(self._task)] if self._task.total else [])]
+            told += [f"{most}{said_time(left)}"] if left else []
             remark(", ".join(told))
 
     def step(self, text: str) -> None:
@@ -163,7 +166,7 @@ class Bar:
 
 @contextmanager
 def shown_progress(
-    text: str, total: float | None = None, *, unit: str = "", kept: str = "nothing was kept"
+    text: str, total: float | None = None, *, unit: str = "", kept: str = "nothing was kept", most: bool = False
 ) -> Iterator[Bar]:
     """Show progress while a block runs: a bar with the time left, or a spinner; without a terminal a line every 10 s.
 
@@ -174,6 +177,7 @@ def shown_progress(
         total: Amount at the end, of seconds, runs or the like; None: not known, or not known yet.
         unit: Unit of the amounts; with one there is a bar even if the total is not known yet.
         kept: Sentence on what is kept after Ctrl-C, and how to go on.
+        most: The total is a bound: it may end before.
     """
     words = TextColumn("{task.description}", markup=False)
     columns: tuple[ProgressColumn, ...] = (SpinnerColumn(), words)
@@ -181,7 +185,7 @@ def shown_progress(
         columns = (words, BarColumn(), _AmountColumn(), TimeRemainingColumn())
     console = err()
     with Progress(*columns, console=console, transient=True, disable=not console.is_terminal) as progress:
-        progress.add_task(text, total=total, unit=unit)
+        progress.add_task(text, total=total, unit=unit, most=most)
         try:
             yield Bar(progress)
         except Interrupted as stopped:

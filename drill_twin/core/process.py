@@ -90,12 +90,6 @@ def refuse_too_little_memory() -> None:
         )
 
 
-def processor_time(pid: int) -> float:
-    """User and system time of a process [s], all threads included."""
-    fields = Path(f"/proc/{pid}/stat").read_text("utf-8").rpartition(")")[2].split()
-    return (int(fields[11]) + int(fields[12])) / float(os.sysconf("SC_CLK_TCK"))
-
-
 def _has_working_folder() -> bool:
     try:
         Path.cwd()

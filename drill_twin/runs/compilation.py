@@ -89,7 +89,7 @@ class CompileShare:
         if not self._course.size or functions >= self._course[-1, 0]:
             return f"{functions} functions, {seconds:.0f} s"
         share = float(np.interp(functions, *self._course.T))
-        left = f", about {seconds * (1.0 - share) / share:.0f} s left" if share > 0.02 else ""
+        left = f", about {seconds * (1.0 - share) / share:.0f} s left" if share >= 0.1 else ""
         return f"{functions} of about {self._course[-1, 0]:.0f} functions, {seconds:.0f} s; {share:.0%} done{left}"
 
     def save(self, seconds: float) -> None:

@@ -102,7 +102,7 @@ class RunLoop:
         self._single = twin.record(1)
         self.__dict__.pop("_record", None)  # of a twin before
         self.frames = 0
-        self.missing_effects = MissingEffects(self.scene)
+        self.missing_effects = MissingEffects(self.scene, twin.rod)
         self.rejected_steps = RejectedSteps()
         self._measurements = Measurements(twin) if self.scene.sensors is not None else None
 

@@ -8,7 +8,9 @@ from contextlib import suppress
 import numpy as np
 
 from drill_twin.core.numerals import whole_number
+from drill_twin.dynamics.discretisation.joint import JointMotion
 from drill_twin.dynamics.twin.frame import EnergyBalance, Frames, RigState, StepStats
+from drill_twin.physics.model.mesh import Rod
 from drill_twin.physics.model.section_stress import LARGEST_STRESS
 from drill_twin.scene import Scene
 
@@ -123,7 +125,7 @@ NOTES = "notes"
 """Key in the simulator's diagnostics for notes on the scene (`drill_twin.dynamics.discretisation.warnings`), joined
 likewise."""
 SEPARATOR = " | "
-_BIT_FORCE = RigState._fields.index("bit_force")
+_BIT_FORCE, _TOP_SPEED = map(RigState._fields.index, ("bit_force", "top_drive_speed"))
 
 
 def recorded_sentences(values: Mapping[str, str]) -> list[str]:
@@ -132,14 +134,15 @@ def recorded_sentences(values: Mapping[str, str]) -> list[str]:
 
 
 class MissingEffects:
-    """Checks every frame for the first sign of a missing effect.
+    """Checks every frame for the first sign of a missing effect, or of lateral motion that `lateral_from` cuts off.
 
     Attributes:
         found: One sentence for each, with time and place, in order of appearance.
     """
 
-    def __init__(self, scene: Scene) -> None:
+    def __init__(self, scene: Scene, rod: Rod) -> None:
         effects, self._units = scene.effects, scene.unit_system
+        self._joint = JointMotion(scene, rod)
         self.found: list[str] = []
         self._yielded: set[str] = set()
         self._check_wall = effects.wall is None
@@ -149,6 +152,8 @@ class MissingEffects:
 
     def update(self, frames: Frames) -> None:
         """Check frames, in order."""
+        if frames.u is not None and frames.v is not None:
+            self.found += self._joint.update(frames.time, frames.u, frames.v, frames.rig[:, _TOP_SPEED])
         force, depth = frames.rig[:, _BIT_FORCE], frames.wall_depth
         through, pulled = depth > 0.0, force < 0.0
         for k in np.flatnonzero(through | pulled | (frames.stress is not None)).tolist():

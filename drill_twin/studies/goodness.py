@@ -27,7 +27,7 @@ The ratio is 1 + 1.5 r_1 - 0.6 r_2 + 0.1 r_3 to first order in the autocorrelati
 variance 1 / N each (Bartlett 1946): the third-order form of the ratio of von Neumann (1941)."""
 _UNLIKELY = 1e-3
 """Chance with which the residual of a model that is right is called unexplained, for one channel."""
-_FEWEST = 10
+FEWEST = 10
 """Samples from which noise can be told."""
 
 
@@ -45,6 +45,8 @@ class Goodness:
         inside: Share of the samples inside the predicted band of 90 %.
         limit: Chi-square that one in 1,000 right models exceeds; NaN where it is not judged.
         correlation_limit: The same of the autocorrelation times chi-square; None where it is not judged.
+        of: What is judged: samples, or features of windows, of which `samples` counts the windows.
+        against: What the residual is compared with.
     """
 
     samples: int
@@ -56,6 +58,8 @@ class Goodness:
     inside: float
     limit: float
     correlation_limit: float | None = None
+    of: str = "samples"
+    against: str = "the noise"
 
     @property
     def ratio(self) -> float:
@@ -122,8 +126,8 @@ def goodness(
 def sentence(found: Mapping[str, Goodness]) -> str:
     """Sentence on the channels, by name, that the model does not explain; empty if it explains all."""
     parts = [
-        f"{name.replace('_', ' ')} (residual {one.over_noise('times the noise')}"
-        + f", {one.inside:.0%} of the samples in the band of {BAND:.0%}" * (one.chi_square > one.limit)
+        f"{name.replace('_', ' ')} (residual {one.over_noise(f'times {one.against}')}"
+        + f", {one.inside:.0%} of the {one.of} in the band of {BAND:.0%}" * (one.chi_square > one.limit)
         + f", but it lasts: {one.correlation:+.2f} from sample to sample, where noise has 0" * one.lasting
         + ")"
         for name, one in found.items()
@@ -135,8 +139,8 @@ def sentence(found: Mapping[str, Goodness]) -> str:
 def table(found: Mapping[str, Goodness]) -> Table:
     """Table for people of the goodness of channels by name."""
     rows = [
-        (name, one.samples, one.over_noise(), f"{one.correlation:+.2f}", f"{one.independent:.0f}",
-         f"{one.chi_square:.3g}", f"{one.inside:.0%}")
+        (name, one.samples, one.over_noise(), f"{one.correlation:+.2f}".replace("+nan", "-"),
+         f"{one.independent:.0f}", f"{one.chi_square:.3g}", f"{one.inside:.0%}")
         for name, one in found.items()
     ]  # fmt: skip
     heading = (
@@ -172,7 +176,7 @@ def noise_of(values: Array) -> float:
     """
     differences = np.convolve(values, _DIFFERENCES, "valid") if values.size >= _DIFFERENCES.size else values[:0]
     known = differences[np.isfinite(differences)]
-    return float(np.sqrt(np.mean(known**2))) if known.size >= _FEWEST else 0.0
+    return float(np.sqrt(np.mean(known**2))) if known.size >= FEWEST else 0.0
 
 
 def lag_one(values: Array) -> float:

@@ -48,15 +48,16 @@ def test_the_result_is_printed_even_if_a_file_cannot_be_written(tmp_path, capsys
     assert said.err == ""
 
 
-def test_without_a_terminal_progress_is_a_line_now_and_then(capsys, monkeypatch):
+@pytest.mark.parametrize(("most", "words"), [(False, ""), (True, "at most ")])
+def test_without_a_terminal_progress_is_a_line_now_and_then(capsys, monkeypatch, most, words):
     now = [100.0]
     monkeypatch.setattr(show.time, "monotonic", lambda: now[0])
-    with show.shown_progress("running", 4, unit="runs") as bar:
+    with show.shown_progress("running", 4, unit="runs", most=most) as bar:
         for text in ("first", "second", "third"):
             bar.step(text)
             now[0] += 6.0
         bar.show("fourth", 4)
-    assert re.fullmatch(r"third, 3 of 4 runs, \d+ s left\n", capsys.readouterr().err)
+    assert re.fullmatch(rf"third, 3 of {words}4 runs, {words}\d+ s left\n", capsys.readouterr().err)
 
 
 def test_in_a_terminal_a_line_is_broken_between_words_and_a_path_stays_whole(capsys):

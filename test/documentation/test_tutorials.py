@@ -37,13 +37,18 @@ def printed_after(page, kind):
     ]
 
 
+def environment(**more):
+    """The environment of a reader who has set the machine up."""
+    found = {name: text for name, text in os.environ.items() if not name.startswith(("ROS_", "DRILL_TWIN"))}
+    found |= {"PYTHONPATH": f"{ROOT}:{ROOT / 'evidence'}", "COLUMNS": "200", "MPLBACKEND": "Agg", **more}
+    return found | {"PATH": f"{Path(sys.executable).parent}:{found['PATH']}"}
+
+
 def run(arguments, folder, script, **more):
-    environment = {name: text for name, text in os.environ.items() if not name.startswith(("ROS_", "DRILL_TWIN"))}
-    environment |= {"PYTHONPATH": str(ROOT), "COLUMNS": "200", "MPLBACKEND": "Agg", **more}
-    environment["PATH"] = f"{Path(sys.executable).parent}:{environment['PATH']}"
     ended = subprocess.run(
-        arguments, input=script, cwd=folder, env=environment, capture_output=True, text=True, timeout=500, check=False
-    )
+        arguments, input=script, cwd=folder, env=environment(**more), capture_output=True, text=True, timeout=500,
+        check=False,
+    )  # fmt: skip
     assert ended.returncode == 0, ended.stdout + ended.stderr
     assert "Traceback" not in ended.stderr
     return ended.stdout.split(f"{CUT}\n")
@@ -93,6 +98,12 @@ def test_the_tutorial_in_a_shell(tmp_path):
 @pytest.mark.long
 def test_a_scene_of_ones_own(tmp_path):
     follow_shell("howto/own_scene.md", tmp_path)
+
+
+@pytest.mark.long
+def test_a_scene_from_a_well_plan(tmp_path):
+    follow_shell("howto/well_plan.md", tmp_path)
+    assert (tmp_path / "out" / "compare" / "compare.html").exists()
 
 
 @pytest.mark.long

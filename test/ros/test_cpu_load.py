@@ -10,7 +10,9 @@ from pathlib import Path
 
 import pytest
 
-from drill_twin.core.process import processor_time
+from drill_twin_evidence.benchmarks.cpu_load import processor_time
+
+COMMAND = ["env", "-u", "ROS_DOMAIN_ID", sys.executable, "-m", "drill_twin_evidence.benchmarks.cpu_load"]
 
 
 def test_processor_time_is_that_of_the_process():
@@ -20,23 +22,22 @@ def test_processor_time_is_that_of_the_process():
     assert processor_time(os.getpid()) - before == pytest.approx(time.process_time() - own, abs=0.05)
 
 
-def test_ctrl_c_is_one_line_and_leaves_no_node(bench):
-    words = ["env", "-u", "ROS_DOMAIN_ID", sys.executable, "-m", "drill_twin.cli", "ros", "load"]
-    process = bench.command("load", words)
+def test_ctrl_c_leaves_no_node(bench):
+    process = bench.command("load", COMMAND)
     children = Path(f"/proc/{process.pid}/task/{process.pid}/children")
     bench.until(lambda: len(children.read_text("utf-8").split()) == 4, what="the nodes")
     nodes = children.read_text("utf-8").split()
-    assert process.end(signal.SIGINT) == 130, process.text
-    last = process.text.strip().splitlines()[-1]
-    assert last in {"drill-twin: stopped", "drill-twin: stopped; nothing was kept"}  # the first before it measures
+    assert process.end(signal.SIGINT) not in {0, None}, process.text
     assert "Traceback" not in process.text
     bench.until(lambda: not any(Path(f"/proc/{node}").exists() for node in nodes), 20.0, "the end of the nodes")
 
 
 @pytest.mark.long
 def test_every_node_is_measured_while_it_works(bench):
-    words = ["ros", "load", "--duration", "3", "--elements", "16", "--rate", "100", "--json"]
-    process = bench.command("load", ["env", "-u", "ROS_DOMAIN_ID", sys.executable, "-m", "drill_twin.cli", *words])
+    words = ["--duration", "3", "--elements", "16", "--rate", "100", "--json"]
+    process = bench.command(
+        "load", ["env", "-u", "ROS_DOMAIN_ID", sys.executable, "-m", "drill_twin_evidence.benchmarks.cpu_load", *words]
+    )
     assert process.wait(120.0) == 0, process.text
     told = json.loads(process.text[process.text.index("{") :])
     shares = {row["node"]: row for row in told["nodes"]}

@@ -14,6 +14,7 @@ import drill_twin
 from drill_twin.io.bag.reader import Bag
 from drill_twin.io.bag.writer import BagWriter
 from drill_twin.io.messages.decode import JointStateReader, read_clock
+from drill_twin.io.messages.stamps import pack_stamp
 from drill_twin.io.messages.topics import (
     CLOCK_TOPIC,
     COMMANDER,
@@ -202,13 +203,42 @@ def test_a_recorder_says_what_it_lost(bench, tmp_path):
     status = bench.until_status("recorder", has_lost)
     assert status.level == 1
     assert f"lost {RIG_COMMAND}" in status.values
-    assert recorder.end() == 0
+    assert recorder.end() == 1
     assert f"of {RIG_COMMAND}" in recorder.text
     counted = Bag(tmp_path / "bag_0").topics[RIG_COMMAND].count
+    assert "Traceback" not in recorder.text
     lost = re.search(rf"(\d+) of {RIG_COMMAND}", recorder.text)
     assert lost, recorder.text
     assert counted > 1
     assert counted + int(lost.group(1)) < next(sent)
+
+
+@pytest.mark.fault("analyzer stopped for a while", "it warns of what it lost, until it is cleaned up")
+def test_an_analyzer_says_what_it_lost(bench, small_bag):
+    analyzer = bench.start("analyzer", marks_scene="pa6_bench")
+    samples = {topic: next(bytes(raw) for *_, raw in Bag(small_bag).messages((topic,))) for topic in INPUTS[1:]}
+    publishers = {topic: bench.publisher(topic) for topic in samples}
+    frames = itertools.count(1)
+
+    def publish():
+        stamp = next(frames) * 10_000_000
+        for topic, raw in samples.items():
+            stamped = bytearray(raw)
+            pack_stamp(stamped, 4, stamp)
+            publishers[topic].publish(bytes(stamped))
+        return True
+
+    status = bench.until_status("analyzer", lambda status: publish() and int(status.values["samples"]) > 10)
+    assert status.level == 0
+    analyzer.send(signal.SIGSTOP)
+    for _ in range(3000):
+        publish()
+    analyzer.send(signal.SIGCONT)
+    bench.until_status("analyzer", lambda status: publish() and int(status.values["dropped"]) > 0)
+    status = bench.until_status("analyzer", lambda status: publish() and "no good sample" not in status.text)
+    assert status.level == 1
+    assert "messages were dropped unread, as this node was too slow for them" in status.text
+    assert analyzer.end() == 0
 
 
 @pytest.mark.fault("disk full while recording", "the recorder ends with the reason; the bag keeps what it has")

@@ -2,8 +2,11 @@
 """A run held in hand over DDS: pause, step, resume, reset, checkpoints, and a simulator that is killed and goes on."""
 
 import math
+import signal
+import zipfile
 
 import pytest
+from std_srvs.srv import Trigger
 
 from drill_twin.io.messages.decode import read_clock
 from drill_twin.io.messages.rig_messages import CommandEncoder
@@ -57,6 +60,72 @@ def test_a_paused_run_stands_still_steps_as_asked_and_goes_on(bench, running):
     ok, said = _do(bench, "step")
     assert not ok
     assert "call /simulator/pause first" in said
+
+
+def _begin_step(bench, frames):
+    """Ask for a step; its answer comes later."""
+    assert bench.set_parameter("simulator", "step_frames", frames).successful
+    client = bench.node.create_client(Trigger, "/simulator/step")
+    bench.until(client.service_is_ready)
+    return client.call_async(Trigger.Request())
+
+
+def test_a_step_of_a_hundred_thousand_frames_leaves_the_simulator_answering(bench, running):
+    """Each frame is shorter than the slice of work in which compiled code asks for a stop; all take 20 s and more."""
+    assert _do(bench, "pause")[0]
+    step, before = _begin_step(bench, 100_000), len(bench.clocks)
+    bench.until(lambda: len(bench.clocks) > before + 100, what="frames of the step")
+    bench.until_status("simulator", bool, 10.0)
+    ok, said = _do(bench, "step")
+    assert not ok
+    assert "found one that takes" in said
+    assert not step.done()
+    assert _do(bench, "pause")[0]
+    bench.until(step.done, what="the answer to the step")
+    assert not step.result().success
+    assert "as the run was paused meanwhile" in step.result().message
+    bench.drain()
+    still = len(bench.clocks)
+    bench.spin(0.3)
+    assert len(bench.clocks) == still
+    step = _begin_step(bench, 100_000)
+    bench.until(lambda: len(bench.clocks) > still + 100, what="frames of another step")
+    running.send(signal.SIGTERM)
+    assert running.wait(10.0) == 0, running.text
+
+
+def test_a_checkpoint_replaces_its_own_kind_only_in_the_folder_that_was_named_at_the_start(bench, running):
+    elsewhere = bench.folder / "elsewhere"
+    elsewhere.mkdir()
+    for folder in (bench.folder, elsewhere):
+        with zipfile.ZipFile(folder / "important.xlsx", "w") as archive:
+            archive.writestr("xl/workbook.xml", "<workbook/>")
+    content = (bench.folder / "important.xlsx").read_bytes()
+    (bench.folder / "link.npz").symlink_to(elsewhere / "important.xlsx")
+    refused = ("elsewhere/important.xlsx", "link.npz", "new/run.npz", "../run.npz", "/nonexistent/run.npz", "elsewhere",
+               "\x1b[31mred.npz")  # fmt: skip
+    for name in refused:
+        for parameter in ("saved_checkpoint", "checkpoint"):
+            result = bench.set_parameter("simulator", parameter, str(bench.folder / name))
+            assert not result.successful, name
+            assert "expected" in result.reason
+    assert bench.set_parameter("simulator", "saved_checkpoint", str(bench.folder / "important.xlsx")).successful
+    ok, said = _do(bench, "save_checkpoint")
+    assert not ok
+    assert "another file there, which is not replaced" in said
+    for folder in (bench.folder, elsewhere):
+        assert (folder / "important.xlsx").read_bytes() == content
+    assert not (bench.folder / "new").exists()
+    assert bench.set_parameter("simulator", "saved_checkpoint", str(bench.folder / "run2.npz")).successful
+    for _ in range(2):  # its own file is replaced
+        assert _do(bench, "save_checkpoint")[0]
+    assert "\x1b" not in running.text
+
+
+def test_a_simulator_refuses_a_folder_as_the_file_of_its_checkpoint(bench):
+    process = bench.start("simulator", checkpoint="/")
+    assert process.wait() == 2
+    assert "/: expected the path of a file for a checkpoint, found a folder" in process.text
 
 
 def test_a_reset_run_begins_again_with_a_scene_of_its_own(bench, running):

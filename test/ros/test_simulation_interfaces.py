@@ -15,6 +15,7 @@ class Run:
 
     def __init__(self):
         self.paused, self.frames, self.over, self.refuses = False, 0, False, ""
+        self.told = None
 
     @property
     def state(self):
@@ -31,10 +32,11 @@ class Run:
     def reset(self):
         self.frames = 0
 
-    def take_frames(self, count):
+    def take_frames(self, count, told):
         if self.refuses:
             raise DrillTwinError(self.refuses)
         self.frames += count
+        self.told = told
 
     def quit(self):
         self.over = True
@@ -64,7 +66,13 @@ def test_a_run_is_paused_stepped_played_and_stopped(ask, run):
     assert ask("get_simulation_state").state.state == common.PLAYING
     assert ask("step_simulation", steps=3).result.result == common.INCORRECT_STATE
     assert ask("set_simulation_state", state=_state(common.PAUSED)).result.result == common.OK
-    assert ask("step_simulation", steps=3).result.result == common.OK
+    later, sent = ask("step_simulation", steps=3), []
+    later.send = sent.append
+    run.told(True, "3 frames on")
+    assert [response.result.result for response in sent] == [common.OK]
+    ask("step_simulation", steps=0).send = sent.append
+    run.told(False, "expected 3 frames, took 1")
+    assert (sent[1].result.result, sent[1].result.error_message) == (common.FAILED, "expected 3 frames, took 1")
     assert (run.frames, ask("get_simulation_state").state.state) == (3, common.PAUSED)
     assert ask("set_simulation_state", state=_state(common.PAUSED)).result.result == common.ALREADY
     assert ask("set_simulation_state", state=_state(common.STOPPED)).result.result == common.OK

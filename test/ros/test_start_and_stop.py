@@ -135,6 +135,35 @@ def test_stopped_comes_again_where_it_was_swallowed(bench):
     assert process.text == "begun\n3\n"
 
 
+@pytest.mark.parametrize("held", [False, True])
+def test_a_loop_that_does_not_look_is_ended_a_second_after_the_signal(bench, held):
+    """Unless it does what must be completed."""
+    words = (
+        "import time; from drill_twin.ros.core import stop_request; stop_request._PATIENCE = 0.05\n"
+        f"stop = stop_request.StopRequest(); stop.install(); stop.held = {held}; whole = False\n"
+        "try:\n"
+        "    with stop.soon():\n"
+        "        print('begun', flush=True)\n"
+        "        while not stop: pass\n"
+        "        end = time.monotonic() + 0.5\n"
+        "        while time.monotonic() < end: pass\n"
+        "        whole = True; stop.held = False\n"
+        "        while True: pass\n"
+        "except stop_request.Stopped: print(whole)"
+    )
+    process = bench.command("busy", [sys.executable, "-c", words])
+    bench.until(lambda: "begun" in process.text)
+    assert process.end(signal.SIGTERM) == 0, process.text
+    assert process.text == f"begun\n{held}\n"
+
+
+def test_a_replayer_with_nothing_to_replay_again_and_again_ends_when_asked(bench, small_bag):
+    process = bench.start("replayer", bag=str(small_bag), topics="/advice/state", loop=True)
+    bench.until_ready("replayer")
+    process.send(signal.SIGTERM)
+    assert process.wait(10.0) == 0, process.text
+
+
 def test_a_node_ends_with_the_launch_that_is_killed(bench):
     """Nobody is left then to ask it; what is started by hand stays."""
     words = "import subprocess, sys; subprocess.Popen(sys.argv[1:]); sys.stdin.read(); import time; time.sleep(600)"

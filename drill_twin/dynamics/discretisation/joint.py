@@ -9,7 +9,7 @@ from operator import itemgetter
 
 import numpy as np
 
-from drill_twin.core.arrays import Mask
+from drill_twin.core.arrays import Array, Mask
 from drill_twin.dynamics.discretisation.discretise import (
     axial_weight,
     axis_at,
@@ -34,6 +34,9 @@ LEAST_WAVE, LONGEST_WAVE = 10.0, 100.0
 """Bounds of such a wave [m]."""
 LONGEST_ABOVE = 30.0
 """Longest element above the joint [m]: a stand, a sixth of the torsional wave of 17 Hz."""
+WHIRLS, OVER = 0.5, 2.0
+"""Sideways speed at the joint over that of the surface there, from which the string is said to whirl, rms over a time
+[s]: calm wells of 1,000 m had 0.04 to 0.32, and wells whose hookload or torque was off 0.57 to 1.3."""
 SAMPLES = 400
 """Elements of the mesh by length on which the compression is evaluated."""
 
@@ -130,3 +133,45 @@ def joined_workspace(scene: Scene, model: DiscreteModel, constrained: Mask) -> W
         twist = np.diff(untwisted(part, np.column_stack((nodes.centre, nodes.tangent, np.zeros(m + 1))))) / part.length
         points = _mean_curvature(scene, part, Axis(*(field[2 * first :].copy() for field in points)))
     return make_workspace(rod, m, constrained, nodes, points, twist)
+
+
+class JointMotion:
+    """Sideways motion at the joint of a run: a string that whirls there is not that of the whole string."""
+
+    def __init__(self, scene: Scene, rod: Rod) -> None:
+        joint = joint_of(scene)
+        self._depth = scene.unit_system.text(scene.length - (joint or 0.0), "length")
+        self._node = None if joint is None else int(np.searchsorted(rod.arc, joint - 1e-6))
+        self._lever, self._since, self._fastest = float(rod.outer_radius[self._node or 0]), 0.0, 0.0
+        self._squares, self._frames = 0.0, 0
+
+    def update(self, time: Array, u: Array, v: Array, top_speed: Array) -> list[str]:
+        """Check frames, in order; returns a sentence once, where the string whirls at the joint.
+
+        Args:
+            time: Times of F frames [s].
+            u: Node rows, shape (F, n + 1, 7).
+            v: Their velocities.
+            top_speed: Of the top drive [rad/s], shape (F,).
+        """
+        if self._node is None or not time.size:
+            return []
+        along, moving = u[:, self._node, 3:6], v[:, self._node, :3]
+        along = along / np.linalg.norm(along, axis=1, keepdims=True)
+        sideways = moving - (moving * along).sum(1, keepdims=True) * along
+        self._since = self._since if self._frames else float(time[0])
+        self._squares, self._frames = self._squares + float((sideways**2).sum()), self._frames + time.size
+        self._fastest = max(self._fastest, float(np.abs(top_speed).max()))
+        if time[-1] < self._since + OVER:
+            return []
+        speed, surface = math.sqrt(self._squares / self._frames), self._lever * self._fastest
+        self._squares, self._frames = 0.0, 0
+        if not speed > WHIRLS * surface > 0.0:
+            return []
+        self._node = None
+        told = (
+            f"at {time[-1]:.3f} s the string whirled where its lateral motion ends, at {self._depth} "
+            f"(`numerics.lateral_from`): it moved sideways at {speed:.2g} m/s, its surface turns at {surface:.2g} "
+            "m/s; hookload, torque and onset may not be those of the whole string: give a smaller depth, or 0 m"
+        )
+        return [told]

@@ -25,6 +25,8 @@ LONGEST = 15.0
 """Longest element that the rule asks for [m]: half a stand."""
 SAMPLES = 400
 """Elements of the mesh by length on which the rule is evaluated."""
+IN_TORSION, MOST_FINER = 500, 10.0
+"""Steps in a period of torsion where the bit may stick and slip; most of them in place of one for all else."""
 
 
 def mesh(scene: Scene, elements: int) -> Rod:
@@ -92,12 +94,12 @@ def resolution_of(scene: Scene) -> tuple[int, float]:
         )
     if "auto" not in (numerics.elements, numerics.step):
         return int(numerics.elements), float(numerics.step)
-    tubes, most = sections_of(scene), extremes(scene)
-    compression = max(most.weight_on_bit, 1.0)
+    compression = max(extremes(scene).weight_on_bit, 1.0)
     elements = auto_elements(scene, compression) if numerics.elements == "auto" else int(numerics.elements)
-    if numerics.step == "auto":
-        return elements, auto_step(tubes, compression, most.rotation, numerics.frame_period)
-    return elements, float(numerics.step)
+    if numerics.step != "auto":
+        return elements, float(numerics.step)
+    step, wanted = step_of_motion(scene), stick_slip_step(scene)
+    return elements, wanted if step > wanted >= step / MOST_FINER else step
 
 
 def auto_elements(scene: Scene, compression: float) -> int:
@@ -139,20 +141,35 @@ def wanted_elements(scene: Scene, compression: float) -> int:
     return int(max(np.ceil(count), FEWEST))
 
 
-def auto_step(tubes: list[Tube], compression: float, speed: float, frame: float) -> float:
-    """Time step that resolves the growth of buckling and the rotation.
+def step_of_motion(scene: Scene) -> float:
+    """Time step that resolves the growth of buckling and the rotation [s].
 
     A tenth of the time 2 sqrt(EI m) / F in which the fastest buckling wave grows e-fold without damping, a hundredth
     of a revolution, and the frame interval; the smallest of them. The scheme is stable far beyond.
-
-    Args:
-        tubes: Sections.
-        compression: Largest axial compression expected [N].
-        speed: Fastest rotation expected [rad/s].
-        frame: Time between two published frames [s].
     """
-    turn = math.tau / max(abs(speed), 1e-9)
-    return float(min(0.1 * growth_time(tubes, compression), 0.01 * turn, frame))
+    most = extremes(scene)
+    turn = math.tau / max(abs(most.rotation), 1e-9)
+    growth = growth_time(sections_of(scene), max(most.weight_on_bit, 1.0))
+    return float(min(0.1 * growth, 0.01 * turn, scene.numerics.frame_period))
+
+
+def stick_slip_step(scene: Scene) -> float:
+    """Time step that resolves stick-slip, a `IN_TORSION`th of the period of torsion [s]; infinite without such a law.
+
+    The period is that of the bit's inertia J on the string's stiffness k with the top held, 2 pi sqrt(J / k), in which
+    the string moves as if twisted by a couple at the bit (Rayleigh). The midpoint rule makes the period of a wave of
+    frequency w too long by (w h)^2 / 12: of the 27th harmonic, a wave in a 27th of the string, by 1 %.
+    """
+    if not any("torsion" in scene.effects.blocks[law].requires for law in scene.effects.providing("torque")):
+        return math.inf
+    tubes, body = sections_of(scene)[::-1], getattr(scene.effects, "bit_mass", None)
+    length = np.array([tube.length for tube in tubes])
+    _, _, torsion, _, polar = np.array([tube_constants(tube) for tube in tubes]).T
+    twist = np.cumsum(length / torsion)  # at the lower end of each section, by a couple of 1 N m
+    above = twist - length / torsion
+    moved = polar @ (length * (above**2 + above * twist + twist**2)) / 3.0
+    moved += 0.0 if body is None else body.inertia * twist[-1] ** 2
+    return float(math.tau * np.sqrt(moved / twist[-1]) / IN_TORSION)
 
 
 def growth_time(tubes: list[Tube], compression: float) -> float:

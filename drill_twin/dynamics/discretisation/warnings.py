@@ -10,10 +10,13 @@ from drill_twin.dynamics.discretisation.discretise import sections_of
 from drill_twin.dynamics.discretisation.joint import LONGEST_ABOVE, buckled_up_to, joint_of
 from drill_twin.dynamics.discretisation.resolution import (
     ELEMENTS_PER_PITCH,
+    IN_TORSION,
     LONG,
     PER_WAVE,
     most_elements,
     resolution_of,
+    step_of_motion,
+    stick_slip_step,
     wanted_elements,
 )
 from drill_twin.physics.model.mesh import tube_constants
@@ -41,6 +44,7 @@ def notes_on(scene: Scene) -> list[str]:
         *_rotary_drag(scene),
         *_friction_below_the_string(scene),
         *_rolling(scene),
+        *_stick_slip(scene),
     ]
 
 
@@ -93,6 +97,18 @@ def _coarse_mesh(scene: Scene) -> Iterator[str]:
             f"{100.0 * frequency_error(per_wave):.2g} %; for more write "
             f"`numerics.elements: {min(wanted, MOST_ELEMENTS)}`"
         )
+
+
+def _stick_slip(scene: Scene) -> Iterator[str]:
+    wanted = stick_slip_step(scene)
+    if scene.numerics.step != "auto" or scene.numerics.accuracy is not None or wanted >= step_of_motion(scene):
+        return
+    step = resolution_of(scene)[1]
+    yield (
+        f"`numerics.step: auto` is {1e3 * step:.2g} ms; where the bit sticks and slips, period and peak speed within "
+        f"1 % take {1e3 * wanted:.2g} ms, a {IN_TORSION}th of the period of torsion, and "
+        f"{step_of_motion(scene) / wanted:.2g} times the processor time that the rest of the motion asks for"
+    )
 
 
 def _rotary_drag(scene: Scene) -> Iterator[str]:

@@ -17,6 +17,7 @@ class Effects(NamedTuple):
     end_load: Any
     prescribed_motion: Any
     after_step: Any
+    missed: Any
 
 
 class Formulation(NamedTuple):

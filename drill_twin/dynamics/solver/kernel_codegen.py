@@ -24,6 +24,8 @@ In the loop:
 * ``prescribed_motion(parameters, rod, time, trial)``: velocities of constrained unknowns at mid-step, where they are
   not zero;
 * ``after_step(parameters, rod, command, time, step, u, v)``: update of an effect's own memory after a step;
+* ``missed(parameters, v)``: share of dry friction at the bit by which the law differs at velocities from the tangent of
+  the last iteration; Newton's method goes on where it is large;
 * ``dissipated_power(parameters, here, half_step)``: for the energy audit, power per length turned into heat, where
   that is not all of the work of ``distributed_load``.
 
@@ -199,6 +201,7 @@ def _function(hook: str, effects: Sequence[str], *, audit: bool = False, above: 
         if function := function_name(effect, hook):
             call = f"{key_of(effect)}.{function}({arguments_of(effect, function, HOOKS[hook])})"
             lines += [f"added = {call}", "force += added[0]", "slope += added[1]"] if damping else [call]
+            lines[-1] = f"miss = max(miss, {call})" if hook == "missed" else lines[-1]
             lines += [f"energy_ledger.{_RECORD[hook].format(ledger=_LEDGER, account=account)}"] if audit else []
         if audit and hook == "distributed_load" and (function := function_name(effect, "dissipated_power")):
             arguments = arguments_of(effect, function, "parameters, here, half_step")
@@ -207,6 +210,8 @@ def _function(hook: str, effects: Sequence[str], *, audit: bool = False, above: 
     if damping:
         last = ["energy_ledger.next_sample(parameters.ledger.entries)"] if audit else []
         lines = ["force = 0.0", "slope = 0.0", *lines, *last, "return force, slope"]
+    if hook == "missed":
+        lines = ["miss = 0.0", *lines, "return miss"]
     return f"""
 @kernel
 def {"audited_" if audit else ""}{"above_" if above else ""}{hook}({HOOKS[hook]}):

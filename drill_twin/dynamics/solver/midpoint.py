@@ -47,6 +47,7 @@ CONVERGENCE_SAFETY = 0.1  # a next change foreseen below this share of the toler
 # Where a contact point sticks and slips in turn from one iteration to the next, the iteration does not converge: the
 # changes stay small, of the order of the tolerance. Such a step is accepted, and counted as loose.
 MIN_ITERATIONS_FOR_STALL, STALL_RATIO, LOOSE_FACTOR = 3, 0.25, 10.0
+LARGEST_MISS = 0.01  # of dry friction at the bit: periods of stick-slip are within 2e-4 of those at 1e-3
 ROUNDING = 2.0 * np.finfo(float).eps  # of a time, relative
 LARGEST_FACTOR = 1e6  # of the convergence estimate that is carried on
 SMALLEST_SHARE = 1.0 / 4096.0  # of the nominal step; below, the step has failed
@@ -76,7 +77,7 @@ def bind(
         close_step: Completes the ledger after the step has been taken.
     """
     begin, predict, build, solve, correct, accept, finish, order = form
-    prescribed_motion, after_step = effects.prescribed_motion, effects.after_step
+    prescribed_motion, after_step, missed = effects.prescribed_motion, effects.after_step, effects.missed
 
     @kernel
     def newton(
@@ -103,9 +104,15 @@ def bind(
             if iteration > 0:
                 # The next change is a factor times a power of this one; a larger earlier factor halves per iteration.
                 clock[FACTOR] = max(size / before**order, 0.5 * min(clock[FACTOR], LARGEST_FACTOR))
-            if size < 1.0 or size**order * clock[FACTOR] < CONVERGENCE_SAFETY:
+            small = size < 1.0 or size**order * clock[FACTOR] < CONVERGENCE_SAFETY
+            if small and missed(parameters, state.trial) < LARGEST_MISS:
                 return iteration + 1
-            if iteration >= MIN_ITERATIONS_FOR_STALL and size < LOOSE_FACTOR and size > STALL_RATIO * before:
+            if (
+                iteration >= MIN_ITERATIONS_FOR_STALL
+                and not small
+                and size < LOOSE_FACTOR
+                and size > STALL_RATIO * before
+            ):
                 counters[LOOSE_STEPS] += 1
                 return iteration + 1
             before = size

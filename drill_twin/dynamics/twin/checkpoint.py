@@ -35,7 +35,7 @@ from drill_twin.scene.set_points.command import Command
 
 _FORMAT = 1
 _HEADER = "head"
-_ZIP = b"PK\x03\x04"
+_OF_HEAD = {"format", "version", "time", "set_points", "scene"}
 _LARGEST_HEADER = 2_000_000  # bytes; the scene takes most of it
 _LARGEST_SIZE = 128 * 1024 * 1024  # bytes of all arrays; a string of 10 000 elements needs 3 MB
 _FILE = ForeignFile("a checkpoint", _LARGEST_SIZE, CheckpointError)
@@ -67,7 +67,7 @@ class Checkpoint:
         return cls(twin.scene.to_yaml(), twin.time, command, twin.checkpoint())
 
     def save(self, path: str | Path) -> None:
-        """Write the file atomically.
+        """Write the file atomically, in a folder that exists; of files there it replaces a checkpoint only.
 
         Raises:
             CheckpointError: It cannot be written; a previous file is unchanged.
@@ -83,7 +83,6 @@ class Checkpoint:
         content: dict[str, Any] = {_HEADER: np.frombuffer(json.dumps(head).encode(), np.uint8), **self.arrays}
         try:
             _refuse_other_file(target)
-            target.parent.mkdir(parents=True, exist_ok=True)
             with whole_file(target) as stream:
                 np.savez(stream, **content)
         except (OSError, ValueError) as error:
@@ -102,7 +101,7 @@ class Checkpoint:
         try:
             with _FILE.open(path) as stream, zipfile.ZipFile(stream) as archive:
                 members = _members(archive)
-            head = read_json(members.pop(_HEADER).tobytes(), largest=_LARGEST_HEADER)
+            head = _head(members.pop(_HEADER))
             if head["format"] != _FORMAT or head["version"] != __version__:
                 raise CheckpointError(
                     f"{path}: expected a checkpoint of drill_twin {__version__}, found one of {head['version']}; "
@@ -163,15 +162,26 @@ class Checkpoint:
 
 
 def _refuse_other_file(path: Path) -> None:
-    """Refuse to replace what is no checkpoint: anyone in the ROS graph may name the file."""
+    """Refuse to replace what is no checkpoint, as its head tells: a spreadsheet is a ZIP too."""
     if not path.exists():
         return
     if not stat.S_ISREG(path.stat().st_mode):
         raise ValueError("a folder, a pipe or a device there")
-    with path.open("rb") as stream:
-        start = stream.read(len(_ZIP))
-    if start and start != _ZIP:
+    try:
+        with zipfile.ZipFile(path) as archive:
+            size = archive.getinfo(f"{_HEADER}.npy").file_size
+            known = size <= _LARGEST_HEADER and _head(_array(archive.read(f"{_HEADER}.npy"))).keys() >= _OF_HEAD
+    except (*_DAMAGED, DrillTwinError):
+        known = False
+    if not known:
         raise ValueError("another file there, which is not replaced")
+
+
+def _head(array: Array) -> dict[str, Any]:
+    head = read_json(array.tobytes(), largest=_LARGEST_HEADER)
+    if not isinstance(head, dict):
+        raise ValueError("a head that is no table")  # noqa: TRY004 - told as damage
+    return head
 
 
 def _members(archive: zipfile.ZipFile) -> dict[str, Array]:
@@ -222,6 +232,7 @@ def save_failure(folder: str | Path, twin: Twin, command: Command, error: Stoppe
     """
     target = Path(folder)
     try:
+        target.mkdir(parents=True, exist_ok=True)
         Checkpoint.of(twin, command).save(target / CHECKPOINT)
         time, u, v = twin.last_second()
         with whole_file(target / LAST_SECOND) as stream:

@@ -2,15 +2,18 @@
 """Friction of the rotating bit on the rock, viscous for small lateral velocities."""
 
 from collections.abc import Iterator
-from typing import Annotated, Any
+from typing import Annotated, Any, NamedTuple
 
 import numpy as np
 
 from drill_twin.core.arrays import Array
 from drill_twin.core.compile.jit import kernel
 from drill_twin.core.units import Dimensionless, Length, Within
-from drill_twin.physics.effects.config import EffectConfig, Incompatibility, parameters_class
+from drill_twin.physics.effects.bit_torque_stribeck import dual_of_step, sign_missed
+from drill_twin.physics.effects.config import EffectConfig, Incompatibility
+from drill_twin.physics.effects.friction_dual import no_iterate
 from drill_twin.physics.model.bit import BIT_TORQUE, contact_weight
+from drill_twin.physics.model.discrete_model import DiscreteModel
 from drill_twin.physics.model.mesh import SPIN, Rod
 
 SLIDING = ("sliding", "free")
@@ -44,7 +47,17 @@ class BitFriction(EffectConfig):
             )
 
 
-Parameters = parameters_class(BitFriction)
+class Parameters(NamedTuple):
+    """Coefficient, radius [m], and the last Newton iterate of the rim's speed."""
+
+    coefficient: float
+    radius: float
+    memory: Array  # see `no_iterate`
+
+
+def parameters(block: BitFriction, model: DiscreteModel) -> Parameters:
+    """Parameters of the block, without an iterate."""
+    return Parameters(block.coefficient, block.radius, no_iterate())
 
 
 @kernel
@@ -67,14 +80,21 @@ def end_load(
     weight = contact_weight(parameters.drive.bit)
     vx, vy, spin = v[0, 0], v[0, 1], v[0, 6]
     rim = law.radius * spin
-    c = law.coefficient * weight / np.sqrt(vx * vx + vy * vy + rim * rim + 1e-12)
+    size = np.sqrt(vx * vx + vy * vy + rim * rim + 1e-12)
+    c, share = law.coefficient * weight / size, dual_of_step(law.memory, time, half_step, rim, size)
     d = ends[0]
     d[0, 0] += c
     d[1, 1] += c
-    d[6, 6] += c * law.radius * law.radius
+    d[6, 6] += c * law.radius * law.radius * (1.0 - share * rim / size)
     d[0, 7] += c * vx
     d[1, 7] += c * vy
     d[6, 7] += c * law.radius * rim
+
+
+@kernel
+def missed(parameters: Any, v: Array) -> float:
+    """Share of the friction around the string by which that of the next iteration will differ."""
+    return float(sign_missed(parameters.bit_friction.memory, parameters.bit_friction.radius * v[0, SPIN]))
 
 
 @kernel

@@ -15,7 +15,7 @@ from pydantic import BeforeValidator, Field
 from drill_twin.core.arrays import Array, Triple
 from drill_twin.core.compile.jit import kernel
 from drill_twin.core.units import AngularSpeed, Dimensionless, Length, Pressure, Speed, Within, refuse, show
-from drill_twin.physics.effects.bit_torque_stribeck import dual_of_step
+from drill_twin.physics.effects.bit_torque_stribeck import dual_of_step, sign_missed
 from drill_twin.physics.effects.config import EffectConfig, Flag, Incompatibility
 from drill_twin.physics.effects.friction_dual import no_iterate
 from drill_twin.physics.model.bit import BIT_TORQUE, DRILLED, Bit, apply_support, correct_weight_impulse
@@ -242,6 +242,12 @@ def end_load(
     ends[0, SPIN, 7] += law.torque * sign
     ends[0, SPIN, SPIN] += law.torque * sign_speed + half_step * by_angle * law.torque_depth * sign
     ends[0, SPIN, 2] += (half_step * by_z * law.torque_depth - law.torque_fall) * sign
+
+
+@kernel
+def missed(parameters: Any, v: Array) -> float:
+    """Share of the torque by which that of the next iteration will differ."""
+    return float(sign_missed(parameters.bit_regenerative.turn_iterate, v[0, SPIN]))
 
 
 @kernel

@@ -98,6 +98,20 @@ def dual_of_step(memory: Array, time: float, half_step: float, speed: float, siz
 
 
 @kernel
+def sign_missed(memory: Array, speed: float) -> float:
+    """Difference of the regularised sign at a speed from its tangent in the last iteration, a share of the friction."""
+    before, size, share = memory[0], memory[2], memory[3]
+    tangent = (before + (1.0 - share * before / size) * (speed - before)) / size
+    return float(abs(speed / np.sqrt(max(speed * speed + size * size - before * before, 1e-300)) - tangent))
+
+
+@kernel
+def missed(parameters: Any, v: Array) -> float:
+    """Share of the friction by which that of the next iteration will differ."""
+    return float(sign_missed(parameters.bit_torque_stribeck.memory, v[0, SPIN]))
+
+
+@kernel
 def friction(law: Parameters, weight: float, speed: float) -> tuple[float, float, float]:
     """Friction limit at a speed [N m], its slope by the speed's size [N m s], and the smoothed size of the speed."""
     excess = (law.sticking - law.sliding) * np.exp(-law.decay * abs(speed))

@@ -19,6 +19,7 @@ HOOKS = {
     "end_load": "parameters, rod, command, time, half_step, u, v, v_old, ends",
     "prescribed_motion": "parameters, rod, time, trial",
     "after_step": "parameters, rod, command, time, step, u, v",
+    "missed": "parameters, v",
 }
 """Functions of an effect that the loop calls, and their arguments."""
 _OTHERS = ("dissipated_power", "initial_state", "parameters", "Parameters")

@@ -84,7 +84,7 @@ class Analyzer(TwinNode):
         if self._pipeline is not None:
             self.drain(_QUIET)
             self.publish_diagnostics()
-            self.topics.flush(2.0)
+            self.flush(2.0)
         self._pipeline = None
         return DONE
 
@@ -154,6 +154,8 @@ class Analyzer(TwinNode):
         if pipeline.scene is None:
             return Status(self.NAME, Level.OK, f"waiting for a scene on {TWIN_SCENE}", values)
         level, text = self.samples.verdict()
+        if level is Level.OK and (loss := self.topics.loss):
+            level, text = Level.WARN, loss
         waiting = math.isinf(self.samples.age(self._sampled)) and pipeline.bit_only is None
         return Status(
             self.NAME,

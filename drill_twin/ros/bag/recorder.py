@@ -23,7 +23,7 @@ from drill_twin.ros.core.parameters import Parameter, ParameterError
 from drill_twin.ros.core.topics import Received
 
 _DEPTH = 2000  # messages of one topic; 10 s at 200 Hz
-_QUIET = 0.3  # s
+_QUIET, _LONGEST = 0.3, 1.5  # s
 _NOT_AT_A_RATE = {DIAGNOSTICS, *(name for name, topic in TOPICS.items() if topic.latched or topic.rate == "on change")}
 _SEARCH_PERIOD = 0.5  # s; topics of downhole subs appear during a run
 _BATCH_TIME = 0.01  # s; waking up for each message would cost as much as writing it
@@ -108,11 +108,14 @@ class Recorder(TwinNode):
     @contextmanager
     def _writing(self) -> Iterator[None]:
         """Turn an error of the file into one that ends the run: the input was valid."""
+        self.stop.held = True
         try:
             yield
         except BagError as error:
             self._failure = str(error)
             raise RunError(str(error)) from error
+        finally:
+            self.stop.held = False
 
     def step(self) -> None:
         """Record many messages at a time, by the times at which DDS received them; flush the bag also when idle."""
@@ -127,13 +130,17 @@ class Recorder(TwinNode):
         self._told = len(self._bag.damage)
 
     def on_cleanup(self, _: LifecycleState) -> TransitionCallbackReturn:
-        """Record what is still arriving, and finish the bag."""
+        """Record what is still arriving, and finish the bag.
+
+        Raises:
+            RunError: The bag could not be written, or lacks messages; the exit code tells it.
+        """
         bag = self._bag
         if bag is None:
             return DONE
         try:
             if not self._failure:
-                self.drain(_QUIET)
+                self.drain(_QUIET, _LONGEST)
                 self.publish_diagnostics()
                 with self._writing():
                     bag.close()
@@ -147,6 +154,10 @@ class Recorder(TwinNode):
             count = sum(bag.counts.values()) - bag.lost
             log(f"{bag.folder}: {count} messages recorded, lost: {', '.join(lost) or 'none'}")
             self._bag = None
+        if lost and not self._failure:
+            raise RunError(
+                f"{bag.folder}: expected every message in the bag, lost {', '.join(lost)}; record fewer topics"
+            )
         return DONE
 
     def not_ready(self) -> str:

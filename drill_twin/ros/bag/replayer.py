@@ -119,7 +119,7 @@ class Replayer(TwinNode):
     def on_cleanup(self, _: LifecycleState) -> TransitionCallbackReturn:
         """Wait until the readers have received everything."""
         if self._sent:
-            self.topics.flush()
+            self.flush()
             self.get_logger().info(f"{self._sent} messages replayed")
         for text in self._skipped.sentences():
             self.get_logger().warning(f"left out: {text}")
@@ -137,10 +137,13 @@ class Replayer(TwinNode):
 
     def step(self) -> None:
         """Publish the messages that are due, or wait for at most 50 ms."""
-        next(self._steps, None)
+        if wait := next(self._steps, _LONGEST_WAIT):
+            self.spin_once(wait)
+        else:
+            self.spin_all()
 
-    def _replay(self) -> Iterator[None]:
-        """Wait for the readers to be connected, then replay; yields at least every 50 ms."""
+    def _replay(self) -> Iterator[float]:
+        """Wait for the readers to be connected, then replay; yields the time to wait [s], often."""
         # The scene is published first, before its time: an analyzer is only ready once it knows the marks.
         self._scene_sent = TWIN_SCENE in self._topics
         if self._scene_sent:
@@ -153,12 +156,13 @@ class Replayer(TwinNode):
         names = " ".join(prefix + name for name in self.settings.wait_for.split())
         barrier = StartupBarrier(self, names, self.settings.wait_timeout)
         while time.monotonic() < discovered or unmatched_readers(self) or not barrier.passed():
-            self.spin_once(_LONGEST_WAIT)
-            yield
+            yield _LONGEST_WAIT
         self._waits = False
         while not self._over:
             self._began, clock_due = time.monotonic(), 0.0
-            for topic, stamp, raw in self._bag.messages(self._topics):
+            for number, (topic, stamp, raw) in enumerate(self._bag.messages(self._topics)):
+                if not number % _ACKNOWLEDGE:
+                    yield 0.0
                 if self._scene_sent and topic == TWIN_SCENE:
                     self._scene_sent = False
                     continue
@@ -170,15 +174,12 @@ class Replayer(TwinNode):
                     clock_due = passed + self._clock_period * (self.settings.rate or 1.0)
                 if self.settings.rate:
                     while (left := self._began + passed / self.settings.rate - time.monotonic()) > 0.0:
-                        self.spin_once(min(left, _LONGEST_WAIT))
-                        yield
+                        yield min(left, _LONGEST_WAIT)
                 self.topics.publish(topic, raw)
                 self._sent += 1
                 if not self.settings.rate and not self._sent % _ACKNOWLEDGE:
-                    self.topics.flush(1.0)
-                if not self._sent % 50:
-                    self.spin_all()
-                    yield
+                    self.flush(1.0)
+            yield 0.0 if self._topics else _LONGEST_WAIT  # a selection may be empty
             self._over, self._repeating = not self.settings.loop, True
 
     def _usable(self, topic: str, passed: float, raw: bytes) -> bool:

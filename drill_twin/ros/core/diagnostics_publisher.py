@@ -28,7 +28,7 @@ class DiagnosticsPublisher:
         self._seen: dict[str, float] = {}
 
     def publish(self, health: Callable[[], Status], *, ended: bool = False) -> None:
-        """Publish the status of the node; a publisher that cannot be connected to turns OK into a warning.
+        """Publish the status of the node; a publisher it cannot be connected to is a warning, a second clock an error.
 
         Args:
             health: Called for the status, once the dropped messages have been counted.
@@ -38,6 +38,8 @@ class DiagnosticsPublisher:
         queues |= {"ended": "true"} if ended else {}
         if status.level == Level.OK and (problem := self._topics.incompatible_publisher()):
             status = replace(status, level=Level.WARN, text=problem)
+        if clocks := self._topics.several_clocks():
+            status = replace(status, level=Level.ERROR, text=clocks)
         if status.level != Level.OK:
             self._log(status)
         name = self._node.get_fully_qualified_name().lstrip("/")

@@ -1,16 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Base class of all nodes: a lifecycle node with the topics of the contract, diagnostics, and the start-up barrier.
-
-Messages, services and timers are those of rclpy's own `EventsExecutor` (7.1.4 or later), driven by one event a turn: a
-turn then needs no look at every entity of the node, some forty of them, which takes `SingleThreadedExecutor` a
-millisecond in Python. Errors of callbacks are raised after the turn (`_keep`): the executor would print a traceback of
-them first. `docs/design.md` has the load of both.
-"""
+"""Base class of all nodes: a lifecycle node with the topics of the contract, diagnostics, and the start-up barrier."""
 
 from __future__ import annotations
 
-import time
 from collections.abc import Callable
+from contextlib import suppress
 from functools import partial
 from types import SimpleNamespace
 from typing import Any, ClassVar
@@ -19,26 +13,25 @@ from lifecycle_msgs.srv import ChangeState
 from rclpy.clock import Clock
 from rclpy.clock_type import ClockType
 from rclpy.context import Context
-from rclpy.experimental.events_executor import EventsExecutor
 from rclpy.lifecycle import LifecycleState, TransitionCallbackReturn
 from rclpy.lifecycle.node import LifecycleNodeMixin
-from rclpy.node import Node
 from rclpy.service import Service
 from rclpy.timer import Timer
 from std_srvs.srv import Trigger
 
+from drill_twin.core.errors import DrillTwinError, shortened
 from drill_twin.io.messages.diagnostics import Level, Status
 from drill_twin.io.messages.good_samples import GoodSamples
 from drill_twin.io.messages.topics import DIAGNOSTICS
 from drill_twin.ros.core.diagnostics_publisher import DiagnosticsPublisher
 from drill_twin.ros.core.parameters import Parameter, declare, follow_changes
-from drill_twin.ros.core.requests import Answer, guarded, log_refusal
+from drill_twin.ros.core.requests import Answer, guarded, sending_later
+from drill_twin.ros.core.spinning import SpinningNode
 from drill_twin.ros.core.startup_barrier import answer_ready
 from drill_twin.ros.core.stop_request import StopRequest
 from drill_twin.ros.core.topics import NodeTopics, refuse_unused_overrides
 
 _DIAGNOSTICS_PERIOD = 1.0  # s
-_AT_ONCE = 1000  # messages processed in one turn
 _SCENE_PERIOD = 0.1  # s between two looks at the scenes that wait
 DONE, REFUSED = TransitionCallbackReturn.SUCCESS, TransitionCallbackReturn.FAILURE
 _CONFIGURED = LifecycleState("inactive", 2)
@@ -50,13 +43,18 @@ AUTOSTART = Parameter(
 Transition = Callable[[LifecycleState], TransitionCallbackReturn]
 
 
-class TwinNode(LifecycleNodeMixin, Node):
+class StateChanged(BaseException):
+    """Raised by `spin_once` after a requested transition: the turn of the loop in which it came ends there."""
+
+
+class TwinNode(LifecycleNodeMixin, SpinningNode):
     """A node of drill_twin: a lifecycle node that by default configures and activates itself.
 
     A node implements `on_configure` (load what is needed; create topics, services and timers; an error refuses),
-    `on_cleanup` (complete what is open and drop it; called once, also at the end and after an error) and, where it has
-    something to do there, `on_activate` and `on_deactivate`. An inactive node takes no step, and of messages only
-    latched ones.
+    `on_cleanup` (complete what is open; called once, also at the end and after an error) and, where it has something
+    to do there, `on_activate` and `on_deactivate`. An inactive node takes no step, and of messages only latched ones.
+    Attributes that `on_configure` makes are gone after `on_cleanup`; one that `on_cleanup` reads has a default in the
+    class, since a stop may come before it is made.
 
     Raises:
         ParameterError: A parameter with which it cannot start.
@@ -74,19 +72,19 @@ class TwinNode(LifecycleNodeMixin, Node):
 
     def __init__(self, context: Context) -> None:
         """Create the node without topics but the diagnostics."""
-        Node.__init__(self, self.NAME, context=context)
+        SpinningNode.__init__(self, self.NAME, context)
         self.settings: SimpleNamespace = declare(self, self.PARAMETERS, other_names=self.OTHER_PARAMETERS)
-        follow_changes(self, self.PARAMETERS, self.settings, check=self.check_change, changed=self.on_change)
+        follow_changes(self, self.PARAMETERS, self.settings, check=self.check_change, changed=self._changed)
         self.samples = GoodSamples(on_change=self.ON_CHANGE)
-        """Good and bad samples by topic."""
-        self.topics = NodeTopics(self, self.samples.unreadable, self._keep)
-        self._spins = False
+        self.topics = NodeTopics(self, lambda topic: self.samples.unreadable(topic), self._keep)  # noqa: PLW0108 - it changes
+        self._starts = False
+        self._attributes: frozenset[str] = frozenset()  # those of an unconfigured node
         self.active = self.ended = self.ends = False
         """True while active; true once closed in order; true once asked by a service to end."""
-        self._raised: list[BaseException] = []
         self._endpoints: list[Service | Timer] = []
         self._ready: Service | None = None
         self._refusal: Exception | None = None
+        self._unfinished: Exception | None = None  # of a requested clean-up, raised at the end
         for name, then in (
             ("on_configure", self._configured),
             ("on_activate", partial(self._set_active, active=True)),
@@ -98,8 +96,7 @@ class TwinNode(LifecycleNodeMixin, Node):
         LifecycleNodeMixin.__init__(self)
         for service in self.services:
             if service.srv_type is ChangeState:  # rclpy raises where the present state does not have the transition
-                service.callback = guarded(self, ChangeState, service.callback)
-        self._executor = EventsExecutor(context=context)
+                service.callback = guarded(self, ChangeState, partial(self._change_state, service.callback))
         self._executor.add_node(self)
         self._diagnostics = DiagnosticsPublisher(self, self.topics)
         self._every(_DIAGNOSTICS_PERIOD, self.publish_diagnostics)
@@ -128,13 +125,14 @@ class TwinNode(LifecycleNodeMixin, Node):
         """Refuse settings that hold a live change, by raising a DrillTwinError."""
 
     def on_change(self) -> None:
-        """Apply a live change; the settings hold the new value."""
+        """Apply a live change, while it is configured; the settings hold the new value."""
 
     # --- topics, services, timers ---------------------------------------------------------------------------------
 
     def create_service(self, srv_type: Any, srv_name: str, callback: Answer, **options: Any) -> Service:
         """Create a service whose requests cannot end the node, rclpy's own services of parameters included."""
         service = super().create_service(srv_type, srv_name, guarded(self, srv_type, callback), **options)
+        sending_later(service)
         if self.configured:
             self._endpoints.append(service)
         return service
@@ -169,26 +167,47 @@ class TwinNode(LifecycleNodeMixin, Node):
             name = self.get_fully_qualified_name()
             self.get_logger().info(f"waiting to be configured: ros2 lifecycle set {name} configure")
             return
+        self._starts = True
         for transition in (self.trigger_configure, self.trigger_activate):
             transition()
             if self._refusal is not None:
                 raise self._refusal
+        self._starts = False
+
+    def _change_state(self, change: Answer, request: Any, response: Any) -> Any:
+        """Answer a requested transition, after which the turn of the loop ends: what it would use may be gone."""
+        if self._starts or self.ended:
+            does = "ends" if self.ended else "starts by itself"
+            raise DrillTwinError(f"expected a node that can change its state, found one that {does}")
+        asked, offered = request.transition, {row[0]: row[1] for row in self._state_machine.available_transitions}
+        if asked.label not in offered.values() if asked.label else asked.id not in offered:  # rcl would log any label
+            found = shortened(asked.label or str(asked.id))
+            raise DrillTwinError(f"expected a transition of {', '.join(offered.values())}, found {found}")
+        response = change(request, response)
+        self._raised.append(StateChanged())
+        return response
 
     def _refusable(self, transition: Transition, then: Callable[[], object], *, begins: bool) -> Transition:
         """Callback of a transition whose error is told, where rclpy would swallow it, and what follows a success."""
 
         def callback(state: LifecycleState) -> TransitionCallbackReturn:
-            self.configured |= begins
+            if begins:
+                self._attributes = frozenset(vars(self))
+                self.configured, self.samples = True, GoodSamples(on_change=self.ON_CHANGE)
             try:
                 if (found := transition(state)) == DONE:
                     then()
                     return found
             except Exception as error:  # noqa: BLE001 - told here, or raised by `start`
                 self._refusal = error
-                if not getattr(self.settings, "autostart", True):
+                if not self._starts:
                     self.get_logger().error(str(error))
             if begins:
                 self.clean_up()
+            elif then == self._clean:  # what could not be completed is dropped all the same
+                self._unfinished = self._refusal
+                self._clean()
+                return DONE
             return REFUSED
 
         return callback
@@ -210,6 +229,12 @@ class TwinNode(LifecycleNodeMixin, Node):
             self.destroy_timer(endpoint) if isinstance(endpoint, Timer) else self.destroy_service(endpoint)
         self._endpoints.clear()
         self.topics.destroy_all_but(DIAGNOSTICS)
+        for name in vars(self).keys() - self._attributes:
+            delattr(self, name)
+
+    def _changed(self) -> None:
+        if self.configured:
+            self.on_change()
 
     def clean_up(self) -> None:
         """Complete what is open and drop it, if anything is."""
@@ -224,66 +249,28 @@ class TwinNode(LifecycleNodeMixin, Node):
         self.ends = True
 
     def close(self) -> None:
-        """Complete what is open, and destroy the node."""
+        """Complete what is open, and destroy the node.
+
+        Raises:
+            Exception: What is open could not be completed, now or when a lifecycle manager asked for it.
+        """
         self.ended = True
         try:
             self.clean_up()
         finally:
             self._executor.shutdown()
             self.destroy_node()
+        if self._unfinished is not None:
+            raise self._unfinished
 
     # --- the loop -------------------------------------------------------------------------------------------------
 
     def run(self, stop: StopRequest) -> None:
         """Work until finished or asked to stop."""
+        self.stop = stop
         while not (stop or self.ends or (self.configured and self.finished)):
-            if self.active:
-                self.step()
-            else:
-                self.spin_once(0.05)
-
-    def spin_once(self, seconds: float) -> None:
-        """Wait for a message, a service call or a timer, at most this long [s], and process what comes first.
-
-        Within a callback, such as a transition that a service asks for, nothing else is processed.
-        """
-        if self._spins:
-            time.sleep(seconds)
-            return
-        self._spins = True
-        try:
-            self._executor.spin_once(max(seconds, 0.0))
-        except (ValueError, TypeError, RuntimeError, SystemError) as error:  # rclpy could not take a request or answer
-            log_refusal(self, "taken by rclpy", error)
-        finally:
-            self._spins = False
-        if self._raised:
-            raise self._raised.pop(0)
-
-    def spin_all(self) -> None:
-        """Process all messages that have arrived; to find that none is left takes 0.1 ms."""
-        for _ in range(_AT_ONCE):  # a flood must not keep the node from its work
-            taken = self.topics.taken
-            self.spin_once(0.0)
-            if taken == self.topics.taken:
-                return
-
-    def drain(self, quiet: float, longest: float = 2.0) -> None:
-        """Process what is still arriving, until nothing has come for `quiet` seconds or `longest` have passed."""
-        now = last = time.monotonic()
-        end = now + longest
-        while now - last < quiet and now < end:
-            taken = self.topics.taken
-            self.spin_once(0.01)
-            now = time.monotonic()
-            last = now if self.topics.taken > taken else last
-
-    def _keep(self, callback: Callable[[], object]) -> None:
-        """Call a function within the executor; an error is raised once that has returned."""
-        try:
-            callback()
-        except BaseException as error:  # noqa: BLE001 - raised by `spin_once`
-            self._raised.append(error)
+            with suppress(StateChanged):
+                self.step() if self.active else self.spin_once(0.05)
 
     def publish_diagnostics(self) -> None:
         """Publish the diagnostics of this node now."""

@@ -75,7 +75,8 @@ def run_in_order(node: TwinNode, stop: StopRequest) -> None:
     try:
         with stop.at_once():
             node.start()
-        node.run(stop)
+        with stop.soon():
+            node.run(stop)
     finally:
         node.close()
 

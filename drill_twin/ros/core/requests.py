@@ -14,10 +14,36 @@ from typing import Any
 from rcl_interfaces.msg import SetParametersResult
 from rcl_interfaces.srv import SetParameters, SetParametersAtomically
 from rclpy.node import Node
+from rclpy.service import Service
 
 from drill_twin.core.errors import shortened
 
 Answer = Callable[[Any, Any], Any]
+
+
+class Later:
+    """Answer of a service that is sent after its callback has returned this."""
+
+    def __init__(self) -> None:
+        self.send: Callable[[Any], object] = _not_yet
+        """Send the response; known to rclpy once the callback has returned."""
+
+
+def _not_yet(response: Any) -> None:
+    raise RuntimeError(f"expected a callback that has returned before its answer is sent, found none: {response}")
+
+
+def sending_later(service: Service) -> None:
+    """Let the callback of a service return a `Later`: rclpy (7.1) awaits no coroutine of a service."""
+    at_once = service.send_response
+
+    def send(response: Any, header: Any) -> None:
+        if isinstance(response, Later):
+            response.send = lambda found: at_once(found, header)
+        else:
+            at_once(response, header)
+
+    setattr(service, "send_response", send)  # noqa: B010 - which rclpy calls with what the callback returns
 
 
 def guarded(node: Node, kind: Any, callback: Answer) -> Answer:

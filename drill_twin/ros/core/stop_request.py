@@ -7,7 +7,7 @@ import ctypes
 import os
 import signal
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager
 from pathlib import Path
 from types import FrameType
 
@@ -17,6 +17,7 @@ END_WITH_PARENT = "DRILL_TWIN_END_WITH_PARENT"
 """Variable of the environment that asks a node to end once the process that started it has: the id of that process."""
 _RETRY = 0.02  # s until a signal that came during an import is handled again
 _REPEAT = 2.0  # s until Stopped is raised again, where what was called has swallowed it
+_PATIENCE = 1.0  # s that a loop has to see the request by itself, of the 2 s that a stop may take
 _SET_PARENT_DEATH_SIGNAL = 1  # linux/prctl.h
 
 
@@ -27,13 +28,16 @@ class Stopped(BaseException):
 class StopRequest:
     """Flag that becomes true once, on SIGINT or SIGTERM, or with the end of the parent where `END_WITH_PARENT` is set.
 
-    Within `with request.at_once():` a signal ends the block immediately, and again where something swallows that.
+    Within `with request.at_once():` a signal ends the block immediately, and again where something swallows that;
+    within `with request.soon():` it ends the block that has not seen the request by itself.
     """
 
     def __init__(self) -> None:
         self._requested = False
-        self._at_once = False
+        self._patience: float | None = None  # s, in a block
         self._timer_set = False
+        self.held = False
+        """True while what is being done, such as a record of a bag, must be completed."""
         self._parent: int | None = None
 
     def __bool__(self) -> bool:
@@ -61,30 +65,42 @@ class StopRequest:
         for number in (signal.SIGINT, signal.SIGTERM):
             signal.signal(number, signal.SIG_IGN)
 
-    @contextmanager
-    def at_once(self) -> Iterator[None]:
+    def at_once(self) -> AbstractContextManager[None]:
         """Context in which a signal raises Stopped: for long work that needs no completion.
 
         Raises:
             Stopped: The stop was requested, now or before.
         """
-        self._at_once = True
+        return self._within(0.0)
+
+    def soon(self) -> AbstractContextManager[None]:
+        """Context in which a signal raises Stopped a second later: for a loop that asks each turn.
+
+        Raises:
+            Stopped: A turn took too long.
+        """
+        return self._within(_PATIENCE)
+
+    @contextmanager
+    def _within(self, patience: float) -> Iterator[None]:
+        self._patience = patience
         try:
-            if self:
+            if self and not patience:
                 raise Stopped
             yield
         finally:
-            self._at_once = False
+            self._patience = None
             if self._timer_set:  # it must not fire once the interpreter is gone
                 signal.setitimer(signal.ITIMER_REAL, 0.0)
                 self._timer_set = False
 
     def _on_signal(self, number: int, frame: FrameType | None) -> None:
-        del number
         self._requested = True
-        if not self._at_once:
+        if self._patience is None or (self._timer_set and number != signal.SIGALRM and self._patience):
             return
+        waits = self._patience if number != signal.SIGALRM else 0.0
+        unraisable = self.held or is_unraisable(frame)
         self._timer_set = True
-        signal.setitimer(signal.ITIMER_REAL, _RETRY if is_unraisable(frame) else _REPEAT)
-        if not is_unraisable(frame):
+        signal.setitimer(signal.ITIMER_REAL, waits or (_RETRY if unraisable else _REPEAT))
+        if not (waits or unraisable):
             raise Stopped

@@ -6,12 +6,10 @@ from __future__ import annotations
 import difflib
 import importlib
 import inspect
-import time
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from typing import Any
 
-from rclpy.duration import Duration
 from rclpy.exceptions import InvalidParameterTypeException
 from rclpy.node import Node
 from rclpy.publisher import Publisher
@@ -22,7 +20,7 @@ from rclpy.subscription import Subscription
 from drill_twin.core.errors import MessageError
 from drill_twin.io.messages.readers import reader_of
 from drill_twin.io.messages.topic_row import Topic
-from drill_twin.io.messages.topics import DIAGNOSTICS, RPS_COMMAND, TOPICS, TWIN_SCENE, WOB_COMMAND
+from drill_twin.io.messages.topics import CLOCK_TOPIC, DIAGNOSTICS, RPS_COMMAND, TOPICS, TWIN_SCENE, WOB_COMMAND
 from drill_twin.ros.core.graph import full_name, incompatible_publisher
 from drill_twin.ros.core.parameters import ParameterError, given_parameters
 from drill_twin.ros.core.queues import DropCounter, SceneGate
@@ -165,9 +163,13 @@ class NodeTopics:
         keeps = row.latched if latched is None else latched
         counted = topic if topic not in _SEVERAL_PUBLISHERS and depth != 1 and not row.latched else ""
 
+        inputs = self._inputs
+
         def take(*given: Any) -> None:
             raw, info = given if len(given) > 1 else given[0]  # rclpy 7.1.6 hands over both as one argument
             self.taken += 1
+            if inputs is not self._inputs:  # the message was waiting when its subscription was destroyed
+                return
             self._drops.take(counted, info)
             if keeps or not self.muted:
                 self._kept(lambda: received(bytes(raw), info))
@@ -189,17 +191,11 @@ class NodeTopics:
         """Destroy all subscriptions, and all publishers but that of one topic."""
         for subscription, _, _ in self._inputs:
             self._node.destroy_subscription(subscription)
-        self._inputs.clear()
+        self._inputs = []
         self._gates.clear()
         for topic in set(self.publishers) - {kept}:
             self.withdraw(topic)
-
-    def flush(self, seconds: float = 5.0) -> None:
-        """Wait until every reader has acknowledged all that was published, at most this long [s]."""
-        deadline = time.monotonic() + seconds
-        for publisher in self.publishers.values():
-            left = max(deadline - time.monotonic(), 0.0)
-            publisher.wait_for_all_acked(Duration(seconds=left))
+        self._drops = DropCounter()
 
     @property
     def dropped(self) -> Mapping[str, int]:
@@ -216,6 +212,22 @@ class NodeTopics:
         """Full names of the nodes that publish a topic, one entry a publisher."""
         found = self._node.get_publishers_info_by_topic(self._node.resolve_topic_name(relative(topic)))
         return sorted(map(full_name, found))
+
+    def several_clocks(self) -> str:
+        """Sentence on a clock of this node that several publish; empty where one does, or this node has none."""
+        clock = self._node.resolve_topic_name(relative(CLOCK_TOPIC))
+        reader = next((one for one, *_ in self._inputs if one.topic_name == clock), None)
+        own = self.publishers.get(CLOCK_TOPIC) or reader
+        found = [] if own is None else sorted(map(full_name, self._node.get_publishers_info_by_topic(own.topic_name)))
+        if len(found) < 2:
+            return ""
+        return f"expected one publisher of {CLOCK_TOPIC}, found {', '.join(found)}; stop all but one, for time flips"
+
+    @property
+    def loss(self) -> str:
+        """Messages that were dropped unread, in a sentence; empty where none was."""
+        lost = ", ".join(f"{number} of {topic}" for topic, number in self.dropped.items())
+        return f"messages were dropped unread, as this node was too slow for them: {lost}" if lost else ""
 
     def incompatible_publisher(self) -> str:
         """First publisher that no subscription of this node can be connected to; empty when there is none."""

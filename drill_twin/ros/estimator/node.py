@@ -108,6 +108,7 @@ class Estimator(TwinNode):
     PURPOSE: ClassVar = "Follows a rig with an ensemble: numbers, virtual sensors, chance of whirl, alarm."
     PARAMETERS: ClassVar = PARAMETERS
     ON_CHANGE: ClassVar = (RIG_COMMAND,)
+    _thread: ThreadPoolExecutor | None = None
 
     def on_configure(self, _: LifecycleState) -> TransitionCallbackReturn:
         """Create topics, and begin to make the ensemble on a thread of its own.
@@ -140,7 +141,7 @@ class Estimator(TwinNode):
     def on_cleanup(self, _: LifecycleState) -> TransitionCallbackReturn:
         """End a compilation, or the window that is being computed."""
         self._closing = True
-        if hasattr(self, "_thread"):  # a stop may have come before
+        if self._thread is not None:
             self._thread.shutdown(cancel_futures=True)
         return DONE
 
@@ -161,7 +162,7 @@ class Estimator(TwinNode):
             self._step = None
         while self._following.intake.waiting > _BEHIND:
             self._following.intake.skip()
-        if self._step is None and self._following.intake.waiting:
+        if self._thread is not None and self._step is None and self._following.intake.waiting:
             self._step = self._thread.submit(self._stoppable, self._following.step)
 
     def _stoppable(self, function: Callable[[], Result]) -> Result:
@@ -241,7 +242,7 @@ class Estimator(TwinNode):
         level, text = (Level.OK, "") if self._found is None else trust_in(self._found)
         if text:
             return Status(self.NAME, level, text, values)
-        if lacks:
+        if lacks := lacks or self.topics.loss:
             return Status(self.NAME, Level.WARN, lacks, values)
         if intake.frozen:
             return Status(self.NAME, Level.WARN, f"{', '.join(sorted(intake.frozen))}: frozen, left out", values)

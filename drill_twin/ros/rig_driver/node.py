@@ -2,7 +2,8 @@
 """Rig driver node: sends weight on bit and top-drive speed, planned or measured, to the simulator.
 
 It follows the simulator's clock: on each `/clock` message it sends the set-points for the end of the next frame. It
-thus works at any pace, and a driver that is killed and started again continues at the present simulated time.
+thus works at any pace, and a driver that is killed and started again continues at the present simulated time. While
+several publish `/clock`, it goes on to send the last set-point.
 """
 
 from __future__ import annotations
@@ -22,7 +23,7 @@ from drill_twin.ros.core.node import AUTOSTART, DONE, TwinNode
 from drill_twin.ros.core.parameters import Parameter
 from drill_twin.ros.core.scene_parameters import OVERRIDES, SCENE
 from drill_twin.ros.core.startup_barrier import StartupBarrier
-from drill_twin.ros.rig_driver.plan import SetPointPlan
+from drill_twin.ros.rig_driver.plan import SetPointPlan, check_set_points
 from drill_twin.scene.set_points.command import Command
 
 PARAMETERS = (
@@ -89,12 +90,12 @@ class RigDriver(TwinNode):
         self._encoder = CommandEncoder(self.get_fully_qualified_name())
         self._clock_stamp: int | None = None  # ns
         self._last: Command | None = None
-        self._sent, self._sent_stamp, self._sent_at = 0, -1, math.inf
+        self._sent, self._sent_stamp, self._sent_at, self._several_clocks = 0, -1, math.inf, False
         if self._plan.report:
             self.get_logger().info(self._plan.report)
         self.topics.advertise(RIG_COMMAND)
         if self.settings.follow == "clock":
-            self.topics.subscribe(CLOCK_TOPIC, self._on_clock, depth=1, latched=True)
+            self._clocks = self.topics.subscribe(CLOCK_TOPIC, self._on_clock, depth=1, latched=True)
             self.every(1.0, self._repeat)
         else:
             self.every(seconds(self._plan.period), self._on_wall)
@@ -106,7 +107,7 @@ class RigDriver(TwinNode):
         """Wait until the last set-point has been received."""
         if self._sent:
             self.publish_diagnostics()
-            self.topics.flush(1.0)
+            self.flush(1.0)
         return DONE
 
     def step(self) -> None:
@@ -129,6 +130,14 @@ class RigDriver(TwinNode):
 
     def _on_clock(self, stamp: int) -> None:
         self.samples.take(CLOCK_TOPIC)
+        several = self._clocks.get_publisher_count() > 1
+        if several != self._several_clocks:
+            self._several_clocks = several
+            self.publish_diagnostics()
+        if several:  # which of them is the simulator's is not known: the set-point holds
+            if self._last is not None:
+                self._publish(self._sent_stamp, self._last)
+            return
         if stamp < (self._clock_stamp or 0):  # the simulator was reset
             self._sent_stamp = -1
             self._plan.begin_again()
@@ -152,7 +161,9 @@ class RigDriver(TwinNode):
         if not self._drives:
             return
         stamp = clock + self._plan.period
-        command = self._plan.at(seconds(stamp))
+        self._publish(stamp, self._plan.at(seconds(stamp)))
+
+    def _publish(self, stamp: int, command: Command) -> None:
         self.topics.publish(RIG_COMMAND, self._encoder.command(stamp, command))
         self._last, self._sent_stamp, self._sent_at = command, stamp, time.monotonic()
         self._sent += 1
@@ -168,13 +179,12 @@ class RigDriver(TwinNode):
 
     def check_change(self, settings: SimpleNamespace) -> None:
         """Refuse a live set-point that is not valid in the scene."""
-        if self.configured:
-            self._plan.check(settings)
+        check_set_points(settings, self.settings)
 
     def on_change(self) -> None:
         """Start the transition to the new set-points."""
         weight, speed = (text or "as in the scene" for text in (self.settings.weight_on_bit, self.settings.rotation))
-        if self.configured and self._plan.change(self.settings, self._last, self._time):
+        if self._plan.change(self.settings, self._last, self._time):
             self.get_logger().info(f"from {self._time:.2f} s: weight on bit {weight}, speed {speed}")
 
     def health(self) -> Status:

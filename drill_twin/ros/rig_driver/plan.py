@@ -74,17 +74,6 @@ class SetPointPlan:
         """Play as a launch with these set-points would: a transition belongs to the run before."""
         self._plan = self._schedule.at
 
-    def check(self, settings: SimpleNamespace) -> None:
-        """Refuse set-points that are not valid in the scene, by raising a DrillTwinError."""
-        if _planned(settings) != self._planned:
-            try:
-                scene_of(settings)
-            except SceneError as error:
-                pairs = zip(("weight_on_bit", "rotation"), _planned(settings), self._planned, strict=True)
-                names = ", ".join(name for name, wanted, planned in pairs if wanted != planned)
-                told = str(error)  # begins with the scene and the key, which are not what was set
-                raise ParameterError(f"{names}: {told[max(told.find('expected'), 0) :]}") from error
-
     def change(self, settings: SimpleNamespace, before: Command | None, time: float) -> bool:
         """Go over to the set-points of the settings, from those in force at a time [s]; False if they are the same."""
         if _planned(settings) == self._planned:
@@ -95,6 +84,18 @@ class SetPointPlan:
         if before is not None:
             self._plan = SetPointTransition(before, self._schedule.at, time, settings.change_time)
         return True
+
+
+def check_set_points(settings: SimpleNamespace, present: SimpleNamespace) -> None:
+    """Refuse set-points other than the present ones that are not valid in the scene, by raising a DrillTwinError."""
+    if _planned(settings) != _planned(present):
+        try:
+            scene_of(settings)
+        except SceneError as error:
+            pairs = zip(("weight_on_bit", "rotation"), _planned(settings), _planned(present), strict=True)
+            names = ", ".join(name for name, wanted, planned in pairs if wanted != planned)
+            told = str(error)  # begins with the scene and the key, which are not what was set
+            raise ParameterError(f"{names}: {told[max(told.find('expected'), 0) :]}") from error
 
 
 def _planned(settings: SimpleNamespace) -> tuple[str, str]:

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from contextlib import suppress
 from pathlib import Path
+from types import SimpleNamespace
 from typing import TYPE_CHECKING, ClassVar
 
 from rclpy.context import Context
@@ -24,7 +25,7 @@ from drill_twin.ros.core.parameters import Parameter
 from drill_twin.ros.core.scene_parameters import OVERRIDES, SCENE
 from drill_twin.ros.core.stop_request import StopRequest
 from drill_twin.ros.core.topics import relative
-from drill_twin.ros.simulator.start_up import StartUp
+from drill_twin.ros.simulator.start_up import CheckpointPlaces, StartUp
 
 if TYPE_CHECKING:
     from drill_twin.ros.simulator.run_control import RunControl
@@ -93,7 +94,8 @@ PARAMETERS = (
     Parameter(
         "checkpoint",
         "",
-        'file to keep the state in (.npz); where it exists when the node starts, the run goes on from it; "": none',
+        "file to keep the state in (.npz); where it exists when the node starts, the run goes on from it; a change "
+        'stays in the folders named at the start; "": none',
         live=True,
     ),
     Parameter(
@@ -138,7 +140,7 @@ class Simulator(TwinNode):
 
     def __init__(self, context: Context) -> None:
         super().__init__(context)
-        self._start_up = StartUp(self)
+        self._start_up, self._places = StartUp(self), CheckpointPlaces(self.settings)
 
     # --- life cycle -----------------------------------------------------------------------------------------------
 
@@ -156,11 +158,11 @@ class Simulator(TwinNode):
         for topic in (*topics_of(scene), COMMANDER):
             # The clock is latched, so that a driver which returns during a run learns the time at once.
             self.topics.advertise(topic, latched=True if topic == CLOCK_TOPIC else None)
-        self._run = run = SimulatorRun(self, scene, rate)
+        self._run = run = SimulatorRun(self, scene, rate, self._places)
         self._control = control = RunControl(run, self)
         start.refuse_second_simulator(own=1)
         if settings.checkpoint and Path(settings.checkpoint).exists():
-            run.resume(settings.checkpoint)
+            run.resume(self._places.file(settings.checkpoint))
         run.loop.announce()
         self.topics.subscribe_raw(RIG_COMMAND, run.commands.on_command)
         for topic, received in ((WOB_COMMAND, run.commands.on_weight_on_bit), (RPS_COMMAND, run.commands.on_speed)):
@@ -183,18 +185,24 @@ class Simulator(TwinNode):
             self._run.stand_still(paused=True)
         return DONE
 
+    def on_deactivate(self, _: LifecycleState) -> TransitionCallbackReturn:
+        """Let time stand still, in the middle of a step too."""
+        if self._control is not None:
+            self._control.end_steps("it was deactivated")
+        return DONE
+
     def on_cleanup(self, _: LifecycleState) -> TransitionCallbackReturn:
         """Write the last checkpoint, wait until the readers have received everything, and drop the twin."""
+        if self._control is not None:
+            self._control.end_steps("it was asked to end")
         if self._run is not None:
             self._run.close()
-        self._run = self._control = None
         return DONE
 
     # --- the loop -------------------------------------------------------------------------------------------------
 
     def run(self, stop: StopRequest) -> None:
         """Work until the run is over or asked to stop, also in the middle of a frame."""
-        self._start_up.stop = stop
 
         def check() -> None:
             if stop:
@@ -210,7 +218,8 @@ class Simulator(TwinNode):
         self._run.tell_commander()
         if self._control.runs:
             self._run.advance()
-            self._run.keep_pace()
+            self._control.frame_taken()
+            self._run.keep_pace(steps=self._control.steps > 0)
         else:
             self._run.stand_still(paused=self._control.paused)
             self.spin_once(0.05)
@@ -219,6 +228,11 @@ class Simulator(TwinNode):
     def finished(self) -> bool:
         """True once the wanted duration has been simulated."""
         return self._run is not None and self._run.complete
+
+    def check_change(self, settings: SimpleNamespace) -> None:
+        """Refuse the file of a checkpoint outside the folders that were named at the start."""
+        for path in filter(None, (settings.checkpoint, settings.saved_checkpoint)):
+            self._places.file(path)
 
     def on_change(self) -> None:
         """Apply a live parameter."""

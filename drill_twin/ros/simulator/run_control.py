@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import importlib
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -19,6 +20,7 @@ from std_srvs.srv import Trigger
 
 from drill_twin.core.errors import CheckpointError, DrillTwinError
 from drill_twin.ros.core.node import TwinNode
+from drill_twin.ros.core.requests import Later
 from drill_twin.ros.simulator.simulation import SimulatorRun
 
 # simulation_interfaces/Result and SimulationState, by number: their names have changed between versions.
@@ -39,14 +41,12 @@ SERVICES = {
 
 Action = Callable[[], str]
 """Returns a sentence on what it did; raises a DrillTwinError where it cannot."""
+Told = Callable[[bool, str], object]
+"""Called with whether all frames of a step were taken, and a sentence on them."""
 
 
 class RunControl:
-    """Control of one simulation: the one way to let time stand still, whoever asks for it.
-
-    Attributes:
-        paused: True while the run is paused.
-    """
+    """Control of one simulation: the one way to let time stand still, whoever asks for it."""
 
     def __init__(self, simulation: SimulatorRun, node: TwinNode) -> None:
         """Start not paused.
@@ -58,11 +58,16 @@ class RunControl:
         self._simulation, self._node, self._settings = simulation, node, node.settings
         self._node_name = node.get_fully_qualified_name()
         self.paused = False
+        """True while the run is paused."""
+        self.steps = 0
+        """Frames of a step that are still to be taken."""
+        self._step_of = 0  # frames in all
+        self._told: Told | None = None
 
     @property
     def runs(self) -> bool:
         """True while the next frame may be computed."""
-        return self._node.active and not self.paused and not self._simulation.waits_for_command
+        return self._node.active and (self.steps > 0 or not (self.paused or self._simulation.waits_for_command))
 
     @property
     def state(self) -> int:
@@ -83,7 +88,7 @@ class RunControl:
 
     def actions(self) -> dict[str, Action]:
         """Actions offered as services, by name."""
-        offered = (self.pause, self.resume, self.step, self.reset, self.save_checkpoint, self.load_checkpoint)
+        offered = (self.pause, self.resume, self.reset, self.save_checkpoint, self.load_checkpoint)
         return {action.__name__: action for action in offered}
 
     def quit(self) -> None:
@@ -92,24 +97,29 @@ class RunControl:
 
     def pause(self) -> str:
         """Stop simulated time."""
+        self.end_steps("the run was paused")
         self.paused = True
         return f"paused at {self._simulation.time_text}"
 
     def resume(self) -> str:
         """Let simulated time go on."""
+        self.end_steps("the run was resumed")
         self.paused = False
         return f"running from {self._simulation.time_text}"
 
-    def step(self) -> str:
-        """Advance by as many frames as the parameter says."""
-        return self.take_frames(self._settings.step_frames)
-
-    def take_frames(self, count: int) -> str:
-        """Advance a paused run by frames, all published before the answer is sent.
+    def take_frames(self, count: int, told: Told) -> None:
+        """Advance a paused run by frames, one in each turn of the loop, so that all else is answered meanwhile.
 
         Raises:
-            DrillTwinError: The run is not paused, or is in lockstep.
+            DrillTwinError: The run is inactive, is not paused, is in lockstep, or is taking a step.
         """
+        if self.steps or count < 1 or not self._node.active:
+            found = (
+                f"one that takes {self.steps}" if self.steps else f"{count} frames of a node that is {self.state_text}"
+            )
+            raise DrillTwinError(
+                f"expected a step of one frame or more of an active run that stands still, found {found}"
+            )
         if not self.paused:
             raise DrillTwinError(
                 f"expected a paused run to step, found one that runs; call {self._node_name}/pause first"
@@ -119,12 +129,26 @@ class RunControl:
                 "expected the pace realtime or fast to step by hand, found lockstep, where each command is a step; "
                 f"call {self._node_name}/resume and send commands one by one"
             )
-        for _ in range(count):
-            self._simulation.advance()
-        return f"{count} frame{'s' if count > 1 else ''} on, at {self._simulation.time_text}"
+        self.steps, self._step_of, self._told = count, count, told
+
+    def frame_taken(self) -> None:
+        """Count a frame of a step; the last one is told."""
+        if self.steps and self._told is not None:
+            self.steps -= 1
+            if not self.steps:
+                frames = f"{self._step_of} frame{'s' if self._step_of > 1 else ''}"
+                self._told(True, f"{frames} on, at {self._simulation.time_text}")
+
+    def end_steps(self, why: str) -> None:
+        """Leave the rest of a step undone, and tell it."""
+        if self.steps and self._told is not None:
+            taken, self.steps = self._step_of - self.steps, 0
+            at = self._simulation.time_text
+            self._told(False, f"expected {self._step_of} frames, took {taken}, to {at}, as {why} meanwhile")
 
     def reset(self) -> str:
         """Start a new run at time zero."""
+        self.end_steps("it was reset")
         self._simulation.reset()
         return f"began again at {self._simulation.time_text}"
 
@@ -137,11 +161,12 @@ class RunControl:
     def load_checkpoint(self) -> str:
         """Go to the state in the file of `save_checkpoint`."""
         path = self._checkpoint_path()
+        self.end_steps("a checkpoint was loaded")
         self._simulation.resume(path)
         self._simulation.loop.announce()
         return f"went to {self._simulation.time_text}, from {path}"
 
-    def _checkpoint_path(self) -> str:
+    def _checkpoint_path(self) -> Path:
         own, periodic = self._settings.saved_checkpoint, self._settings.checkpoint
         if own and periodic and Path(own).resolve() == Path(periodic).resolve():
             raise CheckpointError(
@@ -149,7 +174,8 @@ class RunControl:
                 f"ros2 param set {self._node_name} saved_checkpoint FILE.npz"
             )
         if own or periodic:
-            return str(own or Path(periodic).with_name(f"{Path(periodic).stem}_saved.npz"))
+            file = own or Path(periodic).with_name(f"{Path(periodic).stem}_saved.npz")
+            return self._simulation.places.file(str(file))
         raise CheckpointError(
             "expected a file for the checkpoint, found none; "
             f"ros2 param set {self._node_name} saved_checkpoint FILE.npz"
@@ -192,7 +218,8 @@ class Answers:
         """So many frames on; the answer comes when they are out."""
         if self._run.state == PLAYING:
             return _said(response, INCORRECT_STATE, "expected a paused run to step, found one that plays")
-        return _done(response, lambda: self._run.take_frames(int(request.steps)))
+        told = lambda done, text: _said(response, OK if done else FAILED, "" if done else text)  # noqa: E731
+        return _after_step(self._run, int(request.steps), told)
 
     def reset_simulation(self, request: Any, response: Any) -> Any:
         """Begin again; time and state belong together."""
@@ -222,10 +249,26 @@ def _done(response: Any, *actions: Action) -> Any:
     return _said(response, OK)
 
 
+def _after_step(run: RunControl, count: int, response_of: Callable[[bool, str], Any]) -> Any:
+    """Answer to a step, sent once its frames are out, or something has ended it; `response_of` is as `Told`."""
+    later = Later()
+    try:
+        run.take_frames(count, lambda done, text: later.send(response_of(done, text)))
+    except DrillTwinError as error:
+        return response_of(False, str(error))
+    return later
+
+
 def offer(node: TwinNode, run: RunControl) -> None:
     """Offer the services of a run: one for each action, and those of `simulation_interfaces` where it is installed."""
     for name, action in run.actions().items():
         node.create_service(Trigger, f"~/{name}", _answering(node, action))
+
+    def step(request: Trigger.Request, response: Trigger.Response) -> Any:
+        del request
+        return _after_step(run, node.settings.step_frames, partial(_filled, node, response))
+
+    node.create_service(Trigger, "~/step", step)
     try:
         kinds = importlib.import_module("simulation_interfaces.srv")
     except ImportError:
@@ -239,13 +282,18 @@ def _answering(node: TwinNode, action: Action) -> Callable[[Trigger.Request, Tri
     def answer(request: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
         del request
         try:
-            response.message = action()
-            response.success = True
-            node.get_logger().info(response.message)
+            return _filled(node, response, True, action())
         except DrillTwinError as error:
-            response.message = str(error)
-            response.success = False
-            node.get_logger().warning(response.message)
-        return response
+            return _filled(node, response, False, str(error))
 
     return answer
+
+
+def _filled(node: TwinNode, response: Trigger.Response, success: bool, text: str) -> Trigger.Response:
+    """Fill a response, and log what it says."""
+    response.success, response.message = success, text
+    if success:  # rclpy refuses two severities from one line
+        node.get_logger().info(text)
+    else:
+        node.get_logger().warning(text)
+    return response

@@ -28,6 +28,7 @@ from drill_twin.io.messages.topics import COMMANDER
 from drill_twin.ros.core.node import TwinNode
 from drill_twin.ros.core.pacing import Pacer, Tick
 from drill_twin.ros.simulator.command_input import CommandInput
+from drill_twin.ros.simulator.start_up import CheckpointPlaces
 from drill_twin.runs.loop import RunLoop
 from drill_twin.scene import Scene
 from drill_twin.scene.blocks.numerics import frame_period
@@ -92,7 +93,7 @@ class CheckpointWriter:
         self.trouble = ""
         """Reason why the last one could not be written; empty when it could."""
 
-    def start(self, checkpoint: Checkpoint, path: str) -> None:
+    def start(self, checkpoint: Checkpoint, path: Path) -> None:
         """Start to write one, unless one is being written."""
         if self._writing is not None and self._writing.is_alive():
             return
@@ -104,7 +105,7 @@ class CheckpointWriter:
         if self._writing is not None:
             self._writing.join()
 
-    def _write(self, checkpoint: Checkpoint, path: str) -> None:
+    def _write(self, checkpoint: Checkpoint, path: Path) -> None:
         try:
             checkpoint.save(path)
         except CheckpointError as error:
@@ -124,15 +125,16 @@ class SimulatorRun:
         started: True once the first frame was computed.
     """
 
-    def __init__(self, node: TwinNode, scene: Scene, frame_rate: float) -> None:
+    def __init__(self, node: TwinNode, scene: Scene, frame_rate: float, places: CheckpointPlaces) -> None:
         """Build the twin, whose kernels have been compiled.
 
         Args:
             node: The simulator node, with its publishers.
             scene: The scene.
             frame_rate: Frames per simulated second [Hz].
+            places: Where checkpoints may be written.
         """
-        self._node = node
+        self._node, self.places = node, places
         period = frame_period(frame_rate)
         self.loop = RunLoop(
             scene, period, node.topics.publish, pace=node.settings.pace, frame_prefix=node.settings.frame_prefix
@@ -197,17 +199,17 @@ class SimulatorRun:
         except StoppedError as error:
             raise RunError(f"{error}; {self._save_failure(command, error)}") from error
         if self._checkpoint_due is not None and self._checkpoint_due.due():
-            self.checkpoints.start(self.checkpoint(), self._node.settings.checkpoint)
+            self.keep()
 
-    def keep_pace(self) -> None:
-        """Process what comes until the next frame is due."""
-        pace = self._node.settings.pace
+    def keep_pace(self, *, steps: bool = False) -> None:
+        """Process what comes until the next frame is due; those of a step follow each other as fast as possible."""
+        pace = "fast" if steps else self._node.settings.pace
         if pace == "realtime":
             if not self.pacer.wait(self._node.spin_once):
                 self._node.spin_all()
         elif pace == "fast":
             if self.loop.frames % _BURST == 0:
-                self._node.topics.flush(1.0)
+                self._node.flush(1.0)
             if self._look.due():
                 self._node.spin_all()
 
@@ -224,11 +226,18 @@ class SimulatorRun:
         self.pacer.restart()
         self.loop.reset()
 
+    def keep(self) -> None:
+        """Begin to write the periodic checkpoint, unless its place has become another."""
+        try:
+            self.checkpoints.start(self.checkpoint(), self.places.file(self._node.settings.checkpoint))
+        except CheckpointError as error:
+            self.checkpoints.trouble = str(error)
+
     def checkpoint(self) -> Checkpoint:
         """State of the run, with the set-points in force."""
         return Checkpoint.of(self.loop.twin, self.commands.arbiter.good)
 
-    def resume(self, path: str) -> None:
+    def resume(self, path: Path) -> None:
         """Go on from a checkpoint file.
 
         Raises:
@@ -256,12 +265,12 @@ class SimulatorRun:
             return
         node = self._node
         if self._checkpoint_due is not None:
-            self.checkpoints.start(self.checkpoint(), node.settings.checkpoint)
+            self.keep()
             self.checkpoints.finish()
         if self.checkpoints.trouble:
             node.get_logger().error(f"no checkpoint: {self.checkpoints.trouble}")
         node.publish_diagnostics()
-        node.topics.flush()
+        node.flush()
         node.get_logger().info(f"{self.loop.twin.time:.2f} s simulated, {self.loop.timing.text()}")
 
     def _markers_due(self) -> bool:

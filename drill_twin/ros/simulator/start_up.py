@@ -1,16 +1,17 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Start of a simulator: its scene with compiled kernels, and no second simulator in its namespace."""
+"""Start of a simulator: its scene with compiled kernels, no second simulator, and the places of its checkpoints."""
 
 from __future__ import annotations
 
 import time
+from pathlib import Path
+from types import SimpleNamespace
 
-from drill_twin.core.errors import DrillTwinError, RunError
+from drill_twin.core.errors import CheckpointError, DrillTwinError, RunError
 from drill_twin.io.messages.topics import STRING_POSES
 from drill_twin.ros.core.node import TwinNode
 from drill_twin.ros.core.pacing import Tick
 from drill_twin.ros.core.scene_parameters import resolved, scene_of
-from drill_twin.ros.core.stop_request import StopRequest
 from drill_twin.ros.core.topics import relative
 from drill_twin.scene import Scene
 from drill_twin.scene.blocks.numerics import frame_period
@@ -18,6 +19,45 @@ from drill_twin.scene.blocks.numerics import frame_period
 _LEASE = 6.0  # s; a killed node has left the graph by then
 _DISCOVERY = 1.0  # s; a living node has been found by then
 _LOG_PERIOD = 5.0  # s between two lines about a compilation
+
+
+class CheckpointPlaces:
+    """Folders that the operator named when the node started: checkpoints are written in no other.
+
+    Anyone in the graph can set the parameters that name a file.
+    """
+
+    def __init__(self, settings: SimpleNamespace) -> None:
+        """Take the folders of `checkpoint` and `saved_checkpoint`, and make those that are missing.
+
+        Raises:
+            CheckpointError: One of them is no path of a file, or its folder cannot be made.
+        """
+        given = [path for path in (settings.checkpoint, settings.saved_checkpoint) if path]
+        self._folders = {Path(path).resolve().parent for path in given}
+        for path in given:
+            self.file(path)
+            try:
+                Path(path).resolve().parent.mkdir(parents=True, exist_ok=True)
+            except OSError as error:
+                raise CheckpointError(f"{path}: expected a folder for it, found {error.strerror}") from error
+
+    def file(self, path: str) -> Path:
+        """File of a path, where links lead to.
+
+        Raises:
+            CheckpointError: It is none of these folders, or no file.
+        """
+        target = Path(path).resolve()
+        if not path.isprintable() or target.is_dir():
+            found = "a folder" if path.isprintable() else "a name with control characters"
+            raise CheckpointError(f"{path}: expected the path of a file for a checkpoint, found {found}")
+        if target.parent not in self._folders:
+            named = ", ".join(sorted(map(str, self._folders))) or "none; start the node with -p saved_checkpoint:=FILE"
+            raise CheckpointError(
+                f"{path}: expected a file in a folder that was named when the node started ({named}), found {target}"
+            )
+        return target
 
 
 class StartUp:
@@ -33,8 +73,6 @@ class StartUp:
         self._log_due, self._diagnostics_due = Tick(_LOG_PERIOD), Tick(1.0)
         self.progress = ""
         """Progress of the compilation, while it goes on."""
-        self.stop = StopRequest()
-        """Ends a compilation within a requested transition."""
 
     def compiled_scene(self) -> Scene:
         """Scene of the parameters; its kernels are in the cache afterwards.
@@ -62,7 +100,7 @@ class StartUp:
         if self._node.settings.autostart:
             self._node.offer_ready()
             self._node.spin_all()
-        elif self.stop:
+        elif self._node.stop:
             raise RunError(f"stopped while {progress}")
         elif self._diagnostics_due.due():
             self._node.publish_diagnostics()

@@ -33,6 +33,8 @@ AFTER_ONSET = 2.0
 BUDGET, RUNS = 60.0, 10.0
 """Most processor time of a measurement: this [s], or so many times that of the run, whichever is more."""
 
+KNOWN_FROM = 0.1
+"""Share done from which the time left is told; before, it is that of a start (289 s were told of 0.7 s)."""
 Report = Callable[[str, float], None]
 """Takes a line and the share done."""
 
@@ -206,20 +208,23 @@ def at(scene: Scene, elements: int, step: float, tolerance: float) -> Scene:
 
 
 def in_words(say: Callable[[str], object], every: float = 0.0) -> Report:
-    """Progress of a measurement that is told as a text with the share done and the time left.
+    """Progress of a measurement that is told as a text with the share done and, once a tenth tells it, the time left.
 
     Args:
         say: Takes the text.
         every: Least wall-clock time between two texts [s].
     """
-    began, said = time.monotonic(), -every
+    first, said = (math.nan, 0.0), -every
 
     def report(line: str, share: float) -> None:
-        nonlocal said
+        nonlocal first, said
         now = time.monotonic()
+        if math.isnan(first[0]):
+            first = now, share  # what came before, as compiling, tells nothing of the rate
+        gone, done = now - first[0], share - first[1]
         if now - said >= every:
             said = now
-            left = (now - began) * (1.0 - share) / share if share > 0.0 else 0.0
-            say(f"{line}; {share:.0%} done, about {left:.0f} s left")
+            left = f", about {gone * (1.0 - share) / done:.0f} s left" if gone >= 1.0 and done >= KNOWN_FROM else ""
+            say(f"{line}; {share:.0%} done{left}")
 
     return report

@@ -15,7 +15,7 @@ from drill_twin.scene import Scene
 from drill_twin.scene.load import override
 from drill_twin.scene.overrides import full_key
 from drill_twin.scene.schema import unit_at
-from drill_twin.studies.fitting.likelihood import noise_in
+from drill_twin.studies.fitting.likelihood import features_goodness, noise_in
 from drill_twin.studies.fitting.record import Record
 from drill_twin.studies.fitting.sampling import Sampling, in_ranges, weighted_quantile
 from drill_twin.studies.goodness import HALF_WIDTH, Goodness, correlation_limit, goodness, limit_of_samples, sentence
@@ -48,6 +48,7 @@ class Posterior:
         measured: The record at these times, by channel, shape (T,).
         runs: The runs by channel, shape (N, T).
         failed: Number of runs that could not be followed to the end.
+        window: Length of the windows whose features were compared [s]; None: the series was.
     """
 
     scene: Scene
@@ -59,6 +60,7 @@ class Posterior:
     measured: Mapping[str, Array]
     runs: Mapping[str, Array]
     failed: int
+    window: float | None = None
 
     def __repr__(self) -> str:
         """One line: scene, runs, and the 90 % interval of each number [SI]."""
@@ -133,7 +135,13 @@ class Posterior:
 
     @cached_property
     def goodness(self) -> dict[str, Goodness]:
-        """Goodness of the best run by channel, against noise alone: draws that an error of the model widens hide it."""
+        """Goodness of the best run by channel, against noise alone: draws that an error of the model widens hide it.
+
+        Where features were compared, they are judged: the phase of the series is not determined.
+        """
+        if self.window is not None:
+            best = {channel: values[self.best_run] for channel, values in self.runs.items()}
+            return features_goodness(self.measured, best, float(self.time[1] - self.time[0]), self.window)
         found = {}
         for channel, values in self.runs.items():
             measured = self.measured[channel]
@@ -241,6 +249,9 @@ def fit_figure(found: Posterior) -> Figure:
             axes.plot(found.time, best, color=VERMILION, linewidth=1.0, label="best run")
             axes.set_ylabel(f"{channel} [{unit}]")
             of = found.goodness[channel]
+            if found.window is not None:  # the phase of the series is not determined
+                below.set_visible(False)
+                continue
             below.plot(found.time, found.residual(channel) / of.noise, color=BLUE, linewidth=0.8)
             below.axhspan(-HALF_WIDTH, HALF_WIDTH, color=LIGHT)
             below.set_ylabel("residual / noise")

@@ -6,19 +6,45 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
+from typing import Annotated, Literal
 
 import numpy as np
+from pydantic import BaseModel, Field
 
 from drill_twin.core.arrays import Mask
 from drill_twin.core.units.system import SYSTEMS, UnitSystem
 from drill_twin.scene.load import parse_scene
 from drill_twin.studies.maps.plane import UNKNOWN, Labels, Node, Plane, boundary, filled, on_lattice
 from drill_twin.studies.maps.regimes import Regime
-from drill_twin.studies.maps.runs import Key, RunRecord
+from drill_twin.studies.maps.runs import Key, RunOfFile, RunRecord
 from drill_twin.studies.maps.window import CONFIDENCE, known_and_calm, proportion_interval
 
 LIKELY = 0.05
 """Largest upper limit (95 %) of the chance of whirl at a calm set-point, once there are draws enough to show it."""
+
+
+Number = Annotated[float, Field(ge=-1e15, le=1e15)]
+"""Number of a file: no quantity of a string in SI is larger, and the product of two is finite."""
+_Grid = Sequence[Sequence[Number]]
+
+
+class MapFile(BaseModel):
+    """Fields of `map.json` that are read; its others are made of them."""
+
+    format: Literal[2]
+    scene_name: str
+    digest: str
+    scene: str
+    weight: Annotated[tuple[Number, Number], Field(alias="weight_on_bit_N")]
+    speed: Annotated[tuple[Number, Number], Field(alias="rotation_rad_s")]
+    steps: int
+    duration_s: Annotated[Number, Field(gt=0.0)]
+    calm_for_s: Annotated[Number, Field(ge=0.0)]
+    draws: Sequence[Mapping[str, Number | str]]
+    notes: Sequence[str]
+    growth: _Grid
+    torsional_growth: _Grid
+    runs: Sequence[RunOfFile]
 
 
 @dataclass(frozen=True)

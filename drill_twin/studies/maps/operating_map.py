@@ -6,31 +6,32 @@ from __future__ import annotations
 import hashlib
 import json
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
-from pydantic import TypeAdapter
+from pydantic import ValidationError
 
 from drill_twin.core.arrays import Mask
-from drill_twin.core.errors import ArgumentError, DrillTwinError
+from drill_twin.core.errors import ArgumentError, SceneError
 from drill_twin.core.files.foreign_file import ForeignFile
-from drill_twin.core.files.json_files import ODD_DATA, read_json
 from drill_twin.core.table import Table
+from drill_twin.core.units import show
 from drill_twin.core.units.system import UnitSystem
 from drill_twin.scene import Scene
-from drill_twin.studies.maps.fields import MapFields
+from drill_twin.scene.load import parse_scene
+from drill_twin.scene.problems import path_text
+from drill_twin.studies.maps.fields import MapFields, MapFile
 from drill_twin.studies.maps.plane import Node, Plane, Span
 from drill_twin.studies.maps.regimes import REGIMES, Regime
-from drill_twin.studies.maps.runs import FINER, Key, RunRecord, values_of
+from drill_twin.studies.maps.runs import Key, RunRecord, values_of
 from drill_twin.studies.maps.window import SafeWindow, basis, cells_of, rectangles, safe_cells
 
 FORMAT = 2
 _FILE = ForeignFile("the map.json of `drill-twin map`", 256_000_000, ArgumentError)
-_RECORD = TypeAdapter(RunRecord)
 _SET_BY_MAP = ("weight_on_bit", "rotation", "duration", "start", "table")
 
 
@@ -74,7 +75,7 @@ class OperatingMap(MapFields):
         """Checks in the windows since the last one that was not smooth."""
         count, inside = 0, cells_of(self)
         for key, record in self.checks:
-            here = inside[tuple(np.minimum(key.node, self.plane.steps - 1))]
+            here = inside[self.plane.cells_at(key.place)].any()
             count = 0 if record.regime is not Regime.SMOOTH else count + int(here)
         return count
 
@@ -111,6 +112,10 @@ class OperatingMap(MapFields):
         """Nearest node of a set-point."""
         i, j = (min(max(round(place), 0), self.plane.steps) for place in self.plane.place(weight, speed))
         return i, j
+
+    def is_known(self, weight: float, speed: float) -> bool:
+        """The set-point [N], [rad/s] lies in or on the edge of a known cell."""
+        return bool(self.known[self.plane.cells_at(self.plane.place(weight, speed))].any())
 
     def regime(self, weight: float, speed: float) -> Regime:
         """Regime from rest at a set-point [N], [rad/s].
@@ -189,28 +194,29 @@ class OperatingMap(MapFields):
         }  # fmt: skip
 
     @classmethod
-    def from_dict(cls, data: Mapping[str, Any]) -> OperatingMap:
-        """Inverse of `to_dict`.
+    def from_json(cls, text: bytes) -> OperatingMap:
+        """Inverse of `to_dict`, from its JSON.
 
         Raises:
-            LookupError, TypeError, ValueError, AttributeError, OverflowError, DrillTwinError: It is no map.
+            ValidationError, ArgumentError, SceneError: A field is missing, or has what no map has.
         """
-        if data["format"] != FORMAT:
-            raise ValueError(f"format {data['format']}")
-        plane = Plane(Span(*map(float, data["weight_on_bit_N"])), Span(*map(float, data["rotation_rad_s"])),
-                      int(data["steps"])).checked()  # fmt: skip
-        records = {}
-        for run in data["runs"]:
-            (i, j), draw, origin, finer = run["node"], int(run["draw"]), run["origin"], int(run["finer"])
-            if finer not in {1, FINER} or not (0 <= i <= plane.steps * finer and 0 <= j <= plane.steps * finer):
-                raise ValueError(f"node {i}, {j}")
-            key = Key(int(i), int(j), draw, None if origin is None else (int(origin[0]), int(origin[1])), finer)
-            records[key] = _RECORD.validate_python(run)
+        file = MapFile.model_validate_json(text, strict=True)
+        plane = Plane(Span(*file.weight), Span(*file.speed), file.steps).checked()
+        parse_scene(file.scene)
+        points = len(file.growth)
+        for name, grid in (("growth", file.growth), ("torsional_growth", file.torsional_growth)):
+            if grid and (points < 2 or [len(row) for row in grid] != [points] * points):
+                raise ArgumentError(f"{name}: expected rows and columns of one number, as many in both tables")
+        records: dict[Key, RunRecord] = {}
+        for number, run in enumerate(file.runs):
+            ends = max(run.node) <= plane.steps * run.finer and max(run.origin or (0,)) <= plane.steps
+            if not ends or run.draw >= max(1, len(file.draws)):
+                raise ArgumentError(f"runs[{number}]: expected a node of the lattice and a draw, found {run.key}")
+            records[run.key] = run.record
         if not any(key.searches and key.draw == 0 for key in records):
-            raise ValueError("no runs")
-        return cls(str(data["scene_name"]), str(data["digest"]), str(data["scene"]), plane, float(data["duration_s"]),
-                   data["draws"], records, data["notes"], data["growth"], data["torsional_growth"],
-                   float(data["calm_for_s"]))  # fmt: skip
+            raise ArgumentError("runs: expected one from rest or more, found none")
+        return cls(file.scene_name, file.digest, file.scene, plane, file.duration_s, file.draws, records, file.notes,
+                   file.growth, file.torsional_growth, file.calm_for_s)  # fmt: skip
 
     def check_scene(self, scene: Scene) -> None:
         """Check that it is a map of a scene.
@@ -271,6 +277,13 @@ def read_map(file: str | Path) -> OperatingMap:
     """
     content = _FILE.read(file)
     try:
-        return OperatingMap.from_dict(read_json(content, largest=_FILE.largest))
-    except (*ODD_DATA, DrillTwinError) as error:
-        raise _FILE.refused(file, f"another file ({type(error).__name__}: {error})") from error
+        return OperatingMap.from_json(content)
+    except ValidationError as error:
+        first = error.errors(include_url=False)[0]
+        value = "nothing" if first["type"] == "missing" else show(first["input"])
+        found = f"{value} at {path_text(first['loc']) or 'the top'} ({first['msg']})"
+    except SceneError as error:
+        found = f"another text at scene ({error})"
+    except ArgumentError as error:
+        found = f"another file ({error})"
+    raise _FILE.refused(file, found)

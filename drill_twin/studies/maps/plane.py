@@ -68,6 +68,11 @@ class Plane(NamedTuple):
             (speed - self.speed.low) / (self.speed.high - self.speed.low) * self.steps,
         )
 
+    def cells_at(self, place: tuple[float, float]) -> tuple[slice, slice]:
+        """Unit cells that a place on the lattice, in steps, lies in or on the edge of; none outside it."""
+        i, j = (slice(max(math.ceil(at) - 1, 0), min(math.floor(at), self.steps - 1) + 1) for at in place)
+        return i, j
+
     def labels(self) -> Labels:
         """Labels of a lattice on which nothing is known."""
         return np.full((self.steps + 1, self.steps + 1), UNKNOWN, np.int8)

@@ -6,10 +6,11 @@ from __future__ import annotations
 import math
 from collections.abc import Generator, Mapping, Sequence
 from contextlib import closing
-from dataclasses import asdict, dataclass
-from typing import Any, NamedTuple
+from dataclasses import asdict, dataclass, fields
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
+from pydantic import NonNegativeInt
 
 from drill_twin.core.arrays import Array, number_or_nan
 from drill_twin.io.messages.stamps import NANOSECONDS, seconds
@@ -150,6 +151,30 @@ class RunRecord:
             for name, value in plain.items()
             if value not in ("", []) and not (isinstance(value, float) and not math.isfinite(value))
         }
+
+
+Place = tuple[NonNegativeInt, NonNegativeInt]
+"""Place on a lattice in a file."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class RunOfFile(RunRecord):
+    """A run in `map.json`: its record and its `Key`."""
+
+    node: Place
+    draw: NonNegativeInt
+    origin: Place | None
+    finer: Literal[1, 64]
+
+    @property
+    def key(self) -> Key:
+        """Its key."""
+        return Key(*self.node, self.draw, self.origin, self.finer)
+
+    @property
+    def record(self) -> RunRecord:
+        """The record alone."""
+        return RunRecord(*(getattr(self, of.name) for of in fields(RunRecord)))
 
 
 @dataclass(frozen=True)

@@ -117,7 +117,7 @@ def safe_cells(found: OperatingMap) -> Mask:
         good &= ~_corners(found.keeps_whirling).any(axis=0)
     for key, record in found.checks:
         if record.regime is not Regime.SMOOTH:
-            good[tuple(np.minimum(key.node, steps - 1))] = False
+            good[found.plane.cells_at(key.place)] = False
     if good.all():
         return good
     return np.asarray(distance_transform_edt(good) > MARGIN * steps + 0.5)

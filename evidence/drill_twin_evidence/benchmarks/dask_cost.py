@@ -23,9 +23,9 @@ from pathlib import Path
 import numpy as np
 
 import drill_twin as dt
-from drill_twin.core.process import processor_time
 from drill_twin.core.table import Table
 from drill_twin.runs.ensemble import dask_workers
+from drill_twin_evidence.benchmarks.cpu_load import processor_time
 
 RESOLUTION: dict[str, float | str] = {"numerics.elements": 8, "numerics.step": "10 ms"}
 LONG, SHORT, IDLE = 30.0, 0.01, 10.0  # [s]

@@ -22,7 +22,7 @@ import time
 from collections.abc import Callable
 from pathlib import Path
 
-from drill_twin.core.process import processor_time
+from drill_twin_evidence.benchmarks.cpu_load import processor_time
 
 SIGNALS = 20
 _PERIOD, _WRITE_PERIOD = 100, 0.2  # ms, s

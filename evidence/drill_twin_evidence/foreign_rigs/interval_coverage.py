@@ -26,7 +26,6 @@ from drill_twin_evidence.foreign_rigs.own_law import OWN_RANGES, own_fit
 from drill_twin_evidence.foreign_rigs.rigs import (
     INDICATED,
     LOAD,
-    PERIOD,
     RIGS,
     SURFACE,
     mechanics_of,
@@ -66,7 +65,7 @@ def cover(seed: int) -> Twin:
         measured = {channel: record[channel] for channel in channels}
 
         def likelihood(runs: Mapping[str, Array], measured: Mapping[str, Array] = measured) -> Array:
-            return of_series(measured, runs, PERIOD, 0.0, len(OWN_RANGES))
+            return of_series(measured, runs, len(OWN_RANGES))
 
         values, found = own_fit(RIG, channels, likelihood, seed % 2**31, STEP)
         low, high = in_ranges(found.intervals, OWN_RANGES)

@@ -54,3 +54,33 @@ def test_a_law_bound_to_its_load_runs_outside_of_compiled_code():
     found = as_python(end_load).__closure__[0].cell_contents
     assert not isinstance(found, Dispatcher)
     assert found(LAW, 100.0, 1.0)[0] == pytest.approx(10.0 * (0.2 + 0.3 * np.exp(-0.3)), rel=1e-6)
+
+
+def _torque_at_release(step, bit):
+    """Largest torque on a string that is wound up until its bit slips, and the time of that."""
+    scene = load_scene("two_mass", {"numerics.step": step, "rig.top_drive": {"model": "prescribed"}, **bit})
+    twin, largest = Twin(scene), 0.0
+    while twin.time < 10.0:
+        rig = twin.advance(Command(30e3, 3.0), 0.02).rig
+        largest = max(largest, rig.top_drive_torque)
+        if rig.bit_angle > 0.01:
+            return largest, twin.time
+    raise AssertionError("the bit never slipped")
+
+
+@pytest.mark.parametrize(
+    "bit",
+    [
+        {},
+        {
+            "effects.bit_torque_stribeck": False,
+            "effects.bit_friction": {"coefficient": 0.8, "radius": 0.155},
+            "string.bit_end": "sliding",
+        },
+    ],
+    ids=["stribeck", "friction"],
+)
+def test_a_bit_slips_at_its_friction_whatever_the_step(bit):
+    """A tolerance of 1e-5 rad is 1e-3 rad/s in a step of 20 ms, ten times the width of the law at zero speed."""
+    coarse, fine = _torque_at_release("20 ms", bit), _torque_at_release("1 ms", bit)
+    assert coarse == pytest.approx(fine, rel=0.02)

@@ -2,6 +2,10 @@
 """The command `drill-twin scene new`, and short runs of the shipped wells."""
 
 import json
+import os
+import pty
+import sys
+from contextlib import suppress
 from pathlib import Path
 
 import pytest
@@ -26,6 +30,33 @@ def test_new_writes_a_scene_that_check_accepts(tmp_path: Path) -> None:
     assert load_scene(file) == load_scene("wells/s_shaped")
     checked = CliRunner().invoke(app, ["scene", "check", str(file), "--json"])
     assert json.loads(checked.stdout)["length_m"] == 3000.0
+
+
+@pytest.mark.parametrize(("key", "code", "said"), [
+    (b"\x04", 2, "drill-twin: error: expected --survey, found nothing: CSV file of the survey"),
+    (b"\x03", 130, "drill-twin: stopped"),
+    (b"survey.csv\n\x04", 2, "drill-twin: error: expected --tally, found nothing: CSV file of the pipe tally"),
+])  # fmt: skip
+def test_a_question_that_gets_no_answer_ends_the_command(tmp_path: Path, key: bytes, code: int, said: str) -> None:
+    """Ctrl-D and Ctrl-C at a question, in a terminal."""
+    pid, terminal = pty.fork()
+    if pid == 0:
+        words = [sys.executable, "-m", "drill_twin.cli", "scene", "new", str(tmp_path / "well.yaml")]
+        os.execv(sys.executable, words)  # noqa: S606  the child of a terminal of its own
+    shown = b""
+    while b"azimuth: " not in shown:
+        shown += os.read(terminal, 1000)
+    for part in key.splitlines(keepends=True):
+        os.write(terminal, part)
+        while part.endswith(b"\n") and b"gauge: " not in shown:
+            shown += os.read(terminal, 1000)
+    with suppress(OSError):  # the end of a terminal
+        while more := os.read(terminal, 1000):
+            shown += more
+    assert os.waitstatus_to_exitcode(os.waitpid(pid, 0)[1]) == code
+    os.close(terminal)
+    assert said in " ".join(shown.decode().split())
+    assert "Traceback" not in shown.decode()
 
 
 def test_new_replaces_no_file_and_asks_for_what_is_missing(tmp_path: Path) -> None:

@@ -203,14 +203,19 @@ def test_a_measurement_keeps_its_budget(monkeypatch: pytest.MonkeyPatch) -> None
         Measurement(load_scene("pa6_bench", overrides=WHIRL), 0.05, lambda *_: None).model()
 
 
-def test_the_progress_is_told_with_the_time_left(monkeypatch: pytest.MonkeyPatch) -> None:
-    clock = iter((0.0, 10.0, 12.0, 30.0))
+def test_the_progress_is_told_with_the_time_left_once_it_is_known(monkeypatch: pytest.MonkeyPatch) -> None:
+    clock = iter((60.0, 72.0, 75.0, 90.0))  # a minute went by with something else
     monkeypatch.setattr("drill_twin.studies.accuracy.measure.time.monotonic", lambda: next(clock))
     texts: list[str] = []
     report = in_words(texts.append, every=10.0)
-    for share in (0.25, 0.3, 0.5):
+    for share in (0.001, 0.05, 0.1, 0.501):
         report("measuring", share)
-    assert texts == ["measuring; 25% done, about 30 s left", "measuring; 50% done, about 30 s left"]
+    assert texts == ["measuring; 0% done", "measuring; 5% done", "measuring; 50% done, about 30 s left"]
+    clock = iter((0.0, 0.3, 0.6))  # what is over in a second needs no estimate
+    report = in_words(texts.append)
+    for share in (0.001, 0.01, 0.6):
+        report("measuring", share)
+    assert not any("left" in text for text in texts[3:])
 
 
 def test_a_scene_with_an_accuracy_is_refused_where_nobody_chooses() -> None:

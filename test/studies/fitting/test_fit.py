@@ -75,6 +75,9 @@ def test_a_number_that_leaves_no_trace_is_told_as_undetermined(record):
         ({"channels": ["bit_speed=no such column:rpm"]}, TableError, 'expected a column "no such column"'),
         ({"channels": ["bit_speed=bit speed [rpm]:N"]}, TableError, "bit_speed: expected a unit of"),
         ({"end": 60.0}, ArgumentError, "expected bit_speed from"),
+        ({"begin": 10.0}, ArgumentError, "expected 10 samples or more to compare, found those from 10 s to 10 s at 10"),
+        ({"begin": 40.0}, ArgumentError, "expected 10 samples or more to compare"),
+        ({"likelihood": "features"}, ArgumentError, "expected 3 windows of features or more without a gap, found 2"),
     ],
 )
 def test_what_cannot_be_fitted_is_refused(record, change, error, said):
@@ -176,6 +179,29 @@ def test_a_fit_says_what_the_model_does_not_explain(record):
     assert told["own"].goodness["bit_speed"].ratio < 1.2
     assert told["scaled"].unexplained.startswith("the model does not explain bit speed (residual ")
     assert told["scaled"].to_dict()["goodness"]["bit_speed"]["explained"] is False
+
+
+def test_a_fit_of_features_does_not_ask_for_the_phase():
+    """A twin that sticks and slips, whose record begins 3.3 s later than the runs."""
+    over = {"numerics.step": "20 ms", "numerics.frame_rate": 10.0}
+    key = "bit_torque_stribeck.sticking"
+    found = dt.Ensemble("two_mass", {key: [0.88]}, overrides=over).run(50.0, outputs=("channels",), mark_rate=10.0)
+    time, speed = found["time"], found["bit_speed"][0]
+    speed = speed + 0.05 * np.random.default_rng(1).standard_normal(time.size)
+    told = {}
+    for name, scale in (("own", 1.0), ("scaled", 1.5)):
+        later = dt.Record(name, {"bit_speed": (time - 3.3, scale * speed)})
+        told[name] = dt.fit(
+            later, "two_mass", {key: (0.8, 0.97)}, overrides=over, likelihood="features", begin=20.0, end=40.0,
+            rate=10.0, members=16, rounds=3,
+        )  # fmt: skip
+    low, high = told["own"].intervals[key]
+    assert low <= 0.88 <= high
+    assert high - low < 0.1
+    assert told["own"].unexplained == ""
+    assert told["own"].goodness["bit_speed"].of == "features"
+    assert told["scaled"].unexplained.startswith("the model does not explain bit speed (residual ")
+    assert "of the features in the band" in told["scaled"].unexplained
 
 
 def test_a_channel_needs_a_name_of_the_contract_and_a_unit(tmp_path):

@@ -4,9 +4,18 @@
 import numpy as np
 import pytest
 from scipy import special
+from variants import one_of
 
+from drill_twin.core.errors import ArgumentError
 from drill_twin.studies.fitting import sample
-from drill_twin.studies.fitting.likelihood import error_variance, features, noise_in, of_features, of_series
+from drill_twin.studies.fitting.likelihood import (
+    error_variance,
+    features,
+    features_goodness,
+    noise_in,
+    of_features,
+    of_series,
+)
 from drill_twin.studies.fitting.posterior import predictive_band
 from drill_twin.studies.fitting.sampling import weighted_quantile
 
@@ -81,7 +90,7 @@ def test_runs_that_failed_have_no_weight():
 def test_a_series_prefers_the_run_with_the_smaller_error_by_the_variance_of_an_error():
     draw = np.random.default_rng(2).standard_normal(1000)
     runs = {"torque": np.array([np.zeros(1000), np.full(1000, 0.3)])}
-    found = of_series({"torque": draw}, runs, 0.1, 1.0, 4)
+    found = of_series({"torque": draw}, runs, 4)
     squares = np.mean((runs["torque"] - draw) ** 2, axis=1)
     assert found[0] > found[1]
     noise = noise_in(draw, draw) ** 2
@@ -96,8 +105,8 @@ def test_samples_that_are_missing_are_left_out():
     draw = np.random.default_rng(3).standard_normal(200)
     runs = {"torque": np.random.default_rng(4).standard_normal((3, 200))}
     gap = np.where(np.arange(200) < 150, draw, np.nan)
-    found = of_series({"torque": gap}, runs, 0.1, 1.0, 2)
-    assert found == pytest.approx(of_series({"torque": draw[:150]}, {"torque": runs["torque"][:, :150]}, 0.1, 1.0, 2))
+    found = of_series({"torque": gap}, runs, 2)
+    assert found == pytest.approx(of_series({"torque": draw[:150]}, {"torque": runs["torque"][:, :150]}, 2))
 
 
 def test_what_the_model_leaves_counts_as_one_sample_a_free_number_and_noise_as_what_it_is():
@@ -121,12 +130,60 @@ def test_noise_is_what_a_run_leaves_where_the_record_is_not_smooth():
 def test_features_of_a_sine_do_not_depend_on_its_phase():
     time = np.arange(0.0, 40.0, 0.05)
     values = np.array([np.sin(2.0 * np.pi * 0.5 * time + phase) for phase in (0.0, 1.0)])
-    mean, deviation, low, high, rate = features(values, 0.05, 10.0).mean(axis=1)[1]
+    mean, deviation, low, high, rate = features(values[1], 0.05, 200).mean(axis=0)
     assert (mean, deviation, low, high) == pytest.approx((0.0, np.log(np.sqrt(0.5)), -0.988, 0.988), abs=0.02)
     assert rate == pytest.approx(0.5, abs=0.06)
     other = np.array([values[1], 1.5 * values[1]])
     likelihood = of_features({"bit_speed": values[0]}, {"bit_speed": other}, 0.05, 10.0)
     assert likelihood[0] > likelihood[1] + 10.0
+
+
+def test_noise_of_a_record_is_no_feature_of_its_motion():
+    time = np.arange(0.0, 40.0, 0.05)
+    quiet = 0.01 * np.sin(2.0 * np.pi * 0.5 * time)
+    record = quiet + 0.05 * np.random.default_rng(2).standard_normal(time.size)
+    found = of_features({"torque": record}, {"torque": np.array([quiet, 5.0 * quiet])}, 0.05, 10.0)
+    assert found[0] > found[1]
+    good = features_goodness({"torque": record}, {"torque": quiet}, 0.05, 10.0)["torque"]
+    assert good.explained
+    assert good.of == "features"
+
+
+def test_few_windows_are_refused_and_gaps_count():
+    record = np.sin(np.arange(0.0, 12.0, 0.05))
+    runs = {"torque": record[None]}
+    assert np.isfinite(of_features({"torque": record}, runs, 0.05, 4.0)).all()
+    for window, changed in ((5.0, record), (4.0, np.where(np.arange(240) == 100, np.nan, record)), (20.0, record)):
+        with pytest.raises(ArgumentError, match=r"fit: expected 3 windows of features or more without a gap, found "):
+            of_features({"torque": changed}, runs, 0.05, window)
+
+
+@pytest.mark.parametrize("length", one_of(3, [24.0, 16.0, 48.0]))
+def test_features_of_a_motion_of_any_phase_and_noise_hold_their_share(length):
+    """Records of a relaxation oscillation, its period and height free: a 90 % interval of each holds nine of ten."""
+    generator, time = np.random.default_rng(5), np.arange(0.0, length, 0.05)
+
+    def motion(period, height, phase):
+        place = (time / period + phase) % 1.0
+        return height * np.where(place < 0.6, np.sin(np.pi * place / 0.6) ** 2, 0.0)
+
+    inside, explained, scaled = [], [], []
+    for _ in range(40):
+        truth, drawn = generator.uniform((3.0, 2.0), (5.0, 4.0)), generator.uniform((3.0, 2.0), (5.0, 4.0), (400, 2))
+        record = motion(*truth, generator.uniform()) + 0.1 * generator.standard_normal(time.size)
+        runs = np.array([motion(*one, 0.0) for one in drawn])
+        likelihood = of_features({"torque": record}, {"torque": runs}, 0.05, 5.0)
+        weights = special.softmax(likelihood)
+        for k in range(2):
+            low, high = (weighted_quantile(drawn[:, k], weights, share) for share in (0.05, 0.95))
+            inside.append(low <= truth[k] <= high)
+        best = {"torque": runs[np.argmax(likelihood)]}
+        explained.append(features_goodness({"torque": record}, best, 0.05, 5.0)["torque"].explained)
+        other = {"torque": record + 2.0 * (record > 1.0)}
+        scaled.append(features_goodness(other, best, 0.05, 5.0)["torque"].explained)
+    assert 0.83 <= np.mean(inside) <= 0.99
+    assert np.mean(explained) >= 0.98
+    assert np.mean(scaled) <= 0.1
 
 
 def test_a_band_holds_its_share():

@@ -180,8 +180,8 @@ def test_a_record_and_a_string_without_marks_are_refused():
         dt.operating_map(bare, wob="1..2 N", rpm="60..120")
 
 
-def test_from_dict_refuses_a_node_outside_the_lattice(found):
+def test_a_node_outside_the_lattice_is_refused(found):
     data = json.loads(json_text(found.to_dict()))
     data["runs"][0]["node"] = [99, 0]
-    with pytest.raises(ValueError, match="node 99, 0"):
-        OperatingMap.from_dict(data)
+    with pytest.raises(ArgumentError, match=r"runs\[0\]: expected a node of the lattice and a draw, found Key\(i=99"):
+        OperatingMap.from_json(json.dumps(data).encode())

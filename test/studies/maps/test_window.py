@@ -12,6 +12,7 @@ from coarse_map import COARSE
 
 import drill_twin as dt
 from drill_twin.cli.operating_map import _shown
+from drill_twin.core.errors import ArgumentError
 from drill_twin.runs.ensemble import Threads
 from drill_twin.studies.maps import OperatingMap, Plane, Regime, Span
 from drill_twin.studies.maps.regimes import TorsionalSpeeds
@@ -74,6 +75,44 @@ def test_few_runs_are_shown_as_few_and_carry_no_window():
     assert some.known.mean() == 0.25
 
 
+EDGES = [(wob, rpm) for wob in (0.0, 5.0, 160.0, 315.0, 320.0) for rpm in (0.0, 0.5, 16.0, 31.5, 32.0)]
+
+
+@pytest.mark.parametrize(("weight", "speed"), EDGES)
+def test_a_set_point_on_an_edge_of_the_ranges_is_shown_too(weight, speed):
+    scene = dt.load_scene("pa6_bench", {"wob": weight, "rig.rotation.value": speed})
+    whole = made(lambda *_: Regime.SMOOTH)
+    shown = "".join(_shown(whole, scene))
+    assert "set-point of the scene" in shown
+    assert "not known there" not in shown
+    low = replace(whole, records={key: run for key, run in whole.records.items() if key.i <= 16})
+    assert ("not known there" in "".join(_shown(low, scene))) == (weight > 160.0)  # what is known ends at 160 N
+    assert low.is_known(weight, speed) == (weight <= 160.0)
+
+
+def test_cells_are_those_that_a_place_touches():
+    assert PLANE.cells_at((0.0, 32.0)) == (slice(0, 1), slice(31, 32))
+    assert PLANE.cells_at((4.0, 4.5)) == (slice(3, 5), slice(4, 5))
+    assert not np.ones((32, 32))[PLANE.cells_at((32.5, 1.0))].size
+    assert not np.ones((32, 32))[PLANE.cells_at((-0.5, 1.0))].size
+
+
+@pytest.mark.parametrize(
+    "change", [{"wob": "1..17.3 N"}, {"rpm": "10..93.7"}, {"wob": "17.3..40 N", "rpm": "93.7..180"}]
+)
+def test_a_range_may_end_at_the_set_point_of_the_scene(change):
+    asked = {"wob": "1..40 N", "rpm": "30..180", **change}
+    over = {**COARSE, "wob": "17.3 N", "rpm": "93.7 rpm"}
+    found = dt.operating_map("pa6_bench", over, duration=0.2, steps=8, runs=25, growth=False, **asked)
+    assert "set-point of the scene, 17.3 N at 1.56" in "".join(_shown(found, dt.load_scene("pa6_bench", over)))
+
+
+@pytest.mark.parametrize("change", [{"wob": "40..40 N"}, {"rpm": "60..60"}])
+def test_a_range_of_one_point_is_refused(change):
+    with pytest.raises(ArgumentError, match="with LO below HI"):
+        dt.operating_map("pa6_bench", COARSE, **{"wob": "1..40 N", "rpm": "30..180", **change})
+
+
 @pytest.mark.parametrize("regime", [regime for regime in Regime if regime is not Regime.SMOOTH])
 def test_no_other_regime_is_in_a_window(regime):
     found = made(lambda i, j: regime if (i, j) == (16, 16) else Regime.SMOOTH)
@@ -102,6 +141,16 @@ def test_a_check_that_fails_takes_its_place_out_and_the_count_begins_anew():
     assert not cells_of(bad)[5, 5]
     assert bad.clean_checks <= 1
     assert "what share of their set-points is calm is not known" in " ".join(made(triangle).basis)
+
+
+def test_a_check_on_an_edge_between_cells_counts_in_both():
+    """A check is drawn in a window with its edges; one on its upper edge was counted for the next cell alone."""
+    good = made(lambda i, _: Regime.SMOOTH if i < 16 else Regime.FORWARD)
+    _, k, j, _ = good.window_nodes[0]
+    edge = Key(k * FINER, (j + 1) * FINER + 9, 0, None, FINER)
+    assert replace(good, records={**good.records, edge: RunRecord(Regime.SMOOTH)}).clean_checks == 1
+    failed = replace(good, records={**good.records, edge: RunRecord(Regime.FORWARD)})
+    assert not cells_of(failed)[k - 1, j + 1]
 
 
 def test_draws_are_counted_with_their_limit():

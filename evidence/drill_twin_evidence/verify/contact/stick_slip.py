@@ -11,15 +11,17 @@ from drill_twin.core.arrays import Array
 from drill_twin.core.compile.jit import as_python
 from drill_twin.dynamics.twin.twin import Twin
 from drill_twin.physics.effects import bit_torque_tanh
-from drill_twin.scene import load_scene
+from drill_twin.scene import Scene, load_scene
 from drill_twin.scene.set_points.command import Command
 from drill_twin_evidence.verify.case import case
+from drill_twin_evidence.verify.contact.torsional_reference import Pipe, cycle_of, torsion
 from drill_twin_evidence.verify.row import Row
 from drill_twin_evidence.verify.scenes import steel
 
 INTERVAL = 0.02
 NAVARRO = "Navarro-Lopez and Suarez 2004"
 SWITCHED = f"{NAVARRO}, integrated with a switch for sticking"
+EVENTS = "integrated with events (torsional_reference.py)"
 REGIMES = ("stuck", "stick-slip", "steady")
 EXPECTED = (
     (50.75e3, 0.0, "steady"),
@@ -98,6 +100,54 @@ def cycle(weight: float) -> Iterator[Row]:
         yield Row(what, "two masses on a spring", SWITCHED, exact, found, 5e-3)
     yield Row("share of time stuck [-]", "two masses on a spring", SWITCHED, stuck,
               float(np.mean(bit[of_cycle] < 0.01)), 5e-3, relative=False)  # fmt: skip
+
+
+PIPES = (Pipe(100.0, 0.2032, 0.0714), Pipe(1100.0, 0.127, 0.1086))
+"""Collars and drill pipe."""
+LIGHT, HEAVY = 30e3, 120e3
+"""Weights on bit [N]: buckling asks for a step of 8.6 ms under the heavy one, and leaves it to rotation and frames
+under the light one."""
+
+
+def well(weight: float, rpm: float, arm: float, seconds: float) -> Scene:
+    """A string of 1,200 m that follows the hole but for 20 m, at the step and the mesh that `auto` chooses."""
+    sections = [{"length": each.length, "outer_diameter": each.outer, "inner_diameter": each.inner} for each in PIPES]
+    return Scene.model_validate({
+        "name": "stick_slip_well",
+        "string": {"sections": sections, "bit_end": "guided"},
+        "hole": {"radius": 0.155},
+        "rig": {
+            "weight_on_bit": {"value": weight}, "rotation": {"value": f"{rpm} rpm"},
+            "duration": seconds,
+        },
+        "effects": {
+            "gravity": {}, "stretch": {}, "torsion": {}, "wall": {"stiffness": 1e10},
+            "internal_damping": {"bending_time": 1e-3, "stretch_time": 1e-3, "torsion_time": 1e-3},
+            "bit_torque_stribeck": {"radius": arm, "sliding": 0.2, "sticking": 0.4, "decay": 0.3},
+        },
+        "numerics": {"frame_rate": 50.0, "lateral_from": 1180.0},
+    })  # fmt: skip
+
+
+@case(weight=(LIGHT, HEAVY), rpm=(20.0, 30.0, 60.0, 130.0))
+def cycle_in_a_well(weight: float, rpm: float) -> Iterator[Row]:
+    """Limit cycle of a distributed string under two weights of the same torque, at the step that `auto` chooses.
+
+    The reference holds a bit that sticks and changes between sticking and sliding at events; elements of 30 m.
+    """
+    torque, seconds = 12.444e3, 60.0
+    twin, top = Twin(well(weight, rpm, torque / weight, seconds)), rpm * np.pi / 30.0
+    ends: Array = np.arange(1, round(seconds / INTERVAL) + 1, dtype=float) * INTERVAL
+    rows = [twin.advance(Command(weight, top * min(end / 10.0, 1.0)), INTERVAL).rig for end in ends.tolist()]
+    spin, speed = np.array([(rig.bit_angle, rig.bit_speed) for rig in rows]).T
+    string = torsion(PIPES, 30.0, 1e-3, lambda w: torque * (0.2 + 0.2 * np.exp(-0.3 * w)), top, 10.0)
+    time, exact = string.run(seconds, 0.01)
+    late = round(30.0 / INTERVAL)
+    found = cycle_of(ends[late:] - 0.5 * INTERVAL, np.diff(spin)[late - 1 :] / INTERVAL)  # means: no alternation
+    known = cycle_of(time[time > 30.0], exact[time > 30.0])
+    yield Row("period [s]", "torsion of a string over a bit in dry friction", EVENTS, known.period, found.period, 0.01)
+    yield Row("peak speed of the bit [rad/s]", "torsion of a string over a bit in dry friction", EVENTS, known.peak,
+              float(speed[late:].max()), 0.01)  # fmt: skip
 
 
 @case(speed=(1.0, 1.5, 2.0, 4.0), long=True)

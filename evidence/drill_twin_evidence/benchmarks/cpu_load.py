@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Processor load and memory of every node of a twin that runs in real time over DDS.
 
+    python -m drill_twin_evidence.benchmarks.cpu_load --elements 16 --rate 100
+
 The nodes are processes of their own, as on a rig, without other subscribers. Their processor time is the operating
 system's (user and system, including all DDS threads), from `/proc`.
 """
@@ -13,11 +15,16 @@ import tempfile
 import time
 from collections.abc import Callable, Mapping
 from contextlib import closing
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Annotated
 
-from drill_twin.core.process import processor_time
+import typer
+
+from drill_twin.cli.emit import emit
+from drill_twin.cli.options import JsonOption, time_option
+from drill_twin.cli.show import shown_progress
+from drill_twin.core.table import Table
 from drill_twin.ros.core.stop_request import StopRequest
 from drill_twin.ros.demo.processes import Child, processes, twin_commands
 
@@ -85,6 +92,12 @@ def _observe_until(reached: Callable[[DemoObserver], bool], children: Mapping[st
         return next(observer.simulator for observer in turns if reached(observer))
 
 
+def processor_time(pid: int) -> float:
+    """User and system time of a process [s], all threads included."""
+    fields = Path(f"/proc/{pid}/stat").read_text("utf-8").rpartition(")")[2].split()
+    return (int(fields[11]) + int(fields[12])) / float(os.sysconf("SC_CLK_TCK"))
+
+
 def _measure(children: Mapping[str, Child], seconds: float) -> list[NodeLoad]:
     begun = time.monotonic()
     before = {node: processor_time(child.pid) for node, child in children.items()}
@@ -99,3 +112,37 @@ def _measure(children: Mapping[str, Child], seconds: float) -> list[NodeLoad]:
 
 def _memory(pid: int) -> int:
     return int(Path(f"/proc/{pid}/statm").read_text("utf-8").split()[1]) * resource.getpagesize()
+
+
+def load(
+    scene: Annotated[str, typer.Argument(help="Name of an installed scene, or a scene file.")] = "pa6_bench",
+    rate: Annotated[
+        float, typer.Option("--rate", metavar="HZ", help="Frames per second.", min=1.0, max=1000.0)
+    ] = 200.0,
+    elements: Annotated[
+        int, typer.Option("--elements", help="Number of elements of the string.", min=2, max=2000)
+    ] = 50,
+    seconds: Annotated[float, time_option("--duration", "Length of the measurement", 1.0, 3600.0)] = 20.0,
+    json: JsonOption = False,
+) -> None:
+    """Measure the share of a processor core that each node takes in real time. Needs ROS 2 (rclpy).
+
+    Simulator, rig driver, analyzer and recorder run as processes over DDS; their processor time is that of the kernel,
+    with all threads of DDS. The simulator itself measures its time for the motion and for publishing.
+    """
+    with shown_progress("running the nodes"):
+        shares, said = run_load(LoadOptions(scene, rate, elements, seconds))
+    rows = [(share.node, f"{share.processor:.1%}", f"{share.memory / 2**20:.0f} MB") for share in shares]
+    physics, publishing = 1.0 / float(said["physics_speed"]), float(said["publishing_share"])
+    emit(
+        {"nodes": [asdict(share) for share in shares], "simulator": dict(said)},
+        [
+            Table(("node", "of one core", "memory"), rows, right=(1, 2)),
+            f"of the simulator: {physics:.1%} the motion, {publishing:.1%} encoding and publishing",
+        ],
+        json=json,
+    )
+
+
+if __name__ == "__main__":
+    typer.run(load)

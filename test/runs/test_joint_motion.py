@@ -1,0 +1,39 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Whirl where the lateral motion of a string ends is told in the run."""
+
+import pytest
+
+from drill_twin.api import load_scene
+from drill_twin.runs.loop import RunLoop
+from drill_twin.scene.set_points import Schedule
+
+FAST = {"rig.rotation.value": "150 rpm", "effects.eccentricity.offset": "5 mm"}
+RUBBING = {
+    "rig.rotation.value": "200 rpm",
+    "effects.eccentricity.offset": "10 mm",
+    "effects.wall_friction.coefficient": "0.6",
+}
+
+
+def _told(changes, depth="auto"):
+    scene = load_scene("wells/vertical_3000", {"numerics.lateral_from": depth, **changes})
+    loop, schedule, period = (
+        RunLoop(scene, scene.numerics.frame_period, lambda *_: None),
+        Schedule.from_scene(scene),
+        0.02,
+    )
+    while loop.twin.time < 20.0:
+        ahead = [schedule.at(loop.twin.time + (k + 1) * period) for k in range(min(50, loop.most_frames))]
+        frames, error = loop.fill(ahead)
+        assert error is None
+        loop.count(frames, 0.0)
+    return loop.diagnostics().get("left_out", "")
+
+
+def test_a_calm_string_says_nothing():
+    assert _told({}) == ""
+
+
+@pytest.mark.parametrize("changes", [FAST, RUBBING], ids=["fast", "rubbing"])
+def test_a_string_that_whirls_at_the_joint_says_so(changes):
+    assert "the string whirled where its lateral motion ends" in _told(changes)
