@@ -131,12 +131,15 @@ class Estimator:
         return None if window is None else self.filter.advance(window)
 
     def follow(self, record: Record) -> Iterator[Estimate]:
-        """Estimates over a record, with the readings of the subs that it has."""
+        """Estimates over a record from its time zero on, with the readings of the subs that it has."""
         samples: dict[float, dict[str, float]] = {}
         for name, (time, values) in record.series.items():
-            for stamp, value in zip(time.tolist(), values.tolist(), strict=True):
-                samples.setdefault(stamp, {})[name] = value
-        self.take(0.0)
+            at_end = name in (*SET_POINTS, *record.ends, *record.instant)
+            ends = time if at_end else time + 0.5 * float(np.median(np.diff(time)))
+            for stamp, value in zip(np.round(np.maximum(ends, 0.0), 6).tolist(), values.tolist(), strict=True):
+                samples.setdefault(stamp, {})[name] = value  # of what is before zero, the last set-point is held
+        first = {name: value for name, value in samples.pop(0.0, {}).items() if name in SET_POINTS}
+        self.take(0.0, first)
         readings = deque(sorted(_readings(record, self._subs), key=itemgetter(0)))
         for stamp in sorted(samples):
             while readings and readings[0][0] <= stamp + _AHEAD:

@@ -103,15 +103,17 @@ def _shown(found: Estimate, scene: Scene, troubles: dict[str, int]) -> Iterator[
     from drill_twin.studies.fitting.posterior import of_law, shown_number
     from drill_twin.studies.goodness import table as goodness_table
 
-    if found.alarm:
-        yield found.alarm
+    yield from filter(None, (found.alarm, found.remembered))
     rows = []
-    for name, band in {**found.numbers, **found.sensors}.items():
+    known = {name: band for name, band in found.sensors.items() if name not in found.withheld}
+    for name, band in {**found.numbers, **known}.items():
         size, unit = shown_unit(name, scene.unit_system) if name in found.sensors else shown_number(name, scene)
         mean, low, high = (f"{size * value:.4g}" for value in (band.mean, band.low, band.high))
         rows.append((f"{name} [{unit}]" if unit else name, mean, f"{size * band.deviation:.2g}", low, high))
     title = f"{scene.name} at {found.time:g} s"
     yield Table(("", "mean", "deviation", "low", "high"), rows, title=title, right=(1, 2, 3, 4))
+    for reason in dict.fromkeys(found.withheld.values()):
+        yield f"{', '.join(name for name, of in found.withheld.items() if of == reason)}: withheld, {reason}"
     for key, share in found.untold.items():
         yield f"{key}: the record does not tell it, its band covers {share:.0%} of its range"
     yield from of_law(found.numbers, scene)
@@ -130,4 +132,5 @@ def _line(found: Estimate) -> str:
 def _plain(found: Estimate) -> dict[str, Any]:
     plain = asdict(found)
     del plain["frames"]
-    return plain | {"alarm": found.alarm, "goodness": {name: of.to_dict() for name, of in found.goodness.items()}}
+    plain["goodness"] = {name: of.to_dict() for name, of in found.goodness.items()}
+    return plain | {"alarm": found.alarm, "remembered": found.remembered}

@@ -66,6 +66,10 @@ class Goodness:
         """Rms residual over the noise; NaN where the samples are too few to tell it, or have none."""
         return self.residual / self.noise if self.noise > 0.0 else math.nan
 
+    def over_noise(self, of: str = "") -> str:
+        """Ratio in words, with what it is a multiple of; samples of a slow record do not tell noise from motion."""
+        return f"{self.ratio:.3g} {of}".rstrip() if self.noise > 0.0 else "over noise not known" if of else "not known"
+
     @property
     def lasting(self) -> bool:
         """True if the residual goes on from sample to sample as noise does not."""
@@ -122,7 +126,7 @@ def goodness(
 def sentence(found: Mapping[str, Goodness]) -> str:
     """Sentence on the channels, by name, that the model does not explain; empty if it explains all."""
     parts = [
-        f"{name.replace('_', ' ')} (residual {one.ratio:.3g} times {one.against}"
+        f"{name.replace('_', ' ')} (residual {one.over_noise(f'times {one.against}')}"
         + f", {one.inside:.0%} of the {one.of} in the band of {BAND:.0%}" * (one.chi_square > one.limit)
         + f", but it lasts: {one.correlation:+.2f} from sample to sample, where noise has 0" * one.lasting
         + ")"
@@ -135,7 +139,7 @@ def sentence(found: Mapping[str, Goodness]) -> str:
 def table(found: Mapping[str, Goodness]) -> Table:
     """Table for people of the goodness of channels by name."""
     rows = [
-        (name, one.samples, f"{one.ratio:.3g}", f"{one.correlation:+.2f}".replace("+nan", "-"),
+        (name, one.samples, one.over_noise(), f"{one.correlation:+.2f}".replace("+nan", "-"),
          f"{one.independent:.0f}", f"{one.chi_square:.3g}", f"{one.inside:.0%}")
         for name, one in found.items()
     ]  # fmt: skip
@@ -162,11 +166,6 @@ def limit_of_samples(samples: int) -> float:
 def correlation_limit(samples: int) -> float:
     """Autocorrelation of white samples that is exceeded by chance in one of 1,000 cases (Bartlett 1946)."""
     return -float(special.ndtri(_UNLIKELY)) / math.sqrt(max(samples, 1))
-
-
-def limit_of_windows(windows: int) -> float:
-    """Chi-square that is exceeded by chance in one of 1,000 cases where the samples of a window err alike."""
-    return float(special.chdtri(windows, _UNLIKELY)) / windows
 
 
 def noise_of(values: Array) -> float:

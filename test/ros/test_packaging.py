@@ -123,6 +123,27 @@ def test_each_bound_names_a_version_that_can_be_tested(setup_arguments):
         assert re.fullmatch(r"[a-z0-9]+>=[0-9.]+(,<[0-9.]+)?", line)
 
 
+NEWER_THAN_NUMPY_1_26 = {
+    "acos", "asin", "astype", "bitwise_count", "concat", "cumulative_prod", "cumulative_sum", "isdtype",
+    "matrix_transpose", "matvec", "permute_dims", "trapezoid", "unique_counts", "unique_values", "unstack", "vecdot",
+    "vecmat",
+}  # fmt: skip
+SEEDED_BY_SCIPY = {"Halton", "LatinHypercube", "Sobol", "bootstrap", "differential_evolution", "permutation_test"}
+
+
+@pytest.mark.parametrize("room", ["drill_twin", "evidence", "test"])
+def test_no_call_asks_for_more_than_the_lowest_numpy_and_scipy(room):
+    """Where no test of `.ci/bounds` comes by; `rng` of scipy's functions is newer than 1.11, which knows `seed`."""
+    for file in (ROOT / room).rglob("*.py"):
+        for node in ast.walk(ast.parse(file.read_text("utf-8"))):
+            if isinstance(node, ast.Attribute) and isinstance(node.value, ast.Name) and node.value.id == "np":
+                assert node.attr not in NEWER_THAN_NUMPY_1_26, f"{file}:{node.lineno}: np.{node.attr}"
+            elif isinstance(node, ast.Call):
+                name = getattr(node.func, "attr", getattr(node.func, "id", ""))
+                given = {keyword.arg for keyword in node.keywords}
+                assert name not in SEEDED_BY_SCIPY or "rng" not in given, f"{file}:{node.lineno}: {name}(rng=...)"
+
+
 def test_a_ros_workspace_gets_what_has_no_key_in_rosdep(setup_arguments):
     page, manifest = ((ROOT / name).read_text("utf-8") for name in ("docs/install.md", "package.xml"))
     (line,) = re.findall(r"^\$ \.venv/bin/pip install (.*)$", page, re.MULTILINE)

@@ -45,6 +45,7 @@ class EstimateEncoder:
         """CDR of an estimate at a stamp [ns]."""
         level, _ = trust_in(found)
         values = {"trust": float(level), "alarm": float(bool(found.alarm)), "whirls": found.whirls}
+        values["unexplained"] = sum(one.end - one.start for one in found.spans)
         if math.isfinite(found.chance):
             values["chance_of_whirl"] = found.chance
         for name, band in {**found.numbers, **found.sensors}.items():
@@ -66,13 +67,15 @@ def verdict_of(found: Estimate) -> tuple[Level, str]:
 
 
 def values_for_diagnostics(found: Estimate) -> dict[str, str]:
-    """Misfit of each channel, and counts of what was left out or replaced."""
+    """Misfit of each channel, and the number of samples left out."""
     values = {f"misfit_{name}": exact(value) for name, value in found.misfit.items()}
     for name, of in found.goodness.items():
         values |= {f"residual_over_noise_{name}": exact(of.ratio), f"chi_square_{name}": exact(of.chi_square)}
         values |= {f"autocorrelation_{name}": exact(of.correlation), f"in_band_{name}": exact(of.inside)}
     values |= {"not_told": ", ".join(found.untold)} if found.untold else {}
-    return values | {"absurd_beside_the_model": str(found.absurd), "members_replaced": str(found.replaced)}
+    values |= {"remembered": found.remembered} if found.spans else {}
+    values |= {f"withheld_{name}": reason for name, reason in found.withheld.items()}
+    return values | {"absurd_beside_the_model": str(found.absurd)}
 
 
 def trust_in(found: Estimate) -> tuple[Level, str]:

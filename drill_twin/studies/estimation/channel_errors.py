@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -81,52 +81,6 @@ class ChannelErrors:
         self._raised = np.maximum(self._raised + (found - self._raised) / _MEMORY, 0.0)
 
 
-BEGIN = 10
-"""Windows before the first alarm: numbers are still being found."""
 LIMIT = 3.0
 """Rms innovation of a window over the predicted one, from which the window is not explained. Its samples may err alike:
 then it is the size of one normal value, which is larger in 0.3 % of the windows of a model that is right."""
-_WINDOWS = 3
-"""Windows in a row that raise the alarm, or end it."""
-
-
-class ModelMismatchAlarm:
-    """Misfit of C channels over the windows, against what is predicted for it and not against its own past."""
-
-    def __init__(self, channels: Sequence[str]) -> None:
-        self._channels = list(channels)
-        self._seen = np.zeros(len(channels), dtype=int)
-        self._odd = np.zeros(len(channels), dtype=int)
-        self._good = np.zeros(len(channels), dtype=int)
-        self._first = np.full(len(channels), np.nan)
-        self._raised = np.zeros(len(channels), dtype=bool)
-
-    @property
-    def since(self) -> Mapping[str, float]:
-        """Time since which each channel in alarm is not explained [s]."""
-        return {name: float(self._first[k]) for k, name in enumerate(self._channels) if self._raised[k]}
-
-    def take(self, start: float, misfit: Array) -> None:
-        """Take a window.
-
-        Args:
-            start: Its first time [s].
-            misfit: Rms of measured less predicted mean over what members and stated errors predict, shape (C,); NaN
-                where nothing was measured.
-        """
-        for channel, value in enumerate(misfit):
-            if not np.isfinite(value):
-                continue
-            self._seen[channel] += 1
-            if self._seen[channel] > BEGIN and value > LIMIT:
-                if self._odd[channel] == 0 and not self._raised[channel]:
-                    self._first[channel] = start
-                self._odd[channel] += 1
-                self._good[channel] = 0
-            else:
-                self._good[channel] += 1
-                self._odd[channel] = 0
-            if self._odd[channel] >= _WINDOWS:
-                self._raised[channel] = True
-            elif self._good[channel] >= _WINDOWS:
-                self._raised[channel] = False

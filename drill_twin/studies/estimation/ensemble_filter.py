@@ -15,14 +15,14 @@ from drill_twin.core.arrays import Array, Mask
 from drill_twin.core.errors import ArgumentError
 from drill_twin.core.rig_channels import INSTANT
 from drill_twin.scene import Scene
-from drill_twin.studies.estimation.channel_errors import ChannelErrors, ModelMismatchAlarm
+from drill_twin.studies.estimation.channel_errors import ChannelErrors
+from drill_twin.studies.estimation.doubts import JUMP_WINDOWS, Doubts
 from drill_twin.studies.estimation.estimate import Estimate, FilterWindow
 from drill_twin.studies.estimation.innovations import WINDOWS, Innovations, widening, widening_of_numbers
 from drill_twin.studies.estimation.jumps import UNEXPLAINED, Jumps
-from drill_twin.studies.estimation.members import EstimatorMembers
+from drill_twin.studies.estimation.members import LOAD, EstimatorMembers
 from drill_twin.studies.estimation.phase import PhaseCorrection
-from drill_twin.studies.estimation.prediction import Band, Prediction, WindowTiming
-from drill_twin.studies.estimation.regime_resampling import RegimeResampling
+from drill_twin.studies.estimation.prediction import UNTOLD, Band, Prediction, Swing, WindowTiming
 from drill_twin.studies.estimation.restarts import Restarts
 from drill_twin.studies.estimation.square_root_filter import Correction, applied, corrections
 from drill_twin.studies.estimation.subs import VALUES, speed
@@ -127,19 +127,19 @@ class EnsembleFilter:
         every = max(1, round(frame_rate / options.rate))
         samples = max(1, round(options.window * frame_rate / every))
         self.pace = WindowTiming(scene.numerics.frame_period, every * samples, samples)
-        self.members = EstimatorMembers(scene, ranges, options.members, self.pace, options.seed, subs)
         self._computed = [f"{name}{INSTANT}" if name in instant else name for name in channels]
+        self.members = EstimatorMembers(scene, ranges, options.members, self.pace, options.seed, subs, self._computed)
         self.channels = [*channels, *(f"{sub.name}/speed" for sub in self.members.subs)]
         self.time = 0.0
         self._errors = ChannelErrors(self.channels, options.error)
-        self._resampling = RegimeResampling(options.members, options.seed)
         few = _FEW if subs else 1.0
         self._innovations = Innovations(self.channels, few)
-        self._alarm = ModelMismatchAlarm(self.channels)
+        self._doubts = Doubts(self.channels)
         self._jumps = Jumps(self.channels, self.members.keys)
         self._restarts = Restarts(self.members, self._computed, few)
         self._phase = PhaseCorrection(self.members, options.error)
-        self._replaced, self._unmeasured, self._regained = 0, 0.0, False
+        self._unmeasured, self._regained = 0.0, False
+        self._swing = Swing(self.pace)
         self._recent: deque[dict[str, Array]] = deque(maxlen=WINDOWS)
         self._distance: Array = np.zeros(options.members)
 
@@ -149,16 +149,18 @@ class EnsembleFilter:
         Raises:
             RunError: No member could be followed.
         """
-        self._restarts.begin(window.commands)
-        frames, prediction = self.members.advance(window.commands, self._nearest)
+        self._restarts.begin(window)
+        frames, prediction = self.members.advance(window, self._nearest)
         start, self.time, self._regained = self.time, self.time + self.pace.window, False
         predicted, measured, readings = self._compared(prediction, window)
         measured = self._errors.screen(predicted, measured)
-        self._restarts.end(measured, predicted.mean(axis=0))
-        self._innovations.take(predicted, measured, self._errors.scale, self._errors.stated)
-        misfit, normalised = self._innovations.misfit, self._innovations.normalised
-        shifts, stated = self._innovations.shifts, self._errors.stated
-        anew = self._jumps.take(predicted, self.members.normal, stated, normalised, shifts)
+        self._restarts.end(measured)
+        self._swing.take(prediction.speeds)
+        judged = self._innovations
+        judged.take(predicted, measured, self._errors.scale, self._errors.stated)
+        self._doubts.take(start, judged.surprises, judged.samples, judged.off, self._errors.scale)
+        misfit, normalised = judged.misfit, judged.normalised
+        anew = self._jumps.take(predicted, self.members.normal, self._errors.stated, normalised)
         found = corrections(predicted, measured, self._errors.deviation)
         lateral = self._phase(self.members, prediction.readings, readings, found) if self.members.subs else []
         corrected = applied(found, predicted)
@@ -170,44 +172,49 @@ class EnsembleFilter:
         self._forget()
         sensors = self._sensors(prediction, found, lateral)
         self._recent.append(sensors)
-        self._alarm.take(start, normalised)
-        self._unmeasured = 0.0 if np.isfinite(misfit).any() else self._unmeasured + self.pace.window
+        measuring = window.between or np.isfinite(misfit).any()
+        self._unmeasured = 0.0 if measuring else self._unmeasured + self.pace.window
         predicted = np.concatenate((predicted, self._phase.predicted), axis=1)
         measured = np.concatenate((measured, self._phase.measured))
         deviation = np.concatenate((self._errors.deviation, self._phase.errors.deviation))
-        self._resample(predicted, measured, deviation)
         self._weigh_distance(applied([*found, *lateral], predicted), measured, deviation)
-        goodness = self._innovations.judged()
+        goodness = judged.judged()
+        withheld = {} if self.members.subs else self._swing.withheld(window.spacing)
+        withheld |= dict.fromkeys(sensors, "the model does not explain what is measured") if self._doubts.since else {}
         factor, of_numbers = widening(goodness), widening_of_numbers(goodness)
-        return Estimate(
+        estimate = Estimate(
             time=self.time,
             numbers=self.members.bands(of_numbers),
             untold=self.members.untold(of_numbers),
-            sensors={name: self._band(name, values, factor) for name, values in sensors.items()},
+            sensors={name: self._band(name, of, factor) for name, of in sensors.items()}
+            | dict.fromkeys(withheld, UNTOLD),
+            withheld=withheld,
             whirls=float(prediction.whirls.mean()),
             chance=self._chance(window.commands, float(prediction.whirls.mean())),
-            unexplained=self._alarm.since,
+            unexplained=self._doubts.since,
             jumps=dict(self._jumps.since),
             misfit=dict(zip(self.channels, misfit.tolist(), strict=True)),
             goodness=goodness,
             absurd=self._errors.absurd + self._phase.errors.absurd,
-            replaced=self._replaced,
             unmeasured=self._unmeasured,
             frames=frames,
         )
+        if estimate.alarm:
+            self._doubts.remember(start, self.time)
+        return replace(estimate, spans=self._doubts.spans)
 
     def _start_again(self, start: float, told: Mask) -> None:
-        """Follow again with what explains a jump; after a large one not explained, numbers are held as they were."""
-        jumps, stated = self._jumps, self._errors.stated
-        restart = self._restarts.found(told, stated, jumps.windows, small=jumps.small)
-        jumps.explain(start - (jumps.windows - 1) * self.pace.window, None if restart is None else restart.chosen)
-        if restart is not None:
-            self._regained = not restart.chosen.any()
-            self._restarts.follow(restart)
-            self._errors.forget()
-            self._innovations.forget()
-        elif not jumps.small:
-            self.members.set_numbers(self._restarts.held(jumps.windows))
+        """Follow again with what explains a jump; where nothing does, numbers are held as they were."""
+        restart = self._restarts.found(told, self._errors.stated, JUMP_WINDOWS)
+        since = start - (JUMP_WINDOWS - 1) * self.pace.window
+        self._jumps.explain(since, None if restart is None else restart.chosen)
+        if restart is None:
+            self.members.set_numbers(self._restarts.held(JUMP_WINDOWS))
+            return
+        self._regained = not restart.chosen.any()
+        self._restarts.follow(restart)
+        for each in (self._errors, self._innovations, self._doubts):
+            each.forget()
 
     def _band(self, name: str, values: Array, factor: float) -> Band:
         """Band of a virtual sensor; after a jump not explained or a lost motion, all that the members did of late."""
@@ -220,9 +227,11 @@ class EnsembleFilter:
     def _wider(self, name: str, factor: float) -> float:
         """Factor of the band of a virtual sensor, from that of what is not measured."""
         impact = _IMPACT if name == "wall_force" else 1.0
-        if not self.members.subs or name in _FOLLOWED:
-            return impact * factor
-        return impact * _FEW * max(factor, math.sqrt(self._phase.chi_square))
+        if self.members.subs and name not in _FOLLOWED:
+            factor = _FEW * max(factor, math.sqrt(self._phase.chi_square))
+        if name == "weight_on_bit" and LOAD in self.members.keys:  # known at least as well as before any record
+            factor = min(factor, 1.0 / float(self.members.normal[:, self.members.keys.index(LOAD)].std(ddof=1)))
+        return impact * factor
 
     @property
     def _nearest(self) -> int:
@@ -258,13 +267,6 @@ class EnsembleFilter:
         members, growth = self.members, np.exp(self.pace.window / self.options.memory)
         mean, deviation = members.normal.mean(axis=0), members.normal.std(axis=0)
         members.normal = mean + (members.normal - mean) * np.where(deviation * growth < 1.0, growth, 1.0)
-
-    def _resample(self, predicted: Array, measured: Array, deviation: Array) -> None:
-        self._resampling.weigh(predicted, measured, deviation)
-        pairs = self._resampling.replacements()
-        for source, target in pairs:
-            self.members.copy(source, target)
-        self._replaced += len(pairs)
 
     def _weigh_distance(self, corrected: Array, measured: Array, deviation: Array) -> None:
         """Distance of each member from what is measured, fading over some windows."""

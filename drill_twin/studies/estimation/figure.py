@@ -31,7 +31,7 @@ def estimate_figure(found: Sequence[Estimate], record: Record, units: UnitSystem
 
     time = np.array([one.time for one in found])
     names = [(name, 1.0, "SI") for name in found[0].numbers]
-    moved = (name for name in found[0].sensors if any(one.sensors[name].high for one in found))
+    moved = (name for name in found[0].sensors if any(np.nan_to_num(one.sensors[name].mean) for one in found))
     names += [(name, *shown_unit(name, units)) for name in moved]
     channels = sorted({name for one in found for name in one.misfit})
     with styled():

@@ -6,40 +6,29 @@ from __future__ import annotations
 import math
 from collections import deque
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
 
 from drill_twin.core.arrays import Array
-from drill_twin.studies.goodness import Goodness, goodness, limit_of_windows, noise_of
+from drill_twin.studies.estimation.square_root_filter import correction
+from drill_twin.studies.goodness import Goodness, goodness, noise_of
 
 WINDOWS = 20
 """Windows that are judged together."""
 _FEWEST = 10
-"""Windows before the first judgement: numbers are still being found."""
-_LASTING = 3
-"""Windows in a row from which a chi-square above its limit counts; a single window is the other alarm's."""
-_LATE, _STEADY, _MOST = range(3, 7), 0.5, 5.0
-"""Numbers of last windows whose mean innovations are compared with those of the windows before; the least deviation of
-these, over the predicted one, as they may be alike by chance; and the largest change that counts: one window is none.
-"""
+"""Windows from which a change of the mean innovation can be told; half of the samples that tell their noise."""
+_LEAST_NOISE = 0.25
+"""Noise of a channel over its stated error, at least: sensor and model err together as the stated error says, and the
+record of a twin has no noise."""
 
 
 class _Window(NamedTuple):
-    """Measured, predicted mean and spread of a window, shape (C, S) each, and its mean innovation, shape (C,)."""
+    """Measured, predicted mean and spread of a window, shape (C, S) each."""
 
     measured: Array
     mean: Array
     spread: Array
-    average: Array
-
-
-class Shift(NamedTuple):
-    """Sum of the changes of the mean innovation over their deviation in the last windows, and the number of these."""
-
-    size: float
-    windows: int
 
 
 class Innovations:
@@ -48,6 +37,9 @@ class Innovations:
     Attributes:
         misfit: Rms innovation of the last window over the channel's scale, shape (C,); NaN where nothing was measured.
         normalised: The same over what members and stated errors predict for it, shape (C,).
+        off: The same innovation [SI], shape (C,).
+        surprises: Squared innovation of the last window over its covariance, that of members and noise, shape (C,).
+        samples: Number of samples of it, shape (C,).
     """
 
     def __init__(self, channels: Sequence[str], few: float = 1.0) -> None:
@@ -60,9 +52,10 @@ class Innovations:
         self._channels, self._few = list(channels), few
         self._windows: deque[_Window] = deque(maxlen=WINDOWS)
         self._stated: Array = np.zeros(len(channels))
-        self._above = np.zeros(len(channels), dtype=int)  # windows in a row with a chi-square above its limit
         self.misfit: Array = np.full(len(channels), np.nan)
-        self.normalised: Array = np.full(len(channels), np.nan)
+        self.normalised, self.off = self.misfit.copy(), self.misfit.copy()
+        self.surprises: Array = np.zeros(len(channels))
+        self.samples: Array = np.zeros(len(channels))
 
     def take(self, predicted: Array, measured: Array, scale: Array, stated: Array) -> None:
         """Take a window.
@@ -73,56 +66,40 @@ class Innovations:
             scale: Largest size of each channel [SI], shape (C,).
             stated: Standard deviation that is stated for the error of a sample [SI], shape (C,).
         """
-        window = _Window(
-            measured, predicted.mean(axis=0), predicted.std(axis=0, ddof=1), _average(predicted, measured, stated)
-        )
+        window = _Window(measured, predicted.mean(axis=0), predicted.std(axis=0, ddof=1))
         self._windows.append(window)
         self._stated = stated
         square = (measured - window.mean) ** 2
-        self.misfit = rms(square / np.maximum(scale, np.finfo(float).tiny ** 0.25)[:, None] ** 2)
+        self.off = rms(square)
+        self.misfit = self.off / np.maximum(scale, np.finfo(float).tiny ** 0.25)
         self.normalised = rms(square / ((self._few * window.spread) ** 2 + stated[:, None] ** 2))
+        noise = self._noise()
+        self.samples = np.where(np.isfinite(noise), np.isfinite(measured).sum(axis=1), 0)
+        wide = window.mean + self._few * (predicted - window.mean)
+        self.surprises = np.array([_surprise(wide[:, k], row, noise[k]) for k, row in enumerate(measured)])
+
+    def _noise(self) -> Array:
+        """Noise of each channel over the last windows, shape (C,); NaN where the samples are too few to tell it."""
+        found = np.full(len(self._channels), np.nan)
+        for k, row in enumerate(np.concatenate([each.measured for each in self._windows], axis=1)):
+            known = row[np.isfinite(row)]
+            if known.size >= 2 * _FEWEST:
+                found[k] = max(noise_of(row) or noise_of(known), _LEAST_NOISE * self._stated[k])
+        return found
 
     def forget(self) -> None:
         """Forget all windows: numbers have jumped, and are drawn anew."""
         last = self._windows[-1]
         self._windows.clear()
-        missing = np.full_like(last.measured, np.nan)
-        self._windows.append(last._replace(measured=missing, average=missing.mean(axis=1)))
-
-    @property
-    def shifts(self) -> list[Shift]:
-        """Change of the mean innovation of each channel in the last windows."""
-        return [shift_of(each) for each in np.array([window.average for window in self._windows]).T]
+        self._windows.append(last._replace(measured=np.full_like(last.measured, np.nan)))
 
     def judged(self) -> Mapping[str, Goodness]:
-        """Goodness of each channel over the last windows, against the stated errors; once for each window."""
+        """Goodness of each channel over the last windows, against the stated errors."""
         measured, mean, spread = (np.concatenate([each[k] for each in self._windows], axis=1) for k in range(3))
-        count = len(self._windows)
-        limit = self._few**2 * limit_of_windows(count) if count >= _FEWEST else math.nan
-        found = {}
-        for k, name in enumerate(self._channels):
-            of = goodness(measured[k], mean[k], spread[k], noise_of(measured[k]), float(self._stated[k]), limit)
-            self._above[k] = 0 if of.explained else self._above[k] + 1
-            found[name] = of if self._above[k] >= _LASTING else replace(of, limit=math.nan)
-        return found
-
-
-def shift_of(means: Array) -> Shift:
-    """Largest change of the last mean innovations, of three to six windows, from those before, if all are one way.
-
-    A bias that a model always had is none. It is 0 for fewer than `_FEWEST` windows before.
-
-    Args:
-        means: Mean innovations of windows over their predicted deviations, shape (W,); NaN where missing.
-    """
-    known, found = means[np.isfinite(means)], Shift(0.0, 0)
-    for windows in _LATE:
-        before, late = known[:-windows], known[-windows:]
-        if before.size >= _FEWEST:
-            change = (late - before.mean()) / max(float(before.std()), _STEADY)
-            size = abs(float(np.clip(change, -_MOST, _MOST).sum())) if abs(np.sign(change).sum()) == windows else 0.0
-            found = max(found, Shift(size, windows))
-    return found
+        return {
+            name: goodness(measured[k], mean[k], spread[k], noise_of(measured[k]), float(self._stated[k]), math.nan)
+            for k, name in enumerate(self._channels)
+        }
 
 
 def widening(found: Mapping[str, Goodness]) -> float:
@@ -144,16 +121,20 @@ def widening_of_numbers(found: Mapping[str, Goodness]) -> float:
     return math.sqrt(max([1.0, *(one.chi_square * one.samples / one.independent for one in known)]))
 
 
-def _average(predicted: Array, measured: Array, stated: Array) -> Array:
-    """Mean innovation of a window over its predicted deviation, shape (C,); NaN where nothing was measured.
+def _surprise(predicted: Array, measured: Array, noise: float) -> float:
+    """Squared innovation over its covariance, of members (N, S), samples (S,) and noise; their number, if it is right.
 
-    Of predicted samples, (N, C, S), measured ones, (C, S), and stated errors of a sample that are independent, (C,).
+    A covariance of few members is too small in the q directions in which they differ: there the expected square is
+    q (N + 1) / N (N - 1) / (N - q - 2) (Hotelling 1931), by which it is divided. 0 where nothing can be told.
     """
-    off = np.where(np.isfinite(measured), measured - predicted, np.nan)
-    count = np.isfinite(measured).sum(axis=1)
-    means = np.nansum(off, axis=2) / np.where(count > 0, count, np.nan)
-    variance = means.var(axis=0, ddof=1) + stated**2 / np.maximum(count, 1)
-    return np.asarray(means.mean(axis=0) / np.sqrt(variance))
+    count, known = len(predicted), int(np.isfinite(measured).sum())
+    if not known or not math.isfinite(noise):
+        return 0.0
+    found = correction(predicted, measured, np.full(measured.size, noise**2))
+    along, left = found.directions, count - found.directions - 2.0
+    if left <= 0.0:
+        return 0.0
+    return found.surprise * known / (known - along + along * (count + 1) / count * (count - 1) / left)
 
 
 def rms(squares: Array) -> Array:

@@ -1,11 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """Jumps of numbers: shown by the innovations of a channel, and explained by one that it tells, or by none.
 
-They are shown by windows that are not explained; or by a mean innovation that has changed and lasts, though samples err
-by less than is stated. Then a number that no channel tells from a window may have jumped, too.
-
-The filter has by then a spread that does not reach the new value. What explains the jump is found by restarts
-(`drill_twin.studies.estimation.restarts`) and is looked for anew; the other numbers are held as they were.
+They are shown by windows that are not explained. The filter has by then a spread that does not reach the new value.
+What explains the jump is found by restarts (`drill_twin.studies.estimation.restarts`) and is looked for anew; the other
+numbers are held as they were.
 """
 
 from __future__ import annotations
@@ -15,20 +13,13 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from drill_twin.core.arrays import Array, Mask
-from drill_twin.studies.estimation.channel_errors import BEGIN, LIMIT
-from drill_twin.studies.estimation.innovations import Shift
+from drill_twin.studies.estimation.channel_errors import LIMIT
+from drill_twin.studies.estimation.doubts import BEGIN, JUMP_WINDOWS
 
-_WINDOWS = 2
-"""Windows in a row, not explained, that show a jump."""
-_SHIFT, _CALM = 13.0, 2.0
-"""Change of the mean innovation, lasting, that shows a jump smaller than the stated error: before jumps it was at most
-11 in 15 runs; and the normalised innovation below which its windows are explained otherwise."""
 _ALONE, _APART, _LONGEST = 10, 20, 80
 """Windows after a jump in which the numbers that explain it are corrected alone, and before the next jump: a motion
 that has lost its phase with the load is no jump of friction. Where none explains a large one, all are held until the
 next, and the time to it doubles, as restarts cost some windows of computing."""
-_AGAIN = 3
-"""Windows after which a small jump that nothing explains is looked for again."""
 _TELLS = 0.5
 """Share of the variance of a number that its channel explains, from which the channel tells it."""
 _KEPT = 0.97
@@ -46,7 +37,6 @@ class Jumps:
     Attributes:
         since: Time of the jump [s] by key of each number that explains it, for `_APART` windows; of `UNEXPLAINED`, if
             none does.
-        windows: Last windows, which show the jump.
     """
 
     def __init__(self, channels: Sequence[str], keys: Sequence[str]) -> None:
@@ -56,8 +46,6 @@ class Jumps:
         self._odd = np.zeros(len(channels), dtype=int)
         self._wait = BEGIN  # windows before the next jump
         self._apart = _APART
-        self._calm = np.zeros(len(channels), dtype=int)  # windows in a row, measured and explained
-        self.windows = _WINDOWS
 
     @property
     def free(self) -> Mask | bool:
@@ -66,7 +54,7 @@ class Jumps:
             return True
         return np.array([key in self.since for key in self._keys])
 
-    def take(self, predicted: Array, numbers: Array, stated: Array, normalised: Array, shifts: Sequence[Shift]) -> Mask:
+    def take(self, predicted: Array, numbers: Array, stated: Array, normalised: Array) -> Mask:
         """Take a window before its correction; returns the numbers that may explain a jump, shape (d,).
 
         Args:
@@ -74,45 +62,29 @@ class Jumps:
             numbers: Their numbers, shape (N, d).
             stated: Stated errors of a sample, shape (C,).
             normalised: Rms innovation of each channel over the predicted one, shape (C,); NaN where not measured.
-            shifts: Changes of their mean innovations.
         """
         told = np.array([explained(predicted[:, k] / error, numbers) for k, error in enumerate(stated)])
         self._told = np.maximum(_KEPT * self._told, told)
         self._odd = np.where(normalised > LIMIT, self._odd + 1, 0)
-        self._calm = np.where(normalised <= _CALM, self._calm + 1, 0)
         if self._wait:
             self._wait -= 1
             return np.zeros(len(self._keys), dtype=bool)
         teller, known = self._told.argmax(axis=0), self._told.max(axis=0) > _TELLS
-        may: Mask = (self._odd >= _WINDOWS)[teller] & known
-        large = np.array([shift.size > _SHIFT for shift in shifts])
-        shifted = large & (self._calm >= [shift.windows for shift in shifts])
-        self.windows = _WINDOWS
-        if shifted.any() and not self._odd.any():
-            may = shifted[teller] | ~known
-            self.windows = max(shift.windows for shift, of in zip(shifts, shifted, strict=True) if of)
+        may: Mask = (self._odd >= JUMP_WINDOWS)[teller] & known
         if not may.any():
             self.since = {}
         return may
-
-    @property
-    def small(self) -> bool:
-        """True where a change of the mean innovation shows the jump, and all windows are explained."""
-        return self.windows > _WINDOWS
 
     def explain(self, start: float, chosen: Mask | None) -> None:
         """Take what explains the last windows.
 
         Args:
             start: First time of the window that showed the jump [s].
-            chosen: Numbers that have jumped, shape (d,), none where the motion was lost; None if nothing explains it,
-                and a small jump is then none.
+            chosen: Numbers that have jumped, shape (d,), none where the motion was lost; None if nothing explains it.
         """
         wait = _APART
         if chosen is not None:
             self.since = {key: start for key, of in zip(self._keys, chosen, strict=True) if of}
-        elif self.small:
-            self.since, wait = {}, _AGAIN
         else:
             wait = min(2 * self._apart, _LONGEST) if UNEXPLAINED in self.since else _APART
             self.since = {UNEXPLAINED: self.since.get(UNEXPLAINED, start)}

@@ -23,16 +23,18 @@ from drill_twin.scene import Scene
 from drill_twin.scene.load import override
 from drill_twin.scene.overrides import full_key
 from drill_twin.scene.set_points import Command
+from drill_twin.studies.estimation.estimate import FilterWindow
 from drill_twin.studies.estimation.lateral import LateralMotion, asynchronous_radius
-from drill_twin.studies.estimation.prediction import SENSORS, SHARE, Band, Prediction, WindowTiming
+from drill_twin.studies.estimation.prediction import SENSORS, Band, Prediction, WindowTiming, bands_of, untold_of
 from drill_twin.studies.estimation.square_root_filter import Correction, applied
 from drill_twin.studies.estimation.subs import VALUES, SubReader, listed
-from drill_twin.studies.fitting.posterior import UNDETERMINED
 from drill_twin.studies.fitting.sampling import Ranges, in_ranges
 from drill_twin.whirl.criteria import Criteria
 
 LOAD = "load_factor"
 """Number that is no key of a scene: weight on bit of a member over the one that is commanded or indicated."""
+_TAIL = "tail"
+"""Name of the frames before a window among the arrays of a checkpoint."""
 WIDEST, FARTHEST = 4.0, 2.5
 """Standard deviations to which a number of a member, and the mean of the members, may move in the space where its prior
 is standard normal: all members at one end of a range would have no spread, and none would come back."""
@@ -45,6 +47,7 @@ class EstimatorMembers:
         scene: The scene of which they are variants.
         keys: Keys of the free numbers.
         pace: Frames, samples and windows.
+        channels: Names of what they compute at the frames.
         subs: Downhole subs.
         lateral: Their lateral motion.
         normal: Free numbers in the space where their prior is standard normal, shape (N, d).
@@ -52,15 +55,22 @@ class EstimatorMembers:
     """
 
     def __init__(
-        self, scene: Scene, ranges: Ranges, count: int, pace: WindowTiming, seed: int, subs: Sequence[str] = ()
+        self,
+        scene: Scene,
+        ranges: Ranges,
+        count: int,
+        pace: WindowTiming,
+        seed: int,
+        subs: Sequence[str] = (),
+        channels: Sequence[str] = (),
     ) -> None:
-        """Draw the numbers and make the twins, each with a seed of its own.
+        """Draw the numbers and make the twins, each with a seed of its own; they compute the C channels named.
 
         Raises:
             ArgumentError: A number that cannot be changed in the middle of a run, or a sub that the scene has not.
             SceneError: A range does not fit the scene.
         """
-        self.scene, self._ranges, self.pace = scene, ranges, pace
+        self.scene, self._ranges, self.pace, self.channels = scene, ranges, pace, list(channels)
         self.keys, self.subs = list(ranges), listed(scene, subs)
         self._full = {key: full_key(key, scene) for key in self.keys if key != LOAD}
         self._seeds = [seed + number + 1 for number in range(count)]
@@ -70,6 +80,7 @@ class EstimatorMembers:
         self.twins = [Twin(self._scene(number)) for number in range(count)]
         self.lateral, self._reader = LateralMotion(scene, self.twins[0]), SubReader(scene, self.twins[0], self.subs)
         self._record = self.twins[0].record(pace.frames, nodes=bool(self.subs))
+        self._tail: Array = np.zeros((count, len(channels), pace.tail))  # frames before the window
         self._tubes = tubes_of(scene)
         clearances = np.array([scene.clearance_at(mark.distance_from_bit) for mark in scene.string.marks])
         self._onset = Criteria().onset_radius * clearances
@@ -81,44 +92,31 @@ class EstimatorMembers:
     @property
     def values(self) -> Array:
         """Free numbers [SI], shape (N, d)."""
-        return self._in_ranges(self.normal)
+        return in_ranges(special.ndtr(self.normal), self._ranges)
 
     def bands(self, factor: float = 1.0) -> dict[str, Band]:
-        """Bands of the free numbers [SI] by key, their deviations times a factor.
-
-        A filter for near-linear motion knows a mean and a variance, in the space of `normal`; single members, which
-        are mixed by it, have no more to say.
-        """
-        low, high = self._in_ranges(self._ends(factor))
-        of = zip(self.values.mean(axis=0), factor * self.values.std(axis=0, ddof=1), low, high, strict=True)
-        return {key: Band(*map(float, each)) for key, each in zip(self.keys, of, strict=True)}
+        """Bands of the free numbers [SI] by key, their deviations times a factor."""
+        return bands_of(self.normal, self._ranges, factor)
 
     def untold(self, factor: float = 1.0) -> dict[str, float]:
         """Share of its range that the band of a number covers, by key, of those that the record does not tell."""
-        low, high = special.ndtr(self._ends(factor))
-        shares = zip(self.keys, (high - low).tolist(), strict=True)
-        return {key: share for key, share in shares if share > UNDETERMINED}
+        return untold_of(self.normal, self._ranges, factor)
 
-    def _ends(self, factor: float) -> Array:
-        """Ends of the bands in the space of `normal`, shape (2, d)."""
-        ends = factor * special.ndtri(0.5 + 0.5 * SHARE * np.array([[-1.0], [1.0]]))
-        return np.asarray(self.normal.mean(axis=0) + ends * self.normal.std(axis=0, ddof=1))
-
-    def advance(self, commands: Array, shown: int = -1) -> tuple[list[Frame], Prediction]:
+    def advance(self, window: FilterWindow, shown: int = -1) -> tuple[list[Frame], Prediction]:
         """Advance by a window; a member that fails becomes a copy of one that does not.
 
         Args:
-            commands: Set-points at the end of each frame, as `Command.values`, shape (F, 3).
+            window: Set-points, and times of the samples.
             shown: Number of the member whose frames are returned; -1: none.
 
         Raises:
             RunError: No member could be followed.
         """
         found, failed, reason = {}, [], ""
-        frames = self._frames(shown, commands) if shown >= 0 else []
+        frames = self._frames(shown, window.commands) if shown >= 0 else []
         for number in range(len(self)):
             try:
-                found[number] = self._advance(number, commands)
+                found[number] = self._advance(number, window.commands)
             except DrillTwinError as error:
                 failed.append(number)
                 reason = str(error)
@@ -129,14 +127,25 @@ class EstimatorMembers:
             self.copy(source, number)
             found[number] = found[source]
         columns = [found[number] for number in range(len(self))]
-        channels = {name: np.array([each[0][name] for each in columns]) for name in columns[0][0]}
+        channels = self._sampled(slice(None), np.array([each[0] for each in columns]), window)
         sensors = {name: np.array([each[1][name] for each in columns]) for name in SENSORS}
-        whirls, readings = (np.array([each[k] for each in columns]) for k in (2, 3))
-        return frames, Prediction(channels, sensors, whirls, readings)
+        whirls, readings, speeds = (np.array([each[k] for each in columns]) for k in (2, 3, 4))
+        return frames, Prediction(channels, sensors, whirls, readings, speeds)
+
+    def _sampled(self, members: int | slice, frames: Array, window: FilterWindow) -> dict[str, Array]:
+        """Channels of a member, (S,) each, or of all, (N, S), over the samples of a window, from their frames."""
+        whole = np.concatenate((self._tail[members], frames), axis=-1)
+        self._tail[members] = whole[..., -self.pace.tail :]
+        sampled = np.einsum("...cf,cfs->c...s", whole, window.weights)
+        return dict(zip(self.channels, sampled, strict=True))
+
+    def checkpoint(self, number: int) -> dict[str, Array]:
+        """Copy the state of a member, for `replay`: of its twin, and its frames before the window."""
+        return self.twins[number].checkpoint() | {_TAIL: self._tail[number].copy()}
 
     def copy(self, source: int, target: int) -> None:
         """Give a member the state and the seed of another; it keeps its numbers."""
-        twin = self.twins[target]
+        twin, self._tail[target] = self.twins[target], self._tail[source]
         twin.restore(self.twins[source].checkpoint())
         self._seeds[target] = self._seeds[source]
         twin.change_numbers(self.twins[source].scene)  # whose numbers its arrays have now
@@ -155,6 +164,7 @@ class EstimatorMembers:
             mean = moved.mean(axis=0)
             within = np.clip(mean, -FARTHEST, FARTHEST)
             self.normal = np.where(mask, np.clip(moved - mean + within, -WIDEST, WIDEST), self.normal)
+        self._tail = applied(found, self._tail)  # means that go on in the next window are of the corrected motion
         columns = (6,) if self.twins[0].dynamics.form != LATERAL else ()
         for part in range(2):
             rows = [twin.unknowns[part] for twin in self.twins]
@@ -172,20 +182,23 @@ class EstimatorMembers:
         self.normal = normal.copy()
         self._write()
 
-    def replay(self, number: int, state: Mapping[str, Array], windows: Sequence[Array]) -> list[Mapping[str, Array]]:
+    def replay(
+        self, number: int, state: Mapping[str, Array], windows: Sequence[FilterWindow]
+    ) -> list[dict[str, Array]]:
         """Set a member back to a checkpoint, and advance it with the numbers that it has now; returns its channels.
 
         Args:
             number: Number of the member.
-            state: Checkpoint of its twin.
-            windows: Set-points of each window, as of `advance`.
+            state: Its `checkpoint`.
+            windows: The windows, as of `advance`.
 
         Raises:
             DrillTwinError: It cannot be followed.
         """
         self.twins[number].restore(state)
         self.twins[number].change_numbers(self._scene(number))
-        return [self._advance(number, commands)[0] for commands in windows]
+        self._tail[number] = state[_TAIL]
+        return [self._sampled(number, self._advance(number, window.commands)[0], window) for window in windows]
 
     @property
     def places(self) -> dict[str, Array]:
@@ -219,10 +232,6 @@ class EstimatorMembers:
         twin.restore(before)
         return frames
 
-    def _in_ranges(self, normal: Array) -> Array:
-        """Numbers [SI] from those of the space in which their prior is standard normal, both of shape (..., d)."""
-        return in_ranges(special.ndtr(normal), self._ranges)
-
     def _load(self, number: int) -> float:
         """Weight on bit of a member over that of the set-points."""
         return float(self.values[number, self.keys.index(LOAD)]) if LOAD in self.keys else 1.0
@@ -237,11 +246,11 @@ class EstimatorMembers:
         finally:
             twin.restore(before)
 
-    def _advance(self, number: int, commands: Array) -> tuple[Mapping[str, Array], Mapping[str, float], bool, Array]:
-        """Channels, virtual sensors, whether it whirls, and readings of the subs, of one member."""
+    def _advance(self, number: int, commands: Array) -> tuple[Array, Mapping[str, float], bool, Array, Array]:
+        """Channels at the frames, (C, F), and what else a `Prediction` has of a member."""
         twin, record, pace = self.twins[number], self._record, self.pace
         commands = commands * np.array([self._load(number), 1.0, 1.0])
-        request = Request((), pace.period, pace.frames, pace.frames // pace.samples)
+        request = Request((), pace.period, pace.frames, 1)
         collectors = Channels(twin, request), Instants(twin, request)
         before = self._reader.start(twin)
         twin.advance_frames(commands, pace.period, record)
@@ -257,11 +266,12 @@ class EstimatorMembers:
             "bending_stress": float(bending_stress(twin.rod, self._tubes, twin.unknowns[0]).max()),
         }
         variables = {name: value for collector in collectors for name, value in collector.close().items()}
-        values = {name: variable.value for name, variable in variables.items() if name != "time"}
+        values = np.array([variables[name].value for name in self.channels]).reshape(-1, pace.frames)
         readings = np.empty((pace.frames, 0, VALUES))
         if record.nodes is not None:
             readings = self._reader.read(before, record.nodes, pace.period)
-        return values, sensors, bool(np.any(asynchronous_radius(rows) > self._onset)), readings
+        whirls = bool(np.any(asynchronous_radius(rows) > self._onset))
+        return values, sensors, whirls, readings, rig.bit_speed.copy()
 
     def _scene(self, number: int) -> Scene:
         """Scene of a member."""

@@ -23,6 +23,7 @@ from scipy import special, stats
 
 from drill_twin.core.arrays import Array, Mask
 from drill_twin.core.errors import DrillTwinError, RunError
+from drill_twin.studies.estimation.estimate import FilterWindow
 from drill_twin.studies.estimation.innovations import rms
 from drill_twin.studies.estimation.members import EstimatorMembers
 from drill_twin.studies.goodness import noise_of
@@ -41,21 +42,17 @@ _LOST = 2.0
 """Normalised innovation of members with unchanged numbers, up to which they explain what was measured: it was 0.3 to
 0.8 in five of six cases where the motion was lost, and 4 to 13 after jumps of load and of friction on the wall."""
 _GAIN = 0.85
-"""Misfit over that of unchanged numbers, followed again or as the mean followed, up to which a small jump explains what
-was measured: it was 0.38 to 0.82 after jumps, and 0.87 to 2 in most cases where there was none."""
+"""Misfit of all numbers together, as new rock changes them, over that of the best one alone, up to which they explain
+what was measured: more numbers always explain more."""
 
 
 class _Window(NamedTuple):
-    """A window: numbers and states of the members at its start, set-points, what was measured and what they predicted.
-
-    The last two have shape (C, S).
-    """
+    """A window: numbers and states of the members at its start, the window, and what was measured, shape (C, S)."""
 
     normal: Array
     states: Sequence[Mapping[str, Array]]
-    commands: Array
+    window: FilterWindow
     measured: Array
-    predicted: Array
 
 
 class Restart(NamedTuple):
@@ -95,57 +92,48 @@ class Restarts:
         """Numbers of the members before the last windows, shape (N, d)."""
         return self._past[-min(windows, len(self._past))].normal
 
-    def begin(self, commands: Array) -> None:
+    def begin(self, window: FilterWindow) -> None:
         """Begin a window, before the members are advanced over it."""
         members = self._members
-        states = [twin.checkpoint() for twin in members.twins]
-        self._past.append(_Window(members.normal.copy(), states, commands, np.empty(0), np.empty(0)))
+        states = [members.checkpoint(number) for number in range(len(members))]
+        self._past.append(_Window(members.normal.copy(), states, window, np.empty(0)))
 
-    def end(self, measured: Array, predicted: Array) -> None:
-        """End it with what was measured and predicted by the mean, shape (C, S), the channels of the surface first."""
-        surface = slice(len(self._channels))
-        self._past[-1] = self._past[-1]._replace(measured=measured[surface], predicted=predicted[surface])
+    def end(self, measured: Array) -> None:
+        """End it with what was measured, shape (C, S), the channels of the surface first."""
+        self._past[-1] = self._past[-1]._replace(measured=measured[: len(self._channels)])
 
-    def found(self, told: Mask, errors: Array, judged: int, *, small: bool) -> Restart | None:
+    def found(self, told: Mask, errors: Array, judged: int) -> Restart | None:
         """Numbers that explain the last windows, changed alone or all together, or none of them; None if they do not.
 
         Args:
             told: Numbers that the channel tells, shape (d,).
             errors: Stated errors of a sample of each channel, shape (C,).
             judged: Last windows, which are compared: those that show the jump.
-            small: Whether the members, as they followed, explain these windows.
         """
         back = [windows for windows in _BACK if windows >= judged]
         unchanged = [self._tried(start, np.zeros_like(told), None, 1.0, errors, judged) for start in back]
         nearest = min(unchanged, key=lambda one: one.normalised)
-        if nearest.normalised < _LOST and not small:
+        if nearest.normalised < _LOST:
             return nearest
-        limit = self._limit(errors)
-        if small:
-            limit = min(limit, _GAIN * min(self._followed(errors, judged), *(one.misfit for one in unchanged)))
         alone = [np.arange(told.size) == number for number in np.flatnonzero(told)]
+        best = None
         for sets in (alone, [told] if len(alone) > 1 else []):
             tried = [self._tried(start, each, None, 1.0, errors, judged) for start in back for each in sets]
             if not tried:
                 continue
-            best = min(tried, key=lambda one: one.misfit)
+            found = min(tried, key=lambda one: one.misfit)
             for width in _WIDTHS:
-                again = self._tried(best.windows, best.chosen, best.centre, width, errors, judged)
-                best = min(best, again, key=lambda one: one.misfit)
-            if best.misfit < limit:
-                return best
-        return None
+                again = self._tried(found.windows, found.chosen, found.centre, width, errors, judged)
+                found = min(found, again, key=lambda one: one.misfit)
+            if best is None or found.misfit < _GAIN * best.misfit:
+                best = found
+        return best if best is not None and best.misfit < self._limit(errors) else None
 
     def _limit(self, errors: Array) -> float:
         """Misfit up to which a restart explains what was measured, whose noise may be as large as the stated error."""
         measured = np.concatenate([window.measured for window in self._past], axis=1)
         noise = np.array([noise_of(row) for row in measured]) / errors[: len(measured)]
         return max(_EXPLAINS, _OVER_NOISE * float(np.sqrt(np.mean(noise**2))))
-
-    def _followed(self, errors: Array, judged: int) -> float:
-        """Misfit of the mean of the members over the last windows, as they followed."""
-        off = [(window.measured - window.predicted) ** 2 for window in list(self._past)[-judged:]]
-        return float(rms((np.array(off) / errors[: len(self._channels), None] ** 2).reshape(1, -1))[0])
 
     def follow(self, restart: Restart) -> None:
         """Set all members back, with the numbers that have changed drawn about their new values, and follow again.
@@ -159,7 +147,7 @@ class Restarts:
         failed = []
         for number in range(count):
             try:
-                self._members.replay(number, past[0].states[number], [window.commands for window in past])
+                self._members.replay(number, past[0].states[number], [each.window for each in past])
             except DrillTwinError:
                 failed.append(number)
         sound = [number for number in range(count) if number not in failed]
@@ -175,7 +163,7 @@ class Restarts:
         members, past = self._members, list(self._past)[-back:]
         count = min(_TRIALS, len(members))
         who = np.linspace(0, len(members) - 1, count).round().astype(int)
-        normal, states = members.normal, [members.twins[number].checkpoint() for number in who]
+        normal, states = members.normal, [members.checkpoint(number) for number in who]
         members.normal = members.normal.copy()
         members.normal[who] = values = self._drawn(past[0].normal[who], chosen, centre, width, count)
         stated = errors[: len(self._channels), None]
@@ -183,7 +171,7 @@ class Restarts:
         computed: Array = np.full((count, *measured.shape), np.nan)
         for row, number in zip(computed, who.tolist(), strict=True):
             with suppress(DrillTwinError):
-                rows = members.replay(number, past[0].states[number], [window.commands for window in past])
+                rows = members.replay(number, past[0].states[number], [each.window for each in past])
                 row[:] = [[each[name] for name in self._channels] for each in rows[-judged:]]
         members.normal = normal
         for number, state in zip(who.tolist(), states, strict=True):
@@ -202,7 +190,7 @@ class Restarts:
         """Numbers, shape (count, d), with the chosen ones spread over a part of the prior."""
         if not chosen.any():
             return normal.copy()
-        cube = stats.qmc.Sobol(int(chosen.sum()), rng=1).random(count)
+        cube = stats.qmc.Sobol(int(chosen.sum()), seed=1).random(count)
         middle = 0.5 if centre is None else np.clip(centre[chosen], 0.5 * width, 1.0 - 0.5 * width)
         drawn = normal.copy()
         drawn[:, chosen] = special.ndtri(np.clip(middle + width * (cube - 0.5), 1e-3, 1.0 - 1e-3))

@@ -32,7 +32,8 @@ class Case:
         channels: What is measured.
         imu: A downhole sub, measured too if asked for, as in a scene's `sensors`.
         truths: Ranges of the hidden numbers where they are narrower, so that a number may jump within its range.
-        jump: Key of a number, free or of the scene, that becomes 10 to 20 % larger or smaller at `JUMP`; empty: none.
+        jump: Keys of numbers, free or one of the scene, that become 10 to 20 % larger or smaller at `JUMP`, apart by a
+            space; empty: none.
     """
 
     scene: str
@@ -74,6 +75,7 @@ CASES: Mapping[str, Case] = {
     "torsion": _TORSION,
     "load_jump": replace(_TORSION, jump=LOAD),
     "friction_jump": replace(_TORSION, jump=_STICKING),
+    "rock_jump": replace(_TORSION, jump=f"{_STICKING} {_SLIDING}"),
     "stiffness_jump": replace(_TORSION, jump=STIFFNESS),
     "pa6_bench": _BENCH,
     "pa6_load_jump": replace(_BENCH, jump=LOAD, truths={LOAD: (0.95, 1.05)}),

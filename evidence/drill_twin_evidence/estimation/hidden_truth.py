@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -11,22 +12,30 @@ import numpy as np
 from scipy import special
 from typing_extensions import TypedDict
 
+from drill_twin.api.estimator import Estimator
 from drill_twin.api.scenes import load_scene
-from drill_twin.core.arrays import Array
+from drill_twin.core.arrays import Array, Mask
+from drill_twin.core.rig_channels import INSTANT
 from drill_twin.dynamics.sensors.sampling import errors_of, with_errors
 from drill_twin.dynamics.twin.twin import Twin
 from drill_twin.scene.blocks.sensors import Sub
 from drill_twin.scene.load import override
 from drill_twin.scene.set_points import Schedule
-from drill_twin.studies.estimation import EnsembleFilter, Estimate, EstimatorOptions, FilterWindow
+from drill_twin.studies.estimation import Estimate, EstimatorOptions, FilterWindow
 from drill_twin.studies.estimation.members import EstimatorMembers
-from drill_twin.studies.estimation.prediction import Prediction
+from drill_twin.studies.estimation.prediction import Prediction, WindowTiming
+from drill_twin.studies.estimation.subs import VALUES
 from drill_twin_evidence.estimation.cases import JUMP, SIZES, STIFFNESS, TOLERANCES, Case
+from drill_twin_evidence.estimation.stamps import USUAL, Stamps
 
 _NOISE = 0.01
 """Standard deviation of a measured sample over the largest value of its channel."""
 _SETTLED = 15.0
 """Time from which bands and errors of virtual sensors are counted [s]."""
+_FRAME = 5e-3
+"""Longest frame of a truth [s], of which its samples are means: short against the time between those at 100 Hz."""
+_MEANS = {"weight_on_bit": "bit_force", "bit_torque": "bit_torque"}
+"""Virtual sensors that are means over a frame, and the names of their channels."""
 WARNING = 0.5
 """Chance of whirl from which the estimator warns."""
 _TRUTHS, _OPEN = 10_000, 777
@@ -43,10 +52,12 @@ class TruthRow(TypedDict):
     errors: dict[str, float]
     held: dict[str, bool]
     coverage: dict[str, float]
+    shown: dict[str, float]
     error_ratio: dict[str, float]
     onset: float
     warnings: list[float]
     alarms: list[float]
+    withheld: float
     told: bool
     followed: dict[str, float]
     dragged: dict[str, tuple[float, float]]
@@ -87,23 +98,39 @@ class Followed:
         return {key: band.low <= self.hidden[key] <= band.high for key, band in self.estimates[-1].numbers.items()}
 
     def coverage(self, sensor: str) -> float:
-        """Share of the later windows in which the band of a virtual sensor holds the truth; NaN if that is constant."""
-        true, late = self.truth[sensor], self._late
+        """Share of the later windows in which the band of a virtual sensor holds the truth, of those that have one.
+
+        NaN if there is none, or the truth is constant.
+        """
+        true, late = self.truth[sensor], self._late & self._shown(sensor)
         margin = 1e-3 * float(np.abs(true).max(initial=0.0))
-        if margin == 0.0:
+        if margin == 0.0 or not late.any():
             return float("nan")
         low, high = (
             np.array([getattr(each.sensors[sensor], end) for each in self.estimates]) for end in ("low", "high")
         )
         return float(np.mean((low - margin <= true)[late] & (true <= high + margin)[late]))
 
+    @property
+    def withheld(self) -> float:
+        """Share of the later windows in which the speed of the bit is withheld."""
+        return 1.0 - self.shown("bit_speed")
+
     def error_ratio(self, sensor: str) -> float:
         """Rms error of a virtual sensor in the later windows over that of the open loop."""
         mean = np.array([each.sensors[sensor].mean for each in self.estimates])
-        own, other = (
-            np.mean((found - self.truth[sensor])[self._late] ** 2) for found in (mean, self.open_loop[sensor])
-        )
+        late = self._late & np.isfinite(mean)
+        if not late.any():
+            return float("nan")
+        own, other = (np.mean((found - self.truth[sensor])[late] ** 2) for found in (mean, self.open_loop[sensor]))
         return float(np.sqrt(own / other)) if other > 0.0 else float("nan")
+
+    def shown(self, sensor: str) -> float:
+        """Share of the later windows in which the band of a virtual sensor is not withheld."""
+        return float(self._shown(sensor)[self._late].mean())
+
+    def _shown(self, sensor: str) -> Mask:
+        return np.isfinite([each.sensors[sensor].low for each in self.estimates])
 
     @property
     def onset(self) -> float:
@@ -150,10 +177,12 @@ class Followed:
             errors=self.errors,
             held=self.held,
             coverage={name: self.coverage(name) for name in self.truth},
+            shown={name: self.shown(name) for name in self.truth},
             error_ratio={name: self.error_ratio(name) for name in self.truth},
             onset=self.onset,
             warnings=self.warnings,
             alarms=self.alarms,
+            withheld=self.withheld,
             told=bool(self.estimates[-1].alarm),
             followed={key: self.found_after(key, TOLERANCES.get(key, 0.05)) for key in changed},
             dragged={key: self.dragged(key) for key in self.hidden if key not in changed} if self.jumped else {},
@@ -165,27 +194,34 @@ class Followed:
         return self.estimates[0].time
 
     @property
-    def _late(self) -> Array:
+    def _late(self) -> Mask:
         return np.array([each.time > _SETTLED for each in self.estimates])
 
 
-def follow(case: Case, number: int, seconds: float, members: int, *, imu: bool = False) -> Followed:
+def follow(
+    case: Case, number: int, seconds: float, members: int, *, imu: bool = False, stamps: Stamps = USUAL
+) -> Followed:
     """Follow one truth.
 
     Args:
         case: The case.
-        number: Number of the truth, from 0; its numbers, its seed and the noise follow from it.
+        number: Number of the truth, from 0; its numbers, its seed, the noise and the stamps follow from it.
         seconds: Time to follow [s].
         members: Members of the ensemble.
         imu: Measure the downhole sub of the case too.
+        stamps: How the surface is sampled.
     """
     scene = load_scene(case.scene, dict(case.overrides) | ({"sensors": f"{{subs: [{{{case.imu}}}]}}"} if imu else {}))
     subs = [sub.name for sub in scene.sensors.subs] if scene.sensors is not None else []
     options = EstimatorOptions(members=members, horizon=case.horizon, seed=number + 1)
-    found = EnsembleFilter(scene, case.ranges, case.channels, options, subs)
+    names = [f"{name}{INSTANT}" if stamps.instant else name for name in case.channels]
+    found = Estimator(scene, case.ranges, channels=names, subs=subs, options=options)
     middle = {key: (0.5 * (low + high) * (1.0 - 1e-9), 0.5 * (low + high)) for key, (low, high) in case.ranges.items()}
+    record = stamps.drawn(number)
+    pace, fine = found.filter.pace, math.ceil(found.filter.pace.period / _FRAME)
+    own = WindowTiming(pace.period / fine / record.clock, pace.frames * fine, pace.samples)
     truth, open_loop = (
-        EstimatorMembers(scene, ranges, 1, found.pace, seed, subs)
+        EstimatorMembers(scene, ranges, 1, own, seed, subs, [*names, *_MEANS.values()])
         for ranges, seed in ((case.ranges, _TRUTHS + number), (middle, _OPEN))
     )
     for key, (low, high) in (case.truths or {}).items():
@@ -195,33 +231,43 @@ def follow(case: Case, number: int, seconds: float, members: int, *, imu: bool =
     sensors: dict[EstimatorMembers, list[dict[str, float]]] = {truth: [], open_loop: []}
     schedule, draw = Schedule.from_scene(scene), np.random.default_rng([number, 1])
     scale: dict[str, float] = {}
-    estimates, whirls = [], []
+    estimates: list[Estimate] = []
+    whirls: list[bool] = []
     spent = 0.0
-    for window in range(round(seconds / found.pace.window)):
-        ends = (window * found.pace.frames + np.arange(1, found.pace.frames + 1)) * found.pace.period
-        commands = np.array([schedule.at(end).array() for end in ends.tolist()])
-        if case.jump and window == round(JUMP / found.pace.window):
+    found.take(0.0)
+    while len(estimates) < round(seconds / pace.window):
+        window = len(whirls)
+        ends = (window * own.frames + np.arange(1, own.frames + 1)) * pace.period / fine
+        commands = schedule.over(ends.tolist())
+        if case.jump and window == round(JUMP / pace.window):
             _jump(truth, case, number)
-        true = _advance(truth, commands, sensors[truth])
-        _advance(open_loop, commands, sensors[open_loop])
+        true = _advance(truth, commands, fine, sensors[truth])
+        _advance(open_loop, commands, fine, sensors[open_loop])
         whirls.append(bool(true.whirls[0]))
-        measured = {}
-        for name in case.channels:
-            values = true.channels[name][0]
-            scale[name] = max(scale.get(name, 0.0), float(np.abs(values).max()))
-            measured[name] = values + _NOISE * scale[name] * draw.standard_normal(values.size)
-        readings = np.array([tool(true.readings[0, :, k]) for k, tool in enumerate(tools)])
-        began = time.process_time()
-        estimates.append(found.advance(FilterWindow(commands, measured, readings if tools else None)))
-        spent += time.process_time() - began
+        record.add({name: true.channels[name][0] for name in names}, own.period)
+        readings = true.readings[0].reshape(pace.frames, fine, len(subs), VALUES).mean(axis=1)
+        for k, (name, tool) in enumerate(zip(subs, tools, strict=True)):
+            for place, values in enumerate(tool(readings[:, k])):
+                found.take_readings((window * pace.frames + place + 0.5) * pace.period, name, values)
+        for stamp, values in record.samples():
+            noisy = {}
+            for name, value in values.items():
+                scale[name] = max(scale.get(name, 0.0), abs(value))
+                noisy[name.removesuffix(INSTANT)] = value + _NOISE * scale[name] * float(draw.standard_normal())
+            began = time.process_time()
+            found.take(stamp, noisy)
+            while (estimate := found.step()) is not None:
+                estimates.append(estimate)
+            spent += time.process_time() - began
+    count = round(seconds / pace.window)
     return Followed(
         before=before,
         hidden=_numbers(truth),
-        estimates=estimates,
-        truth=_columns(sensors[truth]),
-        open_loop=_columns(sensors[open_loop]),
-        whirls=np.array(whirls),
-        processor=spent / seconds,
+        estimates=estimates[:count],
+        truth=_columns(sensors[truth][:count]),
+        open_loop=_columns(sensors[open_loop][:count]),
+        whirls=np.array(whirls[:count]),
+        processor=spent / (len(estimates) * pace.window),
         jumped=bool(case.jump),
     )
 
@@ -238,11 +284,14 @@ def _set(truth: EstimatorMembers, case: Case, key: str, value: float) -> None:
 
 
 def _jump(truth: EstimatorMembers, case: Case, number: int) -> None:
-    """Let the number of a case jump: a free one, or one of the string, whose twin goes on from the same state."""
+    """Let the numbers of a case jump: free ones, or one of the string, whose twin goes on from the same state."""
     draw = np.random.default_rng([number, 3])
     factor = 1.0 + float(draw.choice([-1.0, 1.0]) * draw.uniform(*SIZES))
-    if case.jump in case.ranges:
-        _set(truth, case, case.jump, factor * _numbers(truth)[case.jump])
+    if case.jump != STIFFNESS:
+        for key in case.jump.split():
+            low, high = case.ranges[key]
+            edge = 1e-3 * (high - low)
+            _set(truth, case, key, min(max(factor * _numbers(truth)[key], low + edge), high - edge))
         return
     old = truth.twins[0]
     changed = {STIFFNESS: factor * old.scene.string.sections[0].youngs_modulus}
@@ -262,12 +311,17 @@ class Tool:
         return with_errors(true, self._draw.standard_normal(true.shape), self._errors)
 
 
-def _advance(one: EstimatorMembers, commands: Array, sensors: list[dict[str, float]]) -> Prediction:
-    """Advance a twin by a window, and add its virtual sensors, those of `Estimate.sensors`."""
-    prediction = one.advance(commands)[1]
+def _advance(one: EstimatorMembers, commands: Array, fine: int, sensors: list[dict[str, float]]) -> Prediction:
+    """Advance a twin by a window, and add its virtual sensors, those of `Estimate.sensors`; channels are its frames.
+
+    Forces are means over a frame of the estimator, which has a number of those of the twin.
+    """
+    frames = np.vstack((np.zeros((one.pace.tail, len(commands))), np.eye(len(commands))))
+    prediction = one.advance(FilterWindow(commands, {}, np.array([frames] * len(one.channels))))[1]
     sensors.append(
         {name: float(values[0]) for name, values in prediction.sensors.items()}
         | {name: float(values[0]) for name, values in one.places.items()}
+        | {name: float(prediction.channels[of][0, -fine:].mean()) for name, of in _MEANS.items()}
     )
     return prediction
 

@@ -41,6 +41,7 @@ def score(runs: Sequence[TruthRow]) -> dict[str, Any]:
         "sensors": {name: found for name in runs[0]["coverage"] if (found := _sensor(runs, name))},
         "warnings": _warnings(runs),
         "alarms": {"hours": sum(run["seconds"] for run in runs) / 3600.0, "count": sum(len(r["alarms"]) for r in runs)},
+        "withheld": float(np.mean([run["withheld"] for run in runs])),
         "jumps": _jumps(runs),
         "processor": float(np.mean([run["processor"] for run in runs])),
     }
@@ -119,6 +120,7 @@ def lines(name: str, found: Mapping[str, Any]) -> list[str]:
     count, hours = found["alarms"]["count"], found["alarms"]["hours"]
     low, high = (24.0 / hours * end for end in rate_interval(count))
     sentence += f" Alarms of the misfit: {count} in {hours:.3g} h: {low:.2g} to {high:.2g} in 24 h (95 % interval)."
+    sentence += f" Speed of the bit withheld in {found['withheld']:.1%} of the windows."
     return [*tables, "", sentence, *_jump_lines(found["jumps"]), ""]
 
 

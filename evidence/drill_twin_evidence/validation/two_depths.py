@@ -155,7 +155,7 @@ def freed(folder: Path) -> Iterator[tuple[str, ...]]:
     fit = FITS["fit at 1,714 m"]
     for name, keys in GROUPS.items():
         low, high = np.transpose([(FREE | DRIVE)[key] for key in keys])
-        values = low + (high - low) * qmc.Sobol(len(keys), rng=1).random(DRAWS)
+        values = low + (high - low) * qmc.Sobol(len(keys), seed=1).random(DRAWS)
         with TemporaryDirectory() as place:
             scene = scene_of(folder, Path(place), DEEPER, fit)
             runs = well_b.runs_of(folder, scene, dict(zip(keys, values.T.tolist(), strict=True)))

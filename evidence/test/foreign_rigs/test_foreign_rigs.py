@@ -5,6 +5,9 @@ import numpy as np
 import pytest
 
 import drill_twin as dt
+from drill_twin_evidence.foreign_rigs.other_rigs import KINDS, recorded
+from drill_twin_evidence.foreign_rigs.other_score import Row as OtherRow
+from drill_twin_evidence.foreign_rigs.other_score import lines as other_lines
 from drill_twin_evidence.foreign_rigs.rigs import (
     DECAY,
     INDICATED,
@@ -65,3 +68,21 @@ def test_the_score_counts_what_is_held_or_told():
     assert "rigs by which it was made: bands hold 1 of 2" in shown
     assert "held or told 2 of 2" in shown
     assert "| mild joined, 1 | no | missed | held, 2 |" in shown
+
+
+@pytest.mark.parametrize("name", KINDS)
+def test_records_of_other_kinds_are_repeated_and_move(name):
+    of, again = recorded(name, 2, 30.0), recorded(name, 2, 30.0)
+    time, torque = of.record.series["torque"]
+    assert torque.tolist() == again.record.series["torque"][1].tolist()
+    assert int((np.diff(time) > 1.0).sum()) >= min(KINDS[name].gaps, 1)
+    assert np.isfinite(torque).all()
+    assert len(of.bit) == 30
+    assert 0.3 < of.bit[10:].mean() < 12.0
+    assert LOAD in of.truth
+
+
+def test_the_score_of_other_kinds_shows_what_is_withheld():
+    row = OtherRow(kind="own", seed=1, held=0.4, withheld=0.5, wrong=0.1, alarm=0.5, first=12.0, last="",
+                   remembered="an alarm stood", numbers={LOAD: True, STICKING: False})  # fmt: skip
+    assert "| own, 1 | 40% | 50% | 10% | 12 s | told of earlier | 1 of 2 |" in other_lines([row])[0]
