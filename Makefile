@@ -30,6 +30,7 @@ else
   EXTRA := [ros]
   KIND := wheels
 endif
+COMPANIONS := $(addprefix --editable companions/drill_twin_,rig dashboard studies)
 PIP := $(CLEAN) $(PYTHON) -m pip install --disable-pip-version-check -qq -c $(STAMPS)/constraints.txt
 
 .PHONY: help setup setup-test demo docs test test-long evidence faults faults-seeded kills soak fuzz day damage random-scenes fit-coverage sub-onsets browser bench bounds map-boundary advice-loop peers check clean
@@ -82,11 +83,11 @@ $(STAMPS)/venv-$(KIND):
 	[ -e $(PYTHON) ] || { echo "making $(VENV) with $$($$found --version)"; $(CLEAN) $$found -m venv $(VENV_FLAGS) $(VENV); }
 	@mkdir -p $(STAMPS) && touch $(VENV)/COLCON_IGNORE $@
 
-$(STAMPS)/run-$(KIND): $(STAMPS)/venv-$(KIND) constraints.txt setup.py setup.cfg evidence/setup.py
+$(STAMPS)/run-$(KIND): $(STAMPS)/venv-$(KIND) constraints.txt setup.py setup.cfg evidence/setup.py $(wildcard companions/*/setup.py)
 	@echo 'installing what the twin needs (0.9 GB, a minute or two)'
 	@grep -v $(NOT_PINNED) constraints.txt > $(STAMPS)/constraints.txt
 	@$(PIP) $(FIRST)
-	@$(PIP) --no-build-isolation --editable '.$(EXTRA)' --editable evidence
+	@$(PIP) --no-build-isolation --editable '.$(EXTRA)' $(COMPANIONS) --editable evidence
 	@echo "compiling the physics of the paper's scene (about a minute)"
 	@$(PYTHON) -c "from drill_twin.scene import load_scene; from drill_twin.runs import Session; Session(load_scene('pa6_bench'))"
 	@touch $@
@@ -116,7 +117,7 @@ demo: setup
 # Spelling of pages, help texts and messages (typos); then terms and sentences (docs/style.py) with the site.
 # A warning is an error, a reference to nothing too. No network: no inventory of another site is fetched.
 docs: $(STAMPS)/docs-$(KIND)
-	@$(VENV)/bin/typos README.md CONTRIBUTING.md CHANGELOG.rst QUALITY_DECLARATION.md docs drill_twin evidence
+	@$(VENV)/bin/typos README.md CONTRIBUTING.md CHANGELOG.rst QUALITY_DECLARATION.md docs drill_twin companions evidence
 	@$(PYTHON) -m sphinx --quiet --builder html --nitpicky --fail-on-warning --keep-going docs out/docs/html
 	@echo 'out/docs/html/index.html'
 
@@ -125,7 +126,7 @@ KILLS := 50
 # Field checks: a message refuses an int where a float belongs, which the wheels would send as rubbish.
 PYTEST := ROS_PYTHON_CHECK_FIELDS=1 $(PYTHON) -m pytest
 
-# Two workers share the files, and three those of test/ros, which run beside them with more right to the processor: they wait for
+# Two workers share the files, and three those of the nodes (WITH_ROS), which run beside them with more right to the processor: they wait for
 # processes half of their time, which the others fill. A job in the background would ignore Ctrl-C, which some tests send (env). Long
 # ones, which kill and load the nodes, want the machine for themselves. A test of processes that fails, or whose worker dies, is run
 # once more and reported as such: a machine that others use may keep a node from its processor for seconds.
@@ -133,20 +134,21 @@ PYTEST := ROS_PYTHON_CHECK_FIELDS=1 $(PYTHON) -m pytest
 # `make test` runs the tests of the package; those of the evidence (`testpaths` has both) go with the long ones.
 ROS_PYTEST := $(PYTEST) --reruns 1 --reruns-delay 3 -rR
 BESIDE := out/test_without_ros.log
+WITH_ROS := test/ros $(wildcard companions/*/test/ros)
 
 test: setup-test
 	@mkdir -p out; found=0; echo 'with ROS; the tests without ROS run beside these and are shown when both are over'; \
-	nice -n 5 env --default-signal=INT $(PYTEST) -n 2 --dist loadfile --no-loadscope-reorder --ignore=test/ros test > $(BESIDE) 2>&1 & \
-	$(ROS_PYTEST) -n 3 --dist loadfile test/ros || found=$$?; \
+	nice -n 5 env --default-signal=INT $(PYTEST) -n 2 --dist loadfile --no-loadscope-reorder $(addprefix --ignore=,$(WITH_ROS)) test companions > $(BESIDE) 2>&1 & \
+	$(ROS_PYTEST) -n 3 --dist loadfile $(WITH_ROS) || found=$$?; \
 	wait $$! || found=$$?; \
 	cat $(BESIDE); \
 	exit $$found
 
 test-long: setup-test
 	@found=0; \
-	$(PYTEST) -n 2 --dist loadfile --ignore=test/ros -m long test || found=$$?; \
+	$(PYTEST) -n 2 --dist loadfile $(addprefix --ignore=,$(WITH_ROS)) -m long test companions || found=$$?; \
 	$(PYTEST) -n 2 --dist loadfile evidence/test || found=$$?; \
-	$(ROS_PYTEST) test/ros -m long || found=$$?; \
+	$(ROS_PYTEST) $(WITH_ROS) -m long || found=$$?; \
 	exit $$found
 
 evidence: setup-test
@@ -183,7 +185,7 @@ sub-onsets: setup-test
 	@nice $(PYTHON) -m drill_twin_evidence.detection.sub_onsets 330 out/sub_onsets.jsonl
 
 browser: setup-test
-	@$(PYTEST) test/ros/test_live_page.py -q -m 'long or not long'
+	@$(PYTEST) companions/drill_twin_dashboard/companions/drill_twin_dashboard/companions/drill_twin_dashboard/companions/drill_twin_dashboard/test/ros/test_live_page.py -q -m 'long or not long'
 
 bench: $(STAMPS)/bench-$(KIND)
 	@$(PYTHON) -m pytest evidence/test/benchmarks/kernel_speed.py -q --benchmark-autosave --benchmark-storage=file://.benchmarks
@@ -212,5 +214,5 @@ check: setup-test
 	@$(PYTHON) .ci/ratchet.py
 
 clean:
-	@rm -rf build install log *.egg-info evidence/*.egg-info .mypy_cache .ruff_cache .pytest_cache .hypothesis .import_linter_cache
-	@find drill_twin evidence test config -name __pycache__ -type d -prune -exec rm -rf {} +
+	@rm -rf build install log *.egg-info evidence/*.egg-info companions/*/*.egg-info companions/*/build .mypy_cache .ruff_cache .pytest_cache .hypothesis .import_linter_cache
+	@find drill_twin companions evidence test config -name __pycache__ -type d -prune -exec rm -rf {} +

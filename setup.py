@@ -6,6 +6,8 @@ from pathlib import Path
 from setuptools import find_packages, setup
 
 PACKAGE = "drill_twin"
+VERSION = "0.1.0"
+COMPANIONS = ("drill_twin_rig", "drill_twin_dashboard", "drill_twin_studies")
 SHARE = f"share/{PACKAGE}"
 
 
@@ -17,9 +19,9 @@ def config_files() -> list[tuple[str, list[str]]]:
 
 setup(
     name=PACKAGE,
-    version="0.1.0",
+    version=VERSION,
     packages=find_packages(include=[PACKAGE, f"{PACKAGE}.*"]),
-    package_data={PACKAGE: ["py.typed", "api/__init__.pyi", "report/assets/*", "live/page/*", "studies/maps/*.html"]},
+    package_data={PACKAGE: ["py.typed", "api/__init__.pyi", "report/assets/*"]},
     data_files=[
         ("share/ament_index/resource_index/packages", [f"resource/{PACKAGE}"]),
         (SHARE, ["package.xml"]),
@@ -45,10 +47,10 @@ setup(
         "rosbags>=0.11.6",  # 0.11.0 to 0.11.5 refuse messages that Fast DDS pads at the end
         "scipy>=1.11.4",  # what Ubuntu 24.04 has
         "typer>=0.26",  # has a click of its own; older ones word errors otherwise
-        "websockets>=14",  # 13 has no bound of the messages that wait for a client
         "zstandard>=0.22",
     ],
     extras_require={
+        "all": [f"{name}=={VERSION}" for name in COMPANIONS],
         "docs": ["furo", "myst-parser", "sphinx", "typos"],
         "test": [
             "asyncua>=1.1.8",
@@ -71,7 +73,7 @@ setup(
             "xarray",
         ],
         "dask": ["distributed>=2024.5"],
-        "foxglove": ["foxglove-sdk>=0.14"],
+        "foxglove": [f"drill_twin_dashboard[foxglove]=={VERSION}"],
         "las": ["lasio>=0.31"],
         # rclpy, Fast DDS and the messages of Jazzy as wheels (glibc 2.28 or newer), for a machine without it.
         "ros": [
@@ -82,7 +84,7 @@ setup(
                 "ros-jazzy-common-interfaces==5.3.6",
             )
         ],
-        "opcua": ["asyncua>=1.1.8", "cryptography"],
+        "opcua": [f"drill_twin_rig=={VERSION}"],
         "xarray": ["pandas>=2.2", "xarray"],
     },
     zip_safe=False,

@@ -1,10 +1,13 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Size of the package against its limits in `pyproject.toml`; part of `make check`.
+"""Size of core and companions against the limits in `pyproject.toml`; part of `make check`.
 
     python .ci/ratchet.py            # a table; exit code 1 if a limit is exceeded
 
-Who raises a limit says why in the commit. A passage is repeated if six or more lines, without blank ones, comments and
-imports, stand in two places with the same shape: alike but for names, strings and numbers.
+Who raises a limit says why in the commit. Lines of code are counted without blank lines, comments and docstrings, so
+that a reason costs nothing; a statement counts one line for each `WIDTH` characters, so that joined lines gain nothing.
+
+A passage is repeated if six or more lines, without blank ones, comments and imports, stand in two places with the same
+shape: alike but for names, strings and numbers.
 """
 
 from __future__ import annotations
@@ -12,6 +15,7 @@ from __future__ import annotations
 import ast
 import io
 import keyword
+import re
 import sys
 import tokenize
 import tomllib
@@ -20,10 +24,15 @@ from itertools import combinations
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
+WIDTH = 100
+"""Characters of a line of code."""
+CORE = ROOT / "drill_twin"
+COMPANIONS = tuple(sorted(ROOT.glob("companions/*/drill_twin_*")))
 PASSAGE = 6
 """Lines of a repeated passage."""
 THIN = 5
 """Words and signs from which a line counts; a bracket that closes does not."""
+_NO_CODE = {tokenize.COMMENT, tokenize.NL, tokenize.INDENT, tokenize.DEDENT, tokenize.ENCODING, tokenize.ENDMARKER}
 _KINDS = {tokenize.NAME: "", tokenize.OP: "", tokenize.STRING: "text", tokenize.NUMBER: "0"}
 TOO_COMMON = 8
 """Places in which a passage is no longer counted, such as a list of arguments that a library asks for."""
@@ -46,17 +55,46 @@ def main() -> int:
 
 def measure() -> dict[str, int]:
     """Each figure by the name of its limit."""
-    package = ROOT / "drill_twin"
-    texts = {path: path.read_text("utf-8") for path in sorted(package.rglob("*.py"))}
-    lines = [text.count("\n") for text in texts.values()]
+    texts = {
+        path: path.read_text("utf-8")
+        for package in (CORE, *COMPANIONS)
+        for path in sorted(package.rglob("*"))
+        if path.suffix in {".py", ".js", ".html"}
+    }
+    pages = [text for path, text in texts.items() if path.suffix != ".py"]
+    texts = {path: text for path, text in texts.items() if path.suffix == ".py"}
     return {
-        "lines_of_the_package": sum(lines),
-        "files_of_the_package": len(lines),
-        "lines_of_the_longest_file": max(lines),
-        "folders_at_the_top": sum((path / "__init__.py").exists() for path in package.iterdir()),
+        "code_lines": sum(map(code_lines, texts.values())) + sum(map(page_lines, pages)),
+        "files_of_the_core": sum(path.is_relative_to(CORE) for path in texts),
+        "lines_of_the_longest_file": max(text.count("\n") for text in texts.values()),
+        "folders_at_the_top": sum((path / "__init__.py").exists() for path in CORE.iterdir()),
         "repeated_passages": repeated({path: _code(text) for path, text in texts.items()}),
         "parameters_of_commands": _parameters(),
     }
+
+
+def code_lines(text: str) -> int:
+    """Lines of code of a Python file: of each statement its characters without blanks, over `WIDTH`."""
+    docstrings = {
+        node.lineno
+        for node in ast.walk(ast.parse(text))
+        if isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant) and isinstance(node.value.value, str)
+    }
+    count, length, begin = 0, 0, 0
+    for token in tokenize.generate_tokens(io.StringIO(text).readline):
+        if token.type == tokenize.NEWLINE:
+            count += 0 if begin in docstrings else -(-length // WIDTH)
+            length = 0
+        elif token.type not in _NO_CODE:
+            begin = begin if length else token.start[0]
+            length += len(token.string)
+    return count
+
+
+def page_lines(text: str) -> int:
+    """Lines of code of a script or a page, without comments that fill their lines."""
+    text = re.sub(r"/\*.*?\*/|<!--.*?-->|^\s*//.*?$", "", text, flags=re.DOTALL | re.MULTILINE)
+    return sum(-(-len("".join(line.split())) // WIDTH) for line in text.splitlines())
 
 
 def repeated(files: dict[Path, list[str]]) -> int:
@@ -98,13 +136,14 @@ def _code(text: str) -> list[str]:
 
 
 def _parameters() -> int:
-    """Parameters of the commands that the package brings itself."""
+    """Parameters of the commands of core and companions."""
     from drill_twin.cli.app import commands
 
     return sum(
         len(command.params)
         for _, command in commands()
-        if str(getattr(command.callback, "__module__", "")).startswith("drill_twin.")
+        if str(getattr(command.callback, "__module__", "")).partition(".")[0]
+        in {CORE.name, *(path.name for path in COMPANIONS)}
     )
 
 

@@ -43,7 +43,8 @@ _FIGURE = re.compile(
 _NO_FIGURE = re.compile(r"Python 3\.\d+(?: or 3\.\d+)?|doi 10\S+")
 _SOURCE = re.compile(
     r"drill-twin [a-z]|\bmake [a-z]|python -m|\bros2 [a-z]|\btest_\w+\.py"
-    r"|\b(?:test|evidence|drill_twin|config|docs)/[\w/]+\.(?:py|md|yaml)|<!-- (?:printed|output of|no command):? .*?-->"
+    r"|\b(?:test|evidence|drill_twin|companions|config|docs)/[\w/]+\.(?:py|md|yaml)"
+    r"|<!-- (?:printed|output of|no command):? .*?-->"
 )
 _BLOCK = re.compile(r"\n\s*\n|\n(?=\s*(?:[*|#>:]|\d\.|- ))")
 _SENTENCE = re.compile(r"(?<=[.!?:])\s+(?=[^\sa-z])")

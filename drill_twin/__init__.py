@@ -24,8 +24,6 @@ def __getattr__(name: str) -> Any:
     api = import_module("drill_twin.api")
     if name == "__all__":
         return [*api.__all__, "__version__"]
-    if name not in api.__all__:
-        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
     return getattr(api, name)
 
 

@@ -42,7 +42,10 @@ setup(
     description="Evidence that drill_twin is right: exact checks, records of rigs, stress, scores, benchmarks",
     license="Apache-2.0",
     entry_points={
-        "drill_twin.commands": [f"{name} = {PACKAGE}.cli.{function}" for name, function in COMMANDS.items()],
+        "drill_twin.commands": [
+            *(f"{name} = {PACKAGE}.cli.{function}" for name, function in COMMANDS.items()),
+            f"ros load = {PACKAGE}.benchmarks.cpu_load:load",
+        ],
         "drill_twin.scenes": [f"hard = {PACKAGE}:HARD"],
     },
 )

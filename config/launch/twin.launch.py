@@ -4,8 +4,9 @@
 import os
 from collections.abc import Sequence
 
+from ament_index_python.packages import PackageNotFoundError, get_package_prefix
 from launch import LaunchContext, LaunchDescription
-from launch.actions import DeclareLaunchArgument, EmitEvent, RegisterEventHandler
+from launch.actions import DeclareLaunchArgument, EmitEvent, OpaqueFunction, RegisterEventHandler
 from launch.conditions import IfCondition
 from launch.event_handlers import OnProcessExit
 from launch.events import Shutdown
@@ -16,6 +17,13 @@ from launch_ros.parameter_descriptions import ParameterValue
 from launch_ros.substitutions import FindPackageShare
 
 PACKAGE = "drill_twin"
+COMPANIONS = {
+    "advise": ("advisor", "drill_twin_studies"),
+    "estimate": ("estimator", "drill_twin_studies"),
+    "gateway": ("gateway", "drill_twin_rig"),
+    "watch": ("watch", "drill_twin_dashboard"),
+}
+"""Executable and package of the flags of companion packages."""
 IN_NAMESPACE = [("/clock", "clock"), ("/tf", "tf"), ("/tf_static", "tf_static")]
 """Global names of ROS that each twin has in its own namespace."""
 END_WITH_LAUNCH = {"DRILL_TWIN_END_WITH_PARENT": str(os.getpid())}
@@ -147,6 +155,7 @@ def generate_launch_description() -> LaunchDescription:
     return LaunchDescription(
         [
             *ARGUMENTS,
+            OpaqueFunction(function=_refuse_what_is_not_installed),
             *nodes,
             Node(
                 package="rviz2",
@@ -177,6 +186,17 @@ def _end_with_error(event: ProcessExited, context: LaunchContext) -> None:
         raise RuntimeError(f"{event.process_name} ended with exit code {event.returncode}, so the launch ends")
 
 
+def _refuse_what_is_not_installed(context: LaunchContext) -> list[object]:
+    """Refuse a flag whose package is not installed, before any node starts."""
+    for flag, (_, package) in COMPANIONS.items():
+        if context.launch_configurations[flag] == "true":
+            try:
+                get_package_prefix(package)
+            except PackageNotFoundError:
+                raise RuntimeError(f"{flag}:=true needs the package {package}, which is not installed") from None
+    return []
+
+
 def _asked(flag: str) -> IfCondition:
     return IfCondition(LaunchConfiguration(flag))
 
@@ -191,7 +211,8 @@ def _clock() -> dict[str, object]:
 
 
 def _node(executable: str, parameters: dict[str, object], also: Sequence[object] = (), **more: object) -> Node:
-    defaults = PathJoinSubstitution([FindPackageShare(PACKAGE), "nodes", f"{executable}.yaml"])
+    package = dict(COMPANIONS.values()).get(executable, PACKAGE)
+    defaults = PathJoinSubstitution([FindPackageShare(package), "nodes", f"{executable}.yaml"])
     given = LaunchConfiguration("params_file")
     return Node(
         package=PACKAGE,

@@ -8,16 +8,16 @@ from _printed.markdown import code, table
 from drill_twin.ros import entry_points
 from drill_twin.ros.composed_twin import ComposedTwin
 from drill_twin.ros.core.parameters import Parameter
-from drill_twin.ros.permissions import RIGHTS
+from drill_twin.ros.permissions import all_rights
 
 
 def nodes() -> str:
     """A section for each node."""
-    return "\n".join([*(_node(name) for name in entry_points.NODES), _together()])
+    return "\n".join([*(_node(name) for name in entry_points.node_names()), _together()])
 
 
 def _node(name: str) -> str:
-    node, rights = entry_points.load(name), RIGHTS[name]
+    node, rights = entry_points.load(name), all_rights()[name]
     lists = (
         ("Publishes", rights.publish),
         ("Subscribes to", rights.subscribe),

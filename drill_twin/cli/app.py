@@ -14,21 +14,18 @@ from drill_twin.cli.analyze import analyze, report
 from drill_twin.cli.compare import compare
 from drill_twin.cli.cost import cost
 from drill_twin.cli.effects import effects
-from drill_twin.cli.estimate import estimate
 from drill_twin.cli.export import export
-from drill_twin.cli.fit import fit
-from drill_twin.cli.groups import CommandGroup, StudyGroup
+from drill_twin.cli.groups import ANY_ARGUMENTS, CommandGroup, StudyGroup
 from drill_twin.cli.modes import modes
-from drill_twin.cli.operating_map import operating_map
 from drill_twin.cli.rerun import rerun
 from drill_twin.cli.run import run
 from drill_twin.cli.scene import check, new, scenes, schema
 from drill_twin.cli.statics import statics
-from drill_twin.cli.watch import watch
 from drill_twin.cli.whirl import whirl
 from drill_twin.core import __version__
 
 app = typer.Typer(
+    name="drill-twin",
     cls=CommandGroup,
     help="A digital twin of a drillstring: simulate a scene, analyse a bag, draw a report. Only [bold]ros[/], "
     "[bold]replay[/], and [bold]watch[/] without a bag, need ROS 2 (rclpy).",
@@ -62,14 +59,12 @@ def _add(group: typer.Typer, commands: dict[str, Callable[..., object]], panel: 
 
 _add(
     app,
-    {"run": run, "rerun": rerun, "analyze": analyze, "report": report, "export": export, "watch": watch,
-     "replay": ros.replay},
+    {"run": run, "rerun": rerun, "analyze": analyze, "report": report, "export": export, "replay": ros.replay},
     "Runs and records",
 )  # fmt: skip
 _add(
     app,
-    {"statics": statics, "modes": modes, "whirl": whirl, "map": operating_map, "compare": compare, "cost": cost,
-     "effects": effects, "fit": fit, "estimate": estimate},
+    {"statics": statics, "modes": modes, "whirl": whirl, "compare": compare, "cost": cost, "effects": effects},
     "Questions about a string",
 )  # fmt: skip
 
@@ -77,10 +72,9 @@ _scene = typer.Typer(cls=CommandGroup, help="List, make and check scenes.")
 _add(_scene, {"list": scenes, "new": new, "check": check, "schema": schema})
 
 _nodes = typer.Typer(cls=CommandGroup, help="Run and examine the ROS 2 nodes; demo and node need rclpy.")
-_NOT_OURS = {"allow_extra_args": True, "ignore_unknown_options": True}
-_nodes.command(add_help_option=False, context_settings={**_NOT_OURS, "help_option_names": []})(ros.demo)
-_nodes.command(context_settings={**_NOT_OURS, "allow_interspersed_args": False})(ros.node)
-_add(_nodes, {"doctor": ros.doctor, "topics": ros.topics, "keys": ros.keys})
+_nodes.command(add_help_option=False, context_settings={**ANY_ARGUMENTS, "help_option_names": []})(ros.demo)
+_nodes.command(context_settings={**ANY_ARGUMENTS, "allow_interspersed_args": False})(ros.node)
+_add(_nodes, {"doctor": ros.doctor, "topics": ros.topics})
 
 _study = typer.Typer(cls=StudyGroup, help="Commands of other packages: those of drill_twin_evidence, and of yours.")
 for _name, _group in (("scene", _scene), ("ros", _nodes), ("study", _study)):

@@ -1,32 +1,58 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Groups of commands: an unknown one is refused with the one that was meant, `study` has those of other packages.
+"""Groups of commands: an unknown one is refused with the one that was meant; commands of other packages.
 
 Commands of other packages come from the entry-point group ``drill_twin.commands``: the entry's name is the command
 below `drill-twin study`, its value a function whose arguments typer understands
-(``clearance = my_package.clearance:clearance``). Its package is imported when it is called, and for the list of all
-studies, which has its help. A command that cannot be loaded stays in the list and tells why.
+(``clearance = my_package.clearance:clearance``). Its package is imported when the command is called, and for a list of
+commands, which has its help. A command that cannot be loaded stays in the list and tells why. A name of
+two words (``ros load``) stands in that group, and commands of the companions (`drill_twin.core.companions`) stand
+beside those of the core, installed or not.
 """
 
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from difflib import get_close_matches
-from importlib.metadata import EntryPoint, entry_points
+from importlib.metadata import EntryPoint
 from typing import Any
 
 import typer
 from typer.core import TyperGroup
 from typer.main import get_command
 
+from drill_twin.core.companions import COMPANIONS, entries, entry_of, not_installed, package_of
 from drill_twin.core.errors import ArgumentError
 
 ENTRY_POINTS = "drill_twin.commands"
 """Entry-point group of commands in other packages."""
+ANY_ARGUMENTS = {"allow_extra_args": True, "ignore_unknown_options": True}
+"""Settings of a command that hands its arguments on."""
+_OF_COMPANIONS = {
+    command: (companion.name, panel) for companion in COMPANIONS for command, panel in companion.commands.items()
+}
+"""Package and panel of each command of a companion, by its whole name."""
 
 
 class CommandGroup(TyperGroup):
     """Commands, listed by `drill-twin GROUP` alone; the message on an unknown one names what was meant."""
+
+    def list_commands(self, ctx: Any) -> list[str]:
+        """Names of the commands, those of other packages behind the others."""
+        return list(dict.fromkeys([*super().list_commands(ctx), *self._of_companions()]))
+
+    def get_command(self, ctx: Any, cmd_name: str) -> Any:
+        """Command of a name; None if there is none."""
+        if cmd_name not in self.commands and cmd_name in (whole := self._of_companions()):
+            self.commands[cmd_name] = _of_companion(whole[cmd_name])
+        return super().get_command(ctx, cmd_name)
+
+    def _of_companions(self) -> dict[str, str]:
+        """Whole names of the commands of other packages in this group, by their last word."""
+        place = "" if self.name == "drill-twin" else f"{self.name} "
+        added = [entry.name for entry in entries(ENTRY_POINTS)] if place else []
+        rest = {whole.removeprefix(place): whole for whole in (*_OF_COMPANIONS, *added) if whole.startswith(place)}
+        return {name: whole for name, whole in rest.items() if " " not in name}
 
     def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
         """Parse the arguments of the group; without any, those of its help."""
@@ -62,46 +88,62 @@ class StudyGroup(CommandGroup):
     def list_commands(self, ctx: Any) -> list[str]:
         """Names of all commands."""
         del ctx
-        return list(dict.fromkeys(entry.name for entry in _entries()))
+        return list(dict.fromkeys(entry.name for entry in _studies()))
 
     def get_command(self, ctx: Any, cmd_name: str) -> Any:
         """Command of a name; None if there is none."""
         del ctx
-        found = [entry for entry in _entries() if entry.name == cmd_name]
+        found = [entry for entry in _studies() if entry.name == cmd_name]
         if found and cmd_name not in self.commands:
-            self.commands[cmd_name] = _command(found[0])
+            self.commands[cmd_name] = _command(found[0], cmd_name, f"Of the package {package_of(found[0])}")
             for other in found[1:]:
                 print(
-                    f'drill-twin: the command "{cmd_name}" of the package {_package(other)} is left out: there is one '
-                    f"of that name in {_package(found[0])}",
+                    f'drill-twin: the command "{cmd_name}" of the package {package_of(other)} is left out: there is '
+                    f"one of that name in {package_of(found[0])}",
                     file=sys.stderr,
                 )
         return self.commands.get(cmd_name)
 
 
-def _entries() -> list[EntryPoint]:
-    return sorted(entry_points(group=ENTRY_POINTS), key=lambda entry: (_package(entry), entry.name))
+def _studies() -> list[EntryPoint]:
+    return [entry for entry in entries(ENTRY_POINTS) if entry.name not in _OF_COMPANIONS and " " not in entry.name]
 
 
-def _package(entry: EntryPoint) -> str:
-    return entry.dist.name if entry.dist else entry.value.partition(".")[0]
+def _of_companion(whole: str) -> Any:
+    """Command of a companion, or one that names the package to install."""
+    package, panel = _OF_COMPANIONS.get(whole, ("", ""))
+    name, entry = whole.rpartition(" ")[2], entry_of(ENTRY_POINTS, whole)
+    if entry is None:
+        return _of_function(name, panel, _refusing(whole, package), ANY_ARGUMENTS)
+    return _command(entry, name, panel)
 
 
-def _command(entry: EntryPoint) -> Any:
+def _refusing(whole: str, package: str) -> Callable[..., object]:
+    def command(context: typer.Context) -> None:
+        del context
+        raise not_installed(f"`drill-twin {whole}`", package)
+
+    command.__doc__ = f"Not installed; it is in the package {package}."
+    return command
+
+
+def _command(entry: EntryPoint, name: str, panel: str) -> Any:
     """The command, or one that raises what is wrong with it."""
     try:
-        return _of_function(entry, entry.load())
+        return _of_function(name, panel, entry.load())
     except Exception as error:  # noqa: BLE001 - another package must not stop this one
         trouble = (
-            f'expected the command "{entry.name}" of the package {_package(entry)} in {entry.value}, found '
+            f'expected the command "{entry.name}" of the package {package_of(entry)} in {entry.value}, found '
             f"{type(error).__name__}: {error}; reinstall the package, or remove it"
         )
-        return _of_function(entry, _broken(trouble))
+        return _of_function(name, panel, _broken(trouble))
 
 
-def _of_function(entry: EntryPoint, function: Callable[..., object]) -> Any:
+def _of_function(
+    name: str, panel: str, function: Callable[..., object], settings: Mapping[str, Any] | None = None
+) -> Any:
     alone = typer.Typer(add_completion=False, rich_markup_mode="rich")
-    alone.command(entry.name, rich_help_panel=f"Of the package {_package(entry)}")(function)
+    alone.command(name, rich_help_panel=panel or None, context_settings=dict(settings or {}))(function)
     return get_command(alone)
 
 

@@ -3,12 +3,10 @@
 
 from __future__ import annotations
 
-import socket
 from collections.abc import Iterator
 from dataclasses import asdict
 from itertools import groupby
 from json import dumps
-from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
@@ -175,33 +173,3 @@ def _shown(checks: list[Check], problems: int) -> Iterator[Table | Text | str]:
                 rows.append(("", "", Text(f"-> {check.remedy}", styles[check.verdict])))
         yield Table([Column("", whole=True), Column(""), Column("")], rows, title=section)
     yield f"{problems} problem{'' if problems == 1 else 's'}" if problems else "nothing is wrong"
-
-
-def keys(
-    folder: Annotated[Path, typer.Argument(help="Folder of the keys; it is made if there is none.")],
-    user: Annotated[str, typer.Option(help="Name of a user to add, or who gets another password.")],
-    password: Annotated[
-        str,
-        typer.Option(
-            prompt=True,
-            hide_input=True,
-            help="Password, 8 characters or more; asked for if left out (others see the options of a command).",
-        ),
-    ],
-    host: Annotated[
-        str, typer.Option(help="Name of the machine in the certificate; that of this machine if left out.")
-    ] = "",
-) -> None:
-    """Make the keys of the gateway: a self-signed certificate, and users that may command. Needs the extra opcua.
-
-    Put the certificates of clients into FOLDER/trusted.
-    """
-    try:
-        from drill_twin.gateway.opc_ua.keys import CERTIFICATE, TRUSTED, USERS, make_keys
-    except ModuleNotFoundError as error:
-        from drill_twin.core.errors import missing
-
-        raise missing(error, "opcua") from error
-    new = make_keys(folder, "urn:drill_twin:gateway", host or socket.gethostname(), {user: password})
-    print(f"{folder / USERS}: {user} is {'new' if user in new else 'given another password'}")
-    print(f"{folder / CERTIFICATE}: for clients to trust; put theirs into {folder / TRUSTED}")

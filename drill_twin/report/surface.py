@@ -13,7 +13,6 @@ from drill_twin.core.arrays import Array
 from drill_twin.dynamics.discretisation.discretise import tubes_of
 from drill_twin.dynamics.discretisation.resolution import MOST
 from drill_twin.physics.model.mesh import build_rod
-from drill_twin.report.figures.style import GAP
 from drill_twin.report.recording import Recording
 from drill_twin.scene import Scene
 from drill_twin.scene.set_points.tables import find_spikes
@@ -25,6 +24,8 @@ CHANNELS = {
     "bit_speed": "bit speed",
 }  # fmt: skip
 """Channels that are looked at, and their short names."""
+GAP = 1.5
+"""Samples that are more than this many usual intervals apart enclose a gap; a line of a figure is broken there."""
 SPIKE_WINDOW, FEWEST = 0.5, 7
 """Window of the running median from which a spike departs [s], and its fewest samples."""
 EVEN = 0.1

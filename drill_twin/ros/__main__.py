@@ -3,9 +3,9 @@
 
 import sys
 
-from drill_twin.ros.entry_points import EXECUTABLES, end, start
+from drill_twin.ros.entry_points import end, executables, start
 
-if len(sys.argv) < 2 or sys.argv[1] not in EXECUTABLES:
-    print(f"usage: python -m drill_twin.ros {{{','.join(EXECUTABLES)}}} [--help] [--ros-args ...]", file=sys.stderr)
+if len(sys.argv) < 2 or sys.argv[1] not in executables():
+    print(f"usage: python -m drill_twin.ros {{{','.join(executables())}}} [--help] [--ros-args ...]", file=sys.stderr)
     sys.exit(2)
 end(start(sys.argv[1], sys.argv[2:]))

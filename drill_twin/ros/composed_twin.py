@@ -19,12 +19,21 @@ from typing import ClassVar
 from rclpy.context import Context
 from rclpy.node import Node
 
+from drill_twin.core.companions import COMPANIONS
 from drill_twin.ros.core.node import TwinNode
 from drill_twin.ros.core.node_main import init_context, print_help, run_in_order
 from drill_twin.ros.core.parameters import Parameter, Value, declare, given_parameters
 from drill_twin.ros.core.stop_request import StopRequest
 from drill_twin.ros.deployment import readable_refusal
 from drill_twin.ros.entry_points import load
+
+_OF_COMPANIONS = tuple(
+    (flag, node, companion.name)
+    for companion in COMPANIONS
+    for node, flag in companion.nodes.items()
+    if node != "watch"  # a program with threads of its own
+)
+"""Flag, name and package of each node of a companion."""
 
 
 class ComposedTwin:
@@ -36,21 +45,16 @@ class ComposedTwin:
         Parameter("drive", True, "whether to run the rig driver"),
         Parameter("analyze", True, "whether to run the analyzer"),
         Parameter("record", False, "whether to record a bag"),
-        Parameter("advise", False, "whether to run the advisor; its parameters then stand here too"),
-        Parameter("estimate", False, "whether to run the estimator; its parameters then stand here too"),
-        Parameter("gateway", False, "whether to run the gateway; its parameters then stand here too"),
+        *(
+            Parameter(flag, False, f"whether to run the {node} (of {package}); its parameters then stand here too")
+            for flag, node, package in _OF_COMPANIONS
+        ),
     )
 
 
 _ALWAYS_KNOWN = ("simulator", "rig_driver", "analyzer", "recorder")
 """Nodes whose parameters the process takes whether they run or not."""
-_FLAGS = {
-    "analyze": "analyzer",
-    "record": "recorder",
-    "advise": "advisor",
-    "estimate": "estimator",
-    "gateway": "gateway",
-}
+_FLAGS = {"analyze": "analyzer", "record": "recorder"} | {flag: node for flag, node, _ in _OF_COMPANIONS}
 """Nodes by their flag, without the rig driver, which comes after them."""
 _WAITED_FOR = ("analyzer", "recorder")
 """Nodes that must miss no message."""

@@ -3,10 +3,11 @@
 
 Exit codes: 0 ended as asked (also by SIGINT or SIGTERM), 1 the run could not go on, 2 refused to start.
 
-A new node is a class of `core.node.TwinNode`, a row in `NODES` and one in `permissions.RIGHTS`, and the two
-files printed from its tables: `config/nodes/NAME.yaml` by `drill-twin ros node NAME --parameters`, and
-`config/security/NAME.policy.xml` by `policy_text`. Its help text and tests follow from these; its executable is a copy
-of the others in `resource/executables/`.
+A new node is a class of `core.node.TwinNode`, a row in `NODES` and a row in `permissions.RIGHTS` (in another package:
+an entry point of `GROUP` and an entry point of `permissions.GROUP`), and the two files printed from its tables:
+`config/nodes/NAME.yaml` by `drill-twin ros node NAME --parameters`, and `config/security/NAME.policy.xml` by
+`policy_text`. Its help text and tests follow from these; its executable is a copy of the others in
+`resource/executables/`.
 """
 
 from __future__ import annotations
@@ -17,6 +18,7 @@ from collections.abc import Sequence
 from importlib.util import find_spec
 from typing import Any, NoReturn
 
+from drill_twin.core.companions import COMPANIONS, entries, entry_of, not_installed
 from drill_twin.core.errors import DrillTwinError, RunError, printable
 from drill_twin.core.process import (
     end_process,
@@ -31,31 +33,42 @@ NODES = {
     "simulator": "drill_twin.ros.simulator.node:Simulator",
     "rig_driver": "drill_twin.ros.rig_driver.node:RigDriver",
     "analyzer": "drill_twin.ros.analyzer.node:Analyzer",
-    "advisor": "drill_twin.ros.advisor.node:Advisor",
-    "estimator": "drill_twin.ros.estimator.node:Estimator",
     "recorder": "drill_twin.ros.bag.recorder:Recorder",
     "replayer": "drill_twin.ros.bag.replayer:Replayer",
-    "gateway": "drill_twin.ros.gateway.node:Gateway",
 }
-"""Module and class of each node."""
+"""Module and class of each node of the core."""
 PROGRAMS = {
     "twin": "drill_twin.ros.composed_twin:run",
     "demo": "drill_twin.ros.demo.demo:run",
-    "watch": "drill_twin.ros.live_page:run",
 }
 """Module and function of what starts several nodes, or takes other arguments than those of ROS."""
-EXECUTABLES = (*NODES, *PROGRAMS)
+GROUP = "drill_twin.nodes"
+"""Entry-point group of nodes in other packages: a class of `TwinNode`, or a function as those of `PROGRAMS`."""
+_OF_COMPANIONS = {name: companion.name for companion in COMPANIONS for name in companion.nodes}
+
+
+def executables() -> tuple[str, ...]:
+    """Names of all nodes and programs, those of companions too that are not installed."""
+    return tuple(dict.fromkeys((*NODES, *_OF_COMPANIONS, *(entry.name for entry in entries(GROUP)), *PROGRAMS)))
+
+
+def node_names() -> tuple[str, ...]:
+    """Names of the nodes that are installed, those of other packages too."""
+    return (*NODES, *(entry.name for entry in entries(GROUP) if entry.name != "watch"))
 
 
 def load(name: str) -> Any:
     """Import the class of a node, or the function of a program.
 
     Raises:
-        DrillTwinError: There is none of that name, or a module it needs is not installed.
+        DrillTwinError: There is none of that name, or a package it needs is not installed.
     """
-    if name not in EXECUTABLES:
-        raise DrillTwinError(f"expected one of {', '.join(EXECUTABLES)}, found {name!r}")
-    module, _, attribute = {**NODES, **PROGRAMS}[name].partition(":")
+    if name not in (known := executables()):
+        raise DrillTwinError(f"expected one of {', '.join(known)}, found {name!r}")
+    place = {**NODES, **PROGRAMS}.get(name) or getattr(entry_of(GROUP, name), "value", "")
+    if not place:
+        raise not_installed(f"the node {name}", _OF_COMPANIONS[name])
+    module, _, attribute = place.partition(":")
     try:
         if find_spec("rclpy") is None:  # the demo loads it in its nodes only
             raise ModuleNotFoundError(name="rclpy")
@@ -75,7 +88,7 @@ def start(name: str, arguments: Sequence[str] | None = None) -> int:
         refuse_too_little_memory()
         with stop.at_once():
             target = load(name)
-        if name in NODES:
+        if isinstance(target, type):
             from drill_twin.ros.core.node_main import run_node
 
             run_node(target, given, stop)

@@ -6,18 +6,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from drill_twin.core.companions import entries
 from drill_twin.io.messages.topics import (
-    ADVICE_MAP,
-    ADVICE_STATE,
     CLOCK_TOPIC,
     COMMANDER,
     DIAGNOSTICS,
-    ESTIMATE,
-    ESTIMATE_STATE,
     MARKS_STATE,
     MEASURED,
-    MEASURED_RIG_STATE,
-    OF_NEAREST_TWIN,
     OF_SUBS,
     REALTIME_FACTOR,
     RIG_COMMAND,
@@ -97,25 +92,22 @@ RIGHTS: dict[str, Rights] = {
         (WHIRL_STATE, WHIRL_MOTION, WHIRL_ONSET, TWIN_SUMMARY),
         (TWIN_SCENE, MARKS_STATE, RIG_STATE, REALTIME_FACTOR, *READINGS),
     ),
-    "advisor": Rights((ADVICE_STATE, ADVICE_MAP), (TWIN_SCENE, RIG_STATE, TWIN_SUMMARY)),
-    "estimator": Rights(
-        (ESTIMATE_STATE, *(ESTIMATE + topic for topic in OF_NEAREST_TWIN)),
-        (MEASURED_RIG_STATE, RIG_STATE, RIG_COMMAND, *READINGS),  # the launch file lets it follow the simulator
-    ),
     "recorder": Rights((), (*TOPICS, *SUBS, *MEASURED_SUBS)),
     "replayer": Rights((*(topic for topic in TOPICS if topic != DIAGNOSTICS), *SUBS, *MEASURED_SUBS), (), (), _READY),
-    "gateway": Rights(
-        (RIG_COMMAND, MEASURED_RIG_STATE, *MEASURED_SUBS),
-        (TWIN_SCENE, RIG_STATE, STRING_POSES, MARKS_STATE, WHIRL_STATE, WHIRL_ONSET, REALTIME_FACTOR),
-        ("~/grant_control", "~/withdraw_control"),
-    ),
 }
-"""Least privilege: a test compares the permissions with the topics and services of running nodes."""
+"""Rights of the nodes of the core: least privilege, which a test compares with what running nodes use."""
+GROUP = "drill_twin.rights"
+"""Entry-point group of the `Rights` of nodes in other packages, by the name of the node."""
+
+
+def all_rights() -> dict[str, Rights]:
+    """Rights of all nodes that are installed."""
+    return RIGHTS | {entry.name: entry.load() for entry in entries(GROUP)}
 
 
 def policy_text(node: str) -> str:
     """SROS2 policy of a node, `config/security/NODE.policy.xml`."""
-    rights = RIGHTS[node]
+    rights = all_rights()[node]
     publish = sorted({*_OF_EVERY_NODE, *rights.publish})
     lists = (
         ("topics", "publish", "topic", publish),

@@ -14,9 +14,9 @@ from typing_extensions import TypedDict
 
 from drill_twin.core.errors import ArgumentError, BagError
 from drill_twin.core.files.json_files import JsonLines
-from drill_twin.studies.maps.regimes import Regime
-from drill_twin.studies.maps.runs import Key, RunRecord
-from drill_twin.studies.maps.search import open_journal
+from drill_twin_studies.maps.regimes import Regime
+from drill_twin_studies.maps.runs import Key, RunRecord
+from drill_twin_studies.maps.search import open_journal
 
 SETUP = {"scene": "bench", "duration": 30.0}
 

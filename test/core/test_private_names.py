@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).parents[2]
-ROW = re.compile(r"^\| `([\w.]+):([\w.]+)` \| `([^`]+)`.* \| `(test/[^`]+)` \|$", re.MULTILINE)
+ROW = re.compile(r"^\| `([\w.]+):([\w.]+)` \| `([^`]+)`.* \| `((?:test|companions)/[^`]+)` \|$", re.MULTILINE)
 ROWS = ROW.findall((ROOT / "evidence" / "docs" / "private_compiler.md").read_text("utf-8"))
 
 
@@ -31,14 +31,19 @@ def test_a_private_name_is_there(module, path, file, test):
         assert hasattr(found, name) or re.search(rf"\bself\.{name}\b", sources)
     else:
         assert hasattr(found, name)
-    assert name.lstrip("_") in (ROOT / "drill_twin" / file).read_text("utf-8")
+    assert name.lstrip("_") in (ROOT / file).read_text("utf-8")
     assert (ROOT / test).is_file()
 
 
 def test_every_private_name_that_is_used_is_listed():
     listed = {path.lstrip("_") for _, whole, _, _ in ROWS for path in whole.split(".")}
     used = set()
-    for file in (ROOT / "drill_twin").rglob("*.py"):
+    for file in (
+        file
+        for room in ("drill_twin", "companions/*/drill_twin_*")
+        for folder in ROOT.glob(room)
+        for file in folder.rglob("*.py")
+    ):
         for line in file.read_text("utf-8").splitlines():
             if "SLF001" in line:
                 code = line.partition("#")[0]

@@ -16,7 +16,7 @@ PAGES = (
     *sorted((ROOT / "docs").rglob("*.md")),
     *sorted((ROOT / "evidence" / "docs").glob("*.md")),
 )
-NAMED = re.compile(r"\b(?<!/)((?:drill_twin|test|config|evidence)/[\w/.-]*\w)")
+NAMED = re.compile(r"\b(?<!/)((?:drill_twin|companions|test|config|evidence)/[\w/.-]*\w)")
 LINKED = re.compile(r"\]\(([^)#\s:]*)(?:#([^)\s]*))?\)")
 
 

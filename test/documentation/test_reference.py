@@ -86,8 +86,8 @@ def test_commands_and_parameters(printed):
 
     assert _headings(printed("commands")) == [name for name, _ in commands()]
     text = printed("nodes")
-    assert _headings(text) == [*entry_points.NODES, "twin"]
-    wanted = {item.name for name in entry_points.NODES for item in entry_points.load(name).PARAMETERS}
+    assert _headings(text) == [*entry_points.node_names(), "twin"]
+    wanted = {item.name for name in entry_points.node_names() for item in entry_points.load(name).PARAMETERS}
     assert _keys(text) == wanted | {item.name for item in ComposedTwin.PARAMETERS}
 
 
@@ -114,5 +114,7 @@ def test_the_table_of_diagnostics_has_what_a_run_reports():
     }
     assert reported
     assert {key for key in reported if not key.startswith("energy_")} <= listed
-    sources = "".join(file.read_text() for file in (DOCS.parent / "drill_twin").rglob("*.py"))
+    sources = "".join(
+        file.read_text() for room in ("drill_twin", "companions") for file in (DOCS.parent / room).rglob("*.py")
+    )
     assert not [name for name in listed if f'"{name}"' not in sources]

@@ -24,13 +24,13 @@ from drill_twin.io.bag.writer import BagWriter
 from drill_twin.io.messages.diagnostics import Level, Status, encode_diagnostics
 from drill_twin.io.messages.encode import encode_string
 from drill_twin.io.messages.topics import DIAGNOSTICS, TWIN_SCENE
-from drill_twin.live.page_state import INPUTS
-from drill_twin.live.player import Player
 from drill_twin.report.recording import read_recording
 from drill_twin.report.summary import summarise
 from drill_twin.runs import Session
 from drill_twin.scene import load_scene
 from drill_twin.scene.set_points.tables import read_table
+from drill_twin_dashboard.live.page_state import INPUTS
+from drill_twin_dashboard.live.player import Player
 
 LAUGHS = "".join(f"k{n}: &a{n} [{', '.join([f'*a{n - 1}' if n else 'x'] * 9)}]\n" for n in range(9))
 MERGES = "a0: &a0 {x: 1}\n" + "".join(f"a{n}: &a{n} {{{', '.join([f'<<: *a{n - 1}'] * 9)}}}\n" for n in range(1, 12))

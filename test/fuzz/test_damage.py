@@ -27,11 +27,11 @@ from drill_twin.core.errors import DrillTwinError
 from drill_twin.dynamics.twin.checkpoint import Checkpoint
 from drill_twin.dynamics.twin.twin import Twin
 from drill_twin.io.bag.reader import Bag
-from drill_twin.live.player import Player
 from drill_twin.report.recording import read_recording
 from drill_twin.report.summary import summarise
 from drill_twin.runs import Session
 from drill_twin.scene import load_scene
+from drill_twin_dashboard.live.player import Player
 
 SEED = 20261122
 COUNT = int(os.environ.get("DRILL_TWIN_DAMAGE", "60"))

@@ -28,11 +28,11 @@ from drill_twin.dynamics.twin.twin import Twin
 from drill_twin.io.bag.reader import Bag
 from drill_twin.io.bag.virtual_bags import RecordBag
 from drill_twin.io.whirl_pipeline import WhirlPipeline
-from drill_twin.live.page_state import INPUTS, PageState
 from drill_twin.runs import Session
 from drill_twin.scene import load_scene
 from drill_twin.scene.paths import config_dir
 from drill_twin.scene.set_points.tables import read_table
+from drill_twin_dashboard.live.page_state import INPUTS, PageState
 
 SEED = 20261121
 COUNT = int(os.environ.get("DRILL_TWIN_FUZZ", "150"))

@@ -16,16 +16,16 @@ from limited import harmless
 import drill_twin as dt
 from drill_twin.cli.analyze import analyze
 from drill_twin.dynamics.twin.checkpoint import Checkpoint
-from drill_twin.gateway.drillbotics import check_timeseries
-from drill_twin.gateway.opc_ua.keys import read_users
-from drill_twin.gateway.signals import read_signals
 from drill_twin.report import build_report
 from drill_twin.scene import load_scene
 from drill_twin.scene.records import read_columns
 from drill_twin.scene.set_points import read_table
 from drill_twin.scene.well_plan.plan import read_survey
 from drill_twin.scene.well_plan.tally import read_tally
-from drill_twin.studies.maps.operating_map import read_map
+from drill_twin_rig.gateway.drillbotics import check_timeseries
+from drill_twin_rig.gateway.opc_ua.keys import read_users
+from drill_twin_rig.gateway.signals import read_signals
+from drill_twin_studies.maps.operating_map import read_map
 
 READERS = {
     "record.csv": read_columns, "record.las": read_columns, "record.xml": read_columns, "record.mat": read_columns,

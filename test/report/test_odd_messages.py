@@ -26,10 +26,10 @@ from drill_twin.io.messages.topics import (
     WHIRL_ONSET,
     WHIRL_STATE,
 )
-from drill_twin.live.page_state import INPUTS, PageState
-from drill_twin.live.player import in_simulated_time
 from drill_twin.report import build_report
 from drill_twin.report.summary import summarise
+from drill_twin_dashboard.live.page_state import INPUTS, PageState
+from drill_twin_dashboard.live.player import in_simulated_time
 
 AT = 5_000_000_000
 FUTURE = 1_900_000_000_000_000_000

@@ -7,10 +7,10 @@ import pytest
 
 from drill_twin.io.messages.decode import read_joint_state
 from drill_twin.io.messages.diagnostics import Level
-from drill_twin.live.shown import shown_estimates
-from drill_twin.ros.estimator.messages import EstimateEncoder, trust_in, values_for_diagnostics, verdict_of
-from drill_twin.studies.estimation import Band, Estimate
-from drill_twin.studies.estimation.doubts import Span
+from drill_twin_dashboard.live.shown import shown_estimates
+from drill_twin_studies.estimation import Band, Estimate
+from drill_twin_studies.estimation.doubts import Span
+from drill_twin_studies.ros.estimator.messages import EstimateEncoder, trust_in, values_for_diagnostics, verdict_of
 
 SPANS = (Span(12.0, 41.0, 29), Span(60.0, 61.0, 1))
 

@@ -13,13 +13,13 @@ from drill_twin.io.messages.cdr import JointStateTemplate
 from drill_twin.io.messages.decode import read_joint_state
 from drill_twin.io.messages.diagnostics import Level
 from drill_twin.io.messages.encode import MARK_AXES
+from drill_twin.io.messages.topic_words import digest_of
 from drill_twin.io.messages.topics import ESTIMATE_STATE, MARKS_STATE, MEASURED_RIG_STATE, RIG_STATE
-from drill_twin.live.page_state import PageState
-from drill_twin.live.sources import Sources
 from drill_twin.scene import load_scene
-from drill_twin.studies.maps import OperatingMap, Plane, Regime, Span
-from drill_twin.studies.maps.operating_map import digest_of
-from drill_twin.studies.maps.runs import Key, RunRecord
+from drill_twin_dashboard.live.page_state import PageState
+from drill_twin_dashboard.live.sources import Sources
+from drill_twin_studies.maps import OperatingMap, Plane, Regime, Span
+from drill_twin_studies.maps.runs import Key, RunRecord
 
 COARSE = (
     "numerics.elements=8; numerics.step=10 ms; numerics.frame_rate=50 Hz; rig.rotation.duration=1 s; "

@@ -6,8 +6,8 @@ from lifecycle_msgs.msg import Transition
 from lifecycle_msgs.srv import ChangeState, GetState
 
 from drill_twin.io.messages.topics import CLOCK_TOPIC, DIAGNOSTICS, STRING_POSES
-from drill_twin.ros.entry_points import NODES
-from drill_twin.ros.permissions import RIGHTS
+from drill_twin.ros.entry_points import node_names
+from drill_twin.ros.permissions import all_rights
 
 
 def _set(bench, transition, node="simulator"):
@@ -21,7 +21,7 @@ def _state(bench, node="simulator"):
 
 def _publishes(bench, node):
     names = {name for name, _ in bench.node.get_publisher_names_and_types_by_node(node, "/")}
-    return names & set(RIGHTS[node].publish) - {DIAGNOSTICS}
+    return names & set(all_rights()[node].publish) - {DIAGNOSTICS}
 
 
 def test_a_manager_configures_activates_deactivates_cleans_up_and_ends_it(bench):
@@ -62,7 +62,7 @@ def test_a_scene_that_cannot_be_built_leaves_it_unconfigured(bench):
     assert process.end() == 0
 
 
-@pytest.mark.parametrize("node", [node for node in NODES if node != "simulator"])
+@pytest.mark.parametrize("node", [node for node in node_names() if node != "simulator"])
 def test_every_node_is_configured_activated_rests_is_cleaned_up_and_configured_again(bench, small_bag, node):
     given = {
         "recorder": {"bag": ""},

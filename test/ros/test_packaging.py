@@ -12,42 +12,72 @@ from pathlib import Path
 
 import pytest
 import yaml
+from process_bench import config_file
 
 import drill_twin
+from drill_twin.core.companions import COMPANIONS
 from drill_twin.ros import entry_points
 from drill_twin.ros.composed_twin import ComposedTwin
 from drill_twin.ros.core.parameters import file_text
-from drill_twin.ros.permissions import RIGHTS
+from drill_twin.ros.permissions import all_rights
 from drill_twin.scene import presets
 
 ROOT = Path(__file__).resolve().parents[2]
-NODES = {name: entry_points.load(name) for name in entry_points.NODES}
+NODES = {name: entry_points.load(name) for name in entry_points.node_names()}
 EXECUTABLES = {*NODES, "twin", "watch"}
 # Import name -> distribution, where they differ.
 DISTRIBUTIONS = {"foxglove": "foxglove-sdk", "yaml": "pyyaml", "llvmlite": "numba", "pydantic_core": "pydantic"}
 FROM_ROS = {"rclpy", "rcl_interfaces", "lifecycle_msgs", "std_srvs", "ament_index_python"}
 
 
-@pytest.fixture(scope="module")
-def setup_arguments():
-    """The keyword arguments that setup.py gives to setup()."""
+FOLDERS = {"drill_twin": ROOT} | {package.name: package for package in sorted(ROOT.glob("companions/*"))}
+"""Folder of each package: the core, and its companions."""
+of_each_package = pytest.mark.parametrize("package", FOLDERS)
+
+
+def _setup_arguments(folder):
+    """The keyword arguments that a setup.py gives to setup()."""
     import setuptools
 
     seen = {}
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(setuptools, "setup", lambda **given: seen.update(given))
-        patch.chdir(ROOT)
-        runpy.run_path(str(ROOT / "setup.py"))
+        patch.chdir(folder)
+        runpy.run_path(str(folder / "setup.py"))
     return seen
 
 
-def test_versions_and_licences_agree(setup_arguments):
-    manifest = (ROOT / "package.xml").read_text("utf-8")
-    assert setup_arguments["version"] == drill_twin.__version__
+@pytest.fixture(scope="module")
+def setup_arguments():
+    return _setup_arguments(ROOT)
+
+
+@of_each_package
+def test_versions_and_licences_agree(package):
+    folder = FOLDERS[package]
+    given, manifest = _setup_arguments(folder), (folder / "package.xml").read_text("utf-8")
+    assert (given["name"], given["version"]) == (package, drill_twin.__version__)
     assert f"<version>{drill_twin.__version__}</version>" in manifest
-    assert setup_arguments["license"] == "Apache-2.0"
+    assert f"<name>{package}</name>" in manifest
+    assert given["license"] == "Apache-2.0"
     assert ">Apache-2.0</license>" in manifest
+    if package != "drill_twin":
+        assert f"drill_twin=={drill_twin.__version__}" in given["install_requires"]
+        assert "<exec_depend>drill_twin</exec_depend>" in manifest
     assert "Apache License" in (ROOT / "LICENSE").read_text("utf-8")
+
+
+def test_the_table_of_companions_has_what_they_bring(setup_arguments):
+    assert {companion.name for companion in COMPANIONS} == FOLDERS.keys() - {"drill_twin"}
+    assert {line.partition("=")[0] for line in setup_arguments["extras_require"]["all"]} == FOLDERS.keys() - {
+        "drill_twin"
+    }
+    for companion in COMPANIONS:
+        points = _setup_arguments(FOLDERS[companion.name])["entry_points"]
+        brought = {group: {line.partition(" = ")[0] for line in lines} for group, lines in points.items()}
+        assert brought["drill_twin.commands"] == set(companion.commands)
+        assert brought["drill_twin.nodes"] == set(companion.nodes)
+        assert brought.get("drill_twin.rights", set()) == set(companion.nodes) - {"watch"}
 
 
 def test_commands_carry_the_name_of_the_package_and_ros2_run_finds_every_node(setup_arguments):
@@ -57,10 +87,10 @@ def test_commands_carry_the_name_of_the_package_and_ros2_run_finds_every_node(se
     module, _, function = scripts["drill-twin"].partition(":")
     assert callable(getattr(importlib.import_module(module), function))
     executables = [ROOT / file for file in dict(setup_arguments["data_files"])["lib/drill_twin"]]
-    assert {file.name for file in executables} == EXECUTABLES <= set(entry_points.EXECUTABLES)
+    assert {file.name for file in executables} == EXECUTABLES <= set(entry_points.executables())
     assert len({file.read_bytes() for file in executables}) == 1
     assert all(os.access(file, os.X_OK) for file in executables)
-    assert set(NODES) == set(RIGHTS)
+    assert set(NODES) == set(all_rights())
     assert all(name == entry_points.load(name).NAME for name in NODES)
 
 
@@ -83,29 +113,42 @@ def test_an_executable_runs_its_node_wherever_the_command_is(tmp_path, layout):
     assert said.stdout.startswith("usage: analyzer ")
 
 
-def test_all_data_is_installed(setup_arguments):
-    installed = {Path(file) for _, files in setup_arguments["data_files"] for file in files}
-    for file in (ROOT / "config").glob("*/*.*"):
-        assert file.relative_to(ROOT) in installed
-    folders = {Path(folder).name for folder, _ in setup_arguments["data_files"]}
-    assert {"scenes", "schema", "nodes", "launch", "dds", "views", "packages"} <= folders
+@of_each_package
+def test_all_data_is_installed(package):
+    folder = FOLDERS[package]
+    given = _setup_arguments(folder)
+    installed = {Path(file) for _, files in given["data_files"] for file in files}
+    for file in (folder / "config").glob("*/*.*"):
+        assert file.relative_to(folder) in installed
+    folders = {Path(place).name for place, _ in given["data_files"]}
+    assert {"scenes", "schema", "nodes", "launch", "dds", "views", "packages"} <= folders or package != "drill_twin"
+    (pattern,) = given["package_data"].values()
+    packed = {path for each in pattern for path in (folder / package).glob(each)}
+    other = {path for path in (folder / package).rglob("*") if path.is_file() and path.suffix not in {".py", ".pyc"}}
+    assert other <= packed
 
 
-def test_every_import_is_declared(setup_arguments):
-    extras = setup_arguments["extras_require"]
-    lines = [*setup_arguments["install_requires"], *extras["foxglove"], *extras["opcua"], *extras["xarray"]]
+@of_each_package
+def test_every_import_is_declared(package):
+    folder = FOLDERS[package]
+    given = _setup_arguments(folder)
+    extras = given["extras_require"]
+    wanted = {name for name in extras if name in {"foxglove", "las", "dask", "xarray"}}
+    lines = [*given["install_requires"], *(line for name in wanted for line in extras[name])]
+    if package != "drill_twin":  # what the core needs is there with it
+        lines += _setup_arguments(ROOT)["install_requires"]
     declared = {re.split(r"[<>=!~ ]", line)[0].lower() for line in lines}
     found = set()
-    for file in (ROOT / "drill_twin").rglob("*.py"):
+    for file in (folder / package).rglob("*.py"):
         for node in ast.walk(ast.parse(file.read_text("utf-8"))):
             if isinstance(node, ast.Import):
                 found |= {alias.name.partition(".")[0] for alias in node.names}
             elif isinstance(node, ast.ImportFrom) and not node.level:
                 found.add(node.module.partition(".")[0])
-    outside = found - set(sys.stdlib_module_names) - FROM_ROS - {"drill_twin"}
+    outside = found - set(sys.stdlib_module_names) - FROM_ROS - {"drill_twin", package}
     assert {DISTRIBUTIONS.get(name, name) for name in outside} - declared == set()
-    for name in FROM_ROS:
-        assert f"<exec_depend>{name}</exec_depend>" in (ROOT / "package.xml").read_text("utf-8")
+    for name in FROM_ROS & found:
+        assert f"<exec_depend>{name}</exec_depend>" in (folder / "package.xml").read_text("utf-8")
 
 
 def test_versions_are_pinned(setup_arguments):
@@ -117,10 +160,11 @@ def test_versions_are_pinned(setup_arguments):
     assert {line.partition(" ")[0] for line in extras["ros"]} <= {f"{name}=={pin}" for name, pin in pins.items()}
 
 
-def test_each_bound_names_a_version_that_can_be_tested(setup_arguments):
+@of_each_package
+def test_each_bound_names_a_version_that_can_be_tested(package):
     """`.ci/bounds lowest` installs it."""
-    for line in setup_arguments["install_requires"]:
-        assert re.fullmatch(r"[a-z0-9]+>=[0-9.]+(,<[0-9.]+)?", line)
+    for line in _setup_arguments(FOLDERS[package])["install_requires"]:
+        assert line.startswith("drill_twin==") or re.fullmatch(r"[a-z0-9]+>=[0-9.]+(,<[0-9.]+)?", line)
 
 
 NEWER_THAN_NUMPY_1_26 = {
@@ -148,17 +192,19 @@ def test_a_ros_workspace_gets_what_has_no_key_in_rosdep(setup_arguments):
     page, manifest = ((ROOT / name).read_text("utf-8") for name in ("docs/install.md", "package.xml"))
     (line,) = re.findall(r"^\$ \.venv/bin/pip install (.*)$", page, re.MULTILINE)
     keys = {"pyyaml": "python3-yaml"}
+    of_companions = (line for folder in FOLDERS.values() for line in _setup_arguments(folder)["install_requires"])
     needed = {
         line
-        for line in setup_arguments["install_requires"]
-        if f">{keys.get(name := line.partition('>')[0], f'python3-{name}')}<" not in manifest
+        for line in of_companions
+        if not line.startswith("drill_twin==")
+        and f">{keys.get(name := line.partition('>')[0], f'python3-{name}')}<" not in manifest
     }
     assert set(re.findall(r'"([^"]+)"', line)) == {"numpy<2", *needed}
 
 
 @pytest.mark.parametrize("node", sorted(NODES))
 def test_a_parameter_file_holds_every_parameter_with_its_default_and_a_comment(node):
-    text = (ROOT / "config" / "nodes" / f"{node}.yaml").read_text("utf-8")
+    text = config_file(f"nodes/{node}.yaml").read_text("utf-8")
     values = yaml.safe_load(text)["/**"]["ros__parameters"]
     assert values == {parameter.name: parameter.default for parameter in NODES[node].PARAMETERS}
     for parameter in NODES[node].PARAMETERS:
@@ -173,9 +219,7 @@ def test_a_parameter_file_holds_every_parameter_with_its_default_and_a_comment(n
 def test_a_parameter_file_is_what_the_table_of_the_node_prints(node):
     """To make it anew: drill-twin ros node NODE --parameters > config/nodes/NODE.yaml."""
     make = NODES[node]
-    assert (ROOT / "config" / "nodes" / f"{node}.yaml").read_text("utf-8") == file_text(
-        node, make.PURPOSE, make.PARAMETERS
-    )
+    assert config_file(f"nodes/{node}.yaml").read_text("utf-8") == file_text(node, make.PURPOSE, make.PARAMETERS)
 
 
 def test_the_parameter_file_of_the_twin_holds_defaults_of_its_nodes():

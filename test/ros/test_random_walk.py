@@ -22,7 +22,7 @@ from rclpy.qos import DurabilityPolicy, QoSProfile
 from std_srvs.srv import Trigger
 
 from drill_twin.io.messages.topics import DIAGNOSTICS
-from drill_twin.ros.entry_points import NODES
+from drill_twin.ros.entry_points import node_names
 from drill_twin.scene import load_scene
 
 STEPS = 1000
@@ -49,7 +49,7 @@ class Walk:
 
     def __init__(self, bench, node, given):
         self.bench, self.node, self.given = bench, node, given
-        self.rng = np.random.default_rng([SEED, list(NODES).index(node)])
+        self.rng = np.random.default_rng([SEED, list(node_names()).index(node)])
         self.odd = Oddities(self.rng)
         self.clients, self.publishers, self.later = {}, {}, []
         self.state, self.parameters, self.taken = 1, [], Counter()
@@ -223,7 +223,7 @@ class Walk:
 
 
 @pytest.mark.long
-@pytest.mark.parametrize("node", NODES)
+@pytest.mark.parametrize("node", node_names())
 def test_a_random_walk_leaves_every_node_alive_and_true_to_its_state(bench, small_bag, node):
     given = {
         "simulator": {"wait_for_command": False, "checkpoint": str(bench.folder / "run.npz")},

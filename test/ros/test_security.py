@@ -3,10 +3,10 @@
 
 import sys
 from importlib.util import find_spec
-from pathlib import Path
 from xml.etree import ElementTree as ET
 
 import pytest
+from process_bench import config_file
 
 from drill_twin.io.messages.topics import (
     MEASURED_RIG_STATE,
@@ -17,19 +17,17 @@ from drill_twin.io.messages.topics import (
     SURFACE_STATE,
     TOPICS,
 )
-from drill_twin.ros.permissions import RIGHTS, WHERE_INSTALLED, policy_text
-
-FOLDER = Path(__file__).resolve().parents[2] / "config" / "security"
+from drill_twin.ros.permissions import WHERE_INSTALLED, all_rights, policy_text
 
 
-@pytest.mark.parametrize("node", sorted(RIGHTS))
+@pytest.mark.parametrize("node", sorted(all_rights()))
 def test_a_policy_file_is_what_the_table_prints(node):
-    assert (FOLDER / f"{node}.policy.xml").read_text("utf-8") == policy_text(node)
+    assert config_file(f"security/{node}.policy.xml").read_text("utf-8") == policy_text(node)
 
 
 def _allowed(node):
     """Topics and services of a policy file, by right, with full names."""
-    enclave = ET.parse(FOLDER / f"{node}.policy.xml").getroot().find("enclaves/enclave")  # noqa: S314 - our own file
+    enclave = ET.parse(config_file(f"security/{node}.policy.xml")).getroot().find("enclaves/enclave")  # noqa: S314 - our own file
     assert enclave.get("path") == f"/drill_twin/{node}"
     rights = {"publish": set(), "subscribe": set(), "reply": set(), "request": set()}
     for group in enclave.find("profiles/profile"):
@@ -40,7 +38,7 @@ def _allowed(node):
 
 
 @pytest.mark.long
-@pytest.mark.parametrize("node", sorted(RIGHTS))
+@pytest.mark.parametrize("node", sorted(all_rights()))
 def test_a_policy_allows_what_the_running_node_does_and_no_more(bench, small_bag, node):
     given = {"recorder": {"bag": str(bench.folder / "bag_0")}, "replayer": {"bag": str(small_bag), "rate": 0.001}}
     given["rig_driver"] = {"wait_for": "simulator analyzer recorder"}

@@ -14,9 +14,9 @@ from std_msgs.msg import Float64
 
 from drill_twin.io.messages.topics import WOB_COMMAND
 from drill_twin.ros.core.stop_request import END_WITH_PARENT
-from drill_twin.ros.entry_points import NODES
+from drill_twin.ros.entry_points import node_names
 
-EXECUTABLES = (*NODES, "twin")
+EXECUTABLES = (*node_names(), "twin")
 SIGNALS = (signal.SIGINT, signal.SIGTERM)
 
 

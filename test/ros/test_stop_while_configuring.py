@@ -8,7 +8,7 @@ import pytest
 
 from drill_twin.ros.core.node_main import init_context
 from drill_twin.ros.core.stop_request import Stopped, StopRequest
-from drill_twin.ros.entry_points import NODES, load
+from drill_twin.ros.entry_points import load, node_names
 
 STEPS = {"simulator": 6, "gateway": 8, "estimator": 3}
 """Lines from one stop to the next, of the nodes whose configuration takes seconds."""
@@ -40,7 +40,7 @@ class StopAtLine:
 
 
 @pytest.mark.long
-@pytest.mark.parametrize("name", NODES)
+@pytest.mark.parametrize("name", node_names())
 def test_a_stop_at_any_line_of_the_configuration_closes_the_node(bench, monkeypatch, small_bag, tmp_path, name):
     monkeypatch.setenv("ROS_DOMAIN_ID", bench.environment["ROS_DOMAIN_ID"])
     monkeypatch.setenv("ROS_LOG_DIR", str(tmp_path))

@@ -22,6 +22,7 @@ from drill_twin.core.arrays import Array
 from drill_twin.core.errors import BagError
 from drill_twin.core.files.output import whole_file
 from drill_twin.core.units.system import UnitSystem
+from drill_twin.report.surface import GAP
 from drill_twin.whirl import MarkInfo, MotionState, Onset
 
 INK, GREY, LIGHT = "#222222", "#767676", "#d9d9d9"
@@ -49,8 +50,6 @@ STATE_COLOURS = {
 DPI = 130
 WIDTH = 10.0
 """Width of every figure [inch]."""
-GAP = 1.5
-"""A line is broken between samples that are more than this many usual intervals apart."""
 LEFT, RIGHT = 0.098, 0.975
 """Edges of the time axis, as a share of the width."""
 

@@ -24,7 +24,6 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import cholesky, solve_triangular
 
 from drill_twin.core.arrays import Array, ComplexArray
 from drill_twin.whirl.criteria import Criteria
@@ -160,6 +159,8 @@ def _probable_motions(
 
 def _regress(integral: ComplexArray, columns: ComplexArray, drift: Array, motion: Array) -> _Motion:
     """Motion in an integral that has known columns of any size, a drift and a motion of given covariances."""
+    from scipy.linalg import cholesky, solve_triangular  # takes 0.2 s, which a run without subs does not need
+
     total = drift + motion
     total[np.diag_indices_from(total)] += 1e-10 + 1e-12 * np.diag(total)
     factor = cholesky(total, lower=True, check_finite=False)

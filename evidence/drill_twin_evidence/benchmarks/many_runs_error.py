@@ -21,12 +21,12 @@ from drill_twin.core.arrays import Array
 from drill_twin.core.table import Table, markdown_row
 from drill_twin.runs.ensemble import Threads
 from drill_twin.scene import parse_scene
-from drill_twin.studies.maps import OperatingMap, read_map
-from drill_twin.studies.maps.build import draws_of
-from drill_twin.studies.maps.runs import SPEED, WEIGHT
-from drill_twin.studies.maps.search import BoundarySearch
 from drill_twin_evidence.benchmarks.growth_prior import Replayed
 from drill_twin_evidence.benchmarks.map_boundary import lattice_points
+from drill_twin_studies.maps import OperatingMap, read_map
+from drill_twin_studies.maps.build import draws_of
+from drill_twin_studies.maps.runs import SPEED, WEIGHT
+from drill_twin_studies.maps.search import BoundarySearch
 
 BUDGETS = (50, 100, 200, 400, 800)
 VARY = {"effects.wall_friction.coefficient": (0.1, 0.3), "effects.bow.amplitude": (2e-5, 2e-4)}

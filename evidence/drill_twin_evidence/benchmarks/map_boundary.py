@@ -20,9 +20,9 @@ import numpy as np
 import drill_twin as dt
 from drill_twin.core.arrays import Array
 from drill_twin.runs.ensemble import Threads
-from drill_twin.studies.maps import OperatingMap, Plane, Span
-from drill_twin.studies.maps.runs import Key, Runner, RunRecord
-from drill_twin.studies.maps.search import open_journal
+from drill_twin_studies.maps import OperatingMap, Plane, Span
+from drill_twin_studies.maps.runs import Key, Runner, RunRecord
+from drill_twin_studies.maps.search import open_journal
 
 
 def main() -> None:

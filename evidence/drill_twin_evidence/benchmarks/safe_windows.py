@@ -23,11 +23,11 @@ from drill_twin.api.scenes import as_scene
 from drill_twin.core.arrays import Mask
 from drill_twin.core.table import Table, markdown_row
 from drill_twin.runs.ensemble import Threads
-from drill_twin.studies.maps import OperatingMap, Regime
-from drill_twin.studies.maps.runs import FINER, Key, Runner, RunRecord
-from drill_twin.studies.maps.window import cells_of, proportion_interval, proportion_text
 from drill_twin_evidence.benchmarks.advice_loop import COARSE
 from drill_twin_evidence.benchmarks.map_boundary import kept_runs
+from drill_twin_studies.maps import OperatingMap, Regime
+from drill_twin_studies.maps.proportions import proportion_interval, proportion_text
+from drill_twin_studies.maps.runs import FINER, Key, Runner, RunRecord
 
 DURATION, ASKED = 30.0, 300.0
 """Simulated time of a run of a map, and time for which a set-point of a window must stay calm [s]."""
@@ -73,7 +73,7 @@ def judge(seed: int, points: int, grid: int, out: Path, workers: int) -> dict[st
         scene, wob=wob, rpm=rpm, duration=DURATION, calm_for=ASKED, steps=STEPS, runs=RUNS, hysteresis=False,
         folder=folder / "map", workers=workers,
     )  # fmt: skip
-    cells = cells_of(found)
+    cells = found.window_cells
     inside = drawn_in(cells, points, seed)
     dense = [Key(i, j, 0, None, FINER) for i in spread(grid) for j in spread(grid)]
     plane = found.plane

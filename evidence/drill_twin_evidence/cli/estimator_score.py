@@ -35,7 +35,7 @@ def estimator_score(
 ) -> None:
     """Measure the estimator on hidden truths: numbers, bands, unmeasured places, jumps, alarms, processor time.
 
-    Prints the tables of docs/bands.md.
+    Prints the tables of docs/drill_twin_studies/bands.md.
     """
     from drill_twin.cli.show import print_json, remark
     from drill_twin.core.files.json_files import JsonLines

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from typing import Any
 
 from drill_twin.core.table import Table
-from drill_twin.studies.maps.window import proportion_text
+from drill_twin_studies.maps.proportions import proportion_text
 
 TARGETS = {"kinematic": 0.95, "simulated": 0.85, "simulated_with_forces": 0.85}
 """Required macro-F1."""

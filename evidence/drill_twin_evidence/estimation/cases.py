@@ -6,8 +6,8 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
-from drill_twin.studies.estimation import LOAD
-from drill_twin.studies.fitting.sampling import Ranges
+from drill_twin_studies.estimation import LOAD
+from drill_twin_studies.fitting.sampling import Ranges
 
 JUMP = 30.0
 """Time of a jump [s]."""

@@ -12,7 +12,6 @@ import numpy as np
 from scipy import special
 from typing_extensions import TypedDict
 
-from drill_twin.api.estimator import Estimator
 from drill_twin.api.scenes import load_scene
 from drill_twin.core.arrays import Array, Mask
 from drill_twin.core.rig_channels import INSTANT
@@ -21,12 +20,13 @@ from drill_twin.dynamics.twin.twin import Twin
 from drill_twin.scene.blocks.sensors import Sub
 from drill_twin.scene.load import override
 from drill_twin.scene.set_points import Schedule
-from drill_twin.studies.estimation import Estimate, EstimatorOptions, FilterWindow
-from drill_twin.studies.estimation.members import EstimatorMembers
-from drill_twin.studies.estimation.prediction import Prediction, WindowTiming
-from drill_twin.studies.estimation.subs import VALUES
 from drill_twin_evidence.estimation.cases import JUMP, SIZES, STIFFNESS, TOLERANCES, Case
 from drill_twin_evidence.estimation.stamps import USUAL, Stamps
+from drill_twin_studies.api.estimator import Estimator
+from drill_twin_studies.estimation import Estimate, EstimatorOptions, FilterWindow
+from drill_twin_studies.estimation.members import EstimatorMembers
+from drill_twin_studies.estimation.prediction import Prediction, WindowTiming
+from drill_twin_studies.estimation.subs import VALUES
 
 _NOISE = 0.01
 """Standard deviation of a measured sample over the largest value of its channel."""

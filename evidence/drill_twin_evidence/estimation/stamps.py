@@ -14,7 +14,7 @@ from drill_twin.core.arrays import Array
 
 @dataclass(frozen=True)
 class Stamps:
-    """How a record is sampled and stamped.
+    """Sampling and stamps of a record.
 
     Attributes:
         rate: Samples a second [Hz].

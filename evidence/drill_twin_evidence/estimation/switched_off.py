@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What jumps and restarts are worth: `python -m drill_twin_evidence.estimation.switched_off CASES FIRST TRUTHS`.
+"""Worth of jumps and restarts: `python -m drill_twin_evidence.estimation.switched_off CASES FIRST TRUTHS`.
 
 The same truths are followed as they are, without jumps, and with a wider spread of the numbers in place of restarts.
 """
@@ -14,10 +14,10 @@ import numpy as np
 
 from drill_twin.core.arrays import Mask
 from drill_twin.core.table import Table
-from drill_twin.studies.estimation.ensemble_filter import EnsembleFilter
-from drill_twin.studies.estimation.jumps import Jumps
 from drill_twin_evidence.estimation.cases import CASES, JUMP, TOLERANCES
 from drill_twin_evidence.estimation.hidden_truth import Followed, follow
+from drill_twin_studies.estimation.ensemble_filter import EnsembleFilter
+from drill_twin_studies.estimation.jumps import Jumps
 
 _SECONDS, _MEMBERS = 55.0, 32
 _SPREAD = 0.5

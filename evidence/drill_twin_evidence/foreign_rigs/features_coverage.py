@@ -16,8 +16,8 @@ import numpy as np
 
 from drill_twin.api import Ensemble
 from drill_twin.core.arrays import Array
-from drill_twin.studies.fitting.likelihood import features_goodness, of_features
-from drill_twin.studies.fitting.sampling import Sampling
+from drill_twin_studies.fitting.likelihood import features_goodness, of_features
+from drill_twin_studies.fitting.sampling import Sampling
 
 KEY = "bit_torque_stribeck.sticking"
 RANGE = (0.78, 0.99)

@@ -19,9 +19,6 @@ from typing_extensions import TypedDict
 from drill_twin.core.arrays import Array
 from drill_twin.core.files.json_files import JsonLines
 from drill_twin.core.table import Table
-from drill_twin.studies.fitting.likelihood import of_series
-from drill_twin.studies.fitting.sampling import in_ranges
-from drill_twin.studies.maps.window import proportion_text
 from drill_twin_evidence.foreign_rigs.own_law import OWN_RANGES, own_fit
 from drill_twin_evidence.foreign_rigs.rigs import (
     INDICATED,
@@ -32,6 +29,9 @@ from drill_twin_evidence.foreign_rigs.rigs import (
     sampled,
     with_noise,
 )
+from drill_twin_studies.fitting.likelihood import of_series
+from drill_twin_studies.fitting.sampling import in_ranges
+from drill_twin_studies.maps.proportions import proportion_text
 
 RIG = RIGS["mild exponential"]
 WAYS = {"surface": SURFACE, "with a sub": (*SURFACE, "bit_speed")}

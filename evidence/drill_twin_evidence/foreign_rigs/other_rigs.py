@@ -10,7 +10,6 @@ from typing import Any
 import numpy as np
 
 from drill_twin.core.arrays import Array
-from drill_twin.studies.fitting import Record
 from drill_twin_evidence.foreign_rigs.other_motion import DEPTH_OF_CUT, HYPERBOLIC, LUGRE, STEP, Machine, motion
 from drill_twin_evidence.foreign_rigs.rigs import (
     DECAY,
@@ -22,6 +21,7 @@ from drill_twin_evidence.foreign_rigs.rigs import (
     STICKING,
     with_noise,
 )
+from drill_twin_studies.fitting import Record
 
 SECONDS = 60.0
 """Length of a record [s]."""

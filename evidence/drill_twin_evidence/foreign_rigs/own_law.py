@@ -8,8 +8,6 @@ from collections.abc import Callable, Mapping
 import numpy as np
 
 from drill_twin.core.arrays import Array
-from drill_twin.studies.fitting import Sampling, sample
-from drill_twin.studies.fitting.sampling import in_ranges
 from drill_twin_evidence.foreign_rigs.motion import STEP
 from drill_twin_evidence.foreign_rigs.rigs import (
     DECAY,
@@ -24,6 +22,8 @@ from drill_twin_evidence.foreign_rigs.rigs import (
     mechanics_of,
     sampled,
 )
+from drill_twin_studies.fitting import Sampling, sample
+from drill_twin_studies.fitting.sampling import in_ranges
 
 MEMBERS, ROUNDS = 32, 40
 OWN_RANGES = {key: RANGES[key] for key in (STICKING, SLIDING, DECAY)} | {LOAD: LOADS}

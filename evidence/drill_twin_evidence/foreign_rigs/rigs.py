@@ -10,9 +10,9 @@ from typing import Any
 import numpy as np
 
 from drill_twin.core.arrays import Array, Mask
-from drill_twin.studies.fitting import Record
 from drill_twin_evidence.foreign_rigs import motion as laws
 from drill_twin_evidence.foreign_rigs.motion import EXPONENTIAL, GAUSSIAN, JOINED, KARNOPP, STEP, TANH, Mechanics
+from drill_twin_studies.fitting import Record
 
 RADIUS = 0.155575
 """Effective radius of friction at the bit [m]; that of the scene `two_mass`."""

@@ -19,10 +19,10 @@ import drill_twin as dt
 from drill_twin.core.files.json_files import JsonLines
 from drill_twin.core.rig_channels import INSTANT
 from drill_twin.core.table import Table
-from drill_twin.studies.fitting.posterior import of_law
-from drill_twin.studies.maps.window import proportion_text
 from drill_twin_evidence.foreign_rigs.own_law import own_widths
 from drill_twin_evidence.foreign_rigs.rigs import INDICATED, LOAD, LOADS, OVERRIDES, RANGES, RIGS, SCENE, SECONDS, trial
+from drill_twin_studies.fitting.posterior import of_law
+from drill_twin_studies.maps.proportions import proportion_text
 
 BIT = "bit_speed"
 _SETTLED = 8.0

@@ -15,8 +15,6 @@ import numpy as np
 from drill_twin.api import Ensemble, Posterior
 from drill_twin.core.arrays import Array
 from drill_twin.scene.overrides import full_key
-from drill_twin.studies.fitting.posterior import predictive_band
-from drill_twin.studies.fitting.sampling import weighted_quantile
 from drill_twin_evidence.validation.comparison import Comparison
 from drill_twin_evidence.validation.well_b import (
     DEEPER,
@@ -30,6 +28,8 @@ from drill_twin_evidence.validation.well_b import (
     scene_at,
     torque_record,
 )  # fmt: skip
+from drill_twin_studies.fitting.posterior import predictive_band
+from drill_twin_studies.fitting.sampling import weighted_quantile
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

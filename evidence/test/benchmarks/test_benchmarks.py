@@ -150,6 +150,6 @@ def test_the_summary_of_a_tool_that_never_ended_has_no_number():
 @pytest.mark.parametrize("fault", FAULTS, ids=lambda fault: fault.name)
 def test_a_seeded_fault_has_a_place_and_tests(fault):
     """A text that has moved or changed would be told by `make faults-seeded` only."""
-    assert (ROOT / "drill_twin" / fault.file).read_text("utf-8").count(fault.old) == 1
+    assert (ROOT / fault.file).read_text("utf-8").count(fault.old) == 1
     assert fault.old != fault.new
     assert (ROOT / fault.command[0]).is_file()

@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 import drill_twin as dt
-from drill_twin.studies.maps.runs import Key
 from drill_twin_evidence.benchmarks.many_runs_error import boundary_error
 from drill_twin_evidence.benchmarks.map_boundary import error
+from drill_twin_studies.maps.runs import Key
 
 COARSE = {
     "numerics.elements": 8, "numerics.step": "10 ms", "numerics.frame_rate": "50 Hz",

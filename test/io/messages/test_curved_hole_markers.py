@@ -15,7 +15,6 @@ from drill_twin.io.messages.topic_row import MARKER_ARRAY
 from drill_twin.io.messages.topics import STRING_POSES, TWIN_SCENE
 from drill_twin.io.messages.type_store import deserialize
 from drill_twin.io.scene_geometry import hole_steps, string_steps
-from drill_twin.live.page_state import PageState
 from drill_twin.physics.model.strain import transverse_axes
 from drill_twin.physics.model.survey import survey
 from drill_twin.physics.model.wellbore import (
@@ -27,6 +26,7 @@ from drill_twin.physics.model.wellbore import (
 )
 from drill_twin.report.string_curve import along_hole
 from drill_twin.scene import load_scene, parse_scene
+from drill_twin_dashboard.live.page_state import PageState
 
 FACTOR = 20.0
 DEPTHS = np.array([0.0, 30.0, 60.0, 90.0, 120.0, 150.0, 180.0])

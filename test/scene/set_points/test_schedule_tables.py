@@ -13,13 +13,13 @@ from scipy.io import savemat
 
 from drill_twin.core.errors import DrillTwinError, TableError
 from drill_twin.dynamics.twin.twin import Twin
-from drill_twin.gateway.drillbotics import check_timeseries
-from drill_twin.gateway.signals import read_signals
 from drill_twin.scene import load_scene
 from drill_twin.scene.blocks.rig import Column
 from drill_twin.scene.set_points import Schedule, extremes, read_table
 from drill_twin.scene.set_points.tables import find_spikes
 from drill_twin.scene.well_plan.table import read_table as read_well_table
+from drill_twin_rig.gateway.drillbotics import check_timeseries
+from drill_twin_rig.gateway.signals import read_signals
 
 RPM = math.pi / 30.0
 Write = Callable[..., Path]

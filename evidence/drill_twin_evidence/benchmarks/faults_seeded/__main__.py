@@ -21,7 +21,18 @@ from drill_twin.core.table import Table
 from drill_twin_evidence.benchmarks.faults_seeded.faults import FAULTS, Fault
 
 ROOT = Path(__file__).parents[4]
-COPIED = ("drill_twin", "test", "config", "docs", "evidence", "pyproject.toml", "setup.py", "README.md")
+COPIED = (
+    "drill_twin",
+    "companions",
+    "test",
+    "config",
+    "docs",
+    "evidence",
+    "conftest.py",
+    "pyproject.toml",
+    "setup.py",
+    "README.md",
+)
 LONGEST = 900.0
 """Time after which tests have not caught a fault [s]."""
 _FAILED = re.compile(r"^(?:FAILED|ERROR) ([^\s\[]+)", re.MULTILINE)
@@ -73,7 +84,7 @@ def _seeded(copy: Path, fault: Fault) -> dict[str, Any]:
     Raises:
         typer.BadParameter: The tests fail without the fault, or its text is not found once.
     """
-    file = copy / "drill_twin" / fault.file
+    file = copy / fault.file
     text = file.read_text("utf-8")
     if text.count(fault.old) != 1:
         raise typer.BadParameter(f"{fault.name}: expected its text once in {fault.file}, found {text.count(fault.old)}")
@@ -88,14 +99,14 @@ def _seeded(copy: Path, fault: Fault) -> dict[str, Any]:
     finally:
         file.write_text(text, encoding="utf-8")
     failed = _FAILED.search(said)
-    return {"caught_by": failed[1].removeprefix("test/") if code == 1 and failed else "", "seconds": seconds}
+    return {"caught_by": failed[1] if code == 1 and failed else "", "seconds": seconds}
 
 
 def _tests(copy: Path, fault: Fault) -> tuple[int, str]:
     """Exit code of pytest (1: a test failed) and what it says."""
     command = [sys.executable, "-m", "pytest", "-q", "-x", "-p", "no:cacheprovider", "-m", "long or not long"]
     environment = os.environ | {
-        "PYTHONPATH": f"{copy}{os.pathsep}{copy / 'evidence'}",
+        "PYTHONPATH": os.pathsep.join(map(str, (copy, copy / "evidence", *sorted((copy / "companions").iterdir())))),
         "ROS_PYTHON_CHECK_FIELDS": "1",
         "PYTHONDONTWRITEBYTECODE": "1",
     }
@@ -126,7 +137,7 @@ def _markdown(rows: list[tuple[str, str, str, str]]) -> str:
         "",
         Table(
             ("fault", "file", "caught by", "s"),
-            ((name, f"`drill_twin/{file}`", f"`{test}`", seconds) for name, file, test, seconds in rows), right=(3,),
+            ((name, f"`{file}`", f"`{test}`", seconds) for name, file, test, seconds in rows), right=(3,),
         ).markdown(),
     ]  # fmt: skip
     return "\n".join(lines) + "\n"

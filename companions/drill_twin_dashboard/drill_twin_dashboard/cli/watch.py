@@ -1,0 +1,110 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Command `drill-twin watch`: live page of a running twin or of a bag."""
+
+from __future__ import annotations
+
+import time
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from drill_twin.cli.interrupt import stop_request
+from drill_twin.cli.options import NamespaceOption, UnitsOption
+from drill_twin.cli.show import remark, shown_progress
+from drill_twin.core.errors import DrillTwinError
+
+
+def watch(
+    bag: Annotated[
+        Path | None,
+        typer.Argument(metavar="[BAG]", help="Bag to play; without one, the running twin (needs ROS 2: rclpy)."),
+    ] = None,
+    port: Annotated[int, typer.Option(min=0, max=65535, help="Port of the page; 0: any free one.")] = 8000,
+    host: Annotated[
+        str, typer.Option(help="Address on which the page is served. Commands need the link that is printed.")
+    ] = ("127.0.0.1"),
+    allow_host: Annotated[
+        list[str],
+        typer.Option(
+            "--allow-host", metavar="NAME", help="Further name by which browsers reach this server; repeatable."
+        ),
+    ] = [],  # noqa: B006  typer does not change the default
+    limit: Annotated[
+        list[str],
+        typer.Option(
+            "--limit",
+            metavar="NAME=VALUE",
+            help='Limit that raises an alarm, as "torque_high=12 kN m": _low or _high of wob, rps, bit_rps, torque, '
+            "hookload or rop; repeatable. It can be changed on the page.",
+        ),
+    ] = [],  # noqa: B006
+    browser: Annotated[bool, typer.Option("--browser/--no-browser", help="Open the page in the browser.")] = True,
+    namespace: NamespaceOption = "",
+    units: UnitsOption = "",
+    foxglove: Annotated[
+        int | None,
+        typer.Option(
+            min=0, max=65535, metavar="PORT", help="Also serve all topics of a running twin to Foxglove, at this port."
+        ),
+    ] = None,
+) -> None:
+    """Show a run in the browser: the string in the hole, orbits, motion states, and sliders for the set-points.
+
+    A running twin is found by ROS_DOMAIN_ID; set-points go through the rig driver where there is one.
+    """
+    if bag is not None and foxglove is not None:
+        raise DrillTwinError("expected --foxglove without a bag, found both; Foxglove opens the bag itself")
+    if bag is not None:
+        _play(bag, host, port, allow_host, namespace or None, limit, units, browser=browser)
+        return
+    from drill_twin.ros.entry_points import start
+
+    names = [word for name in allow_host for word in ("--allow-host", name)]
+    names += ["--units", units] if units else []
+    names += [word for text in limit for word in ("--limit", text)]
+    arguments = ["--host", host, "--port", str(port), *names, *([] if browser else ["--no-browser"])]
+    if foxglove is not None:
+        arguments += ["--foxglove", str(foxglove)]
+    if namespace:
+        arguments += ["--ros-args", "-r", f"__ns:=/{namespace.strip('/')}"]
+    raise typer.Exit(start("watch", arguments))
+
+
+def _play(
+    bag: Path,
+    host: str,
+    port: int,
+    allowed: list[str],
+    namespace: str | None,
+    limits: list[str],
+    units: str,
+    *,
+    browser: bool,
+) -> None:
+    from drill_twin.io.bag.reading.files import bag_path
+    from drill_twin_dashboard.live.limits import parse_limit
+    from drill_twin_dashboard.live.player import Player
+    from drill_twin_dashboard.live.server import PageServer
+
+    parsed = [parse_limit(text) for text in limits]
+    with shown_progress("reading the bag"):
+        player = Player(bag_path(bag), namespace)
+    player.state.units = units
+    for one in parsed:
+        player.state.take(one)
+    for text in player.damage:
+        remark(text)
+    server = PageServer(
+        player.snapshot, player.on_request, history=player.state.history, host=host, port=port, allowed_hosts=allowed
+    )
+    with stop_request() as asked:
+        server.links.show(str(bag))
+        if browser:
+            server.links.open_browser()
+        while not asked:
+            time.sleep(0.1)
+    server.close()
+    player.close()
+    for text in player.state.skipped.sentences():
+        remark(text)

@@ -1,0 +1,300 @@
+# SPDX-License-Identifier: Apache-2.0
+"""State of the live page: the latest values of the topics, of a running twin or of a bag."""
+
+from __future__ import annotations
+
+import math
+import threading
+from collections.abc import Callable, Iterable, Mapping
+from contextlib import suppress
+from typing import Any, ClassVar
+
+import numpy as np
+
+from drill_twin.core.arrays import Array
+from drill_twin.core.errors import DrillTwinError, MessageError
+from drill_twin.io.bag.skipped import SkippedMessages
+from drill_twin.io.findings_encoder import BIT
+from drill_twin.io.messages.decode import JointState, PoseArray
+from drill_twin.io.messages.diagnostics import Level, Status
+from drill_twin.io.messages.encode import MARK_AXES
+from drill_twin.io.messages.good_samples import GONE
+from drill_twin.io.messages.readers import reader_of
+from drill_twin.io.messages.rig_messages import read_rig_state
+from drill_twin.io.messages.stamps import seconds
+from drill_twin.io.messages.topic_words import digest_of
+from drill_twin.io.messages.topics import (
+    ADVICE_MAP,
+    ADVICE_STATE,
+    DIAGNOSTICS,
+    ESTIMATE_STATE,
+    MARKS_STATE,
+    RIG_STATE,
+    STRING_POSES,
+    TWIN_SCENE,
+    TWIN_SUMMARY,
+    WHIRL_MOTION,
+    WHIRL_ONSET,
+    WHIRL_STATE,
+)
+from drill_twin.io.messages.whirl_encode import STRING_LEVEL, OnsetMessage, SubjectMotion, read_whirl_state
+from drill_twin.report.quantities import string_weight
+from drill_twin.report.string_curve import along_hole
+from drill_twin.scene import Scene, parse_scene
+from drill_twin.whirl import MotionCode
+from drill_twin_dashboard.live.shown import (
+    number,
+    rig_values,
+    short,
+    shown_advice,
+    shown_estimates,
+    shown_map,
+    shown_scene,
+)
+from drill_twin_dashboard.live.sources import Sources, without_old_values
+from drill_twin_dashboard.live.supervision import Supervision
+
+_TRAIL = 400  # most positions of a mark between two snapshots
+_LARGEST = 1e6  # m
+_SPEAKERS = ("advisor", "estimator")
+"""Nodes whose sentence in `/diagnostics` the page shows beside their numbers."""
+_MOST_MARKS, _MOST_NODES = 200, 20_000
+
+
+class PageState:
+    """Latest values of the topics; `update` and `snapshot` may be called from different threads."""
+
+    def __init__(self, sources: Sources | None = None) -> None:
+        """Start empty.
+
+        Args:
+            sources: Freshness of the sources of a running twin, whose values disappear when they are old; None for a
+                recording, whose values stay.
+        """
+        self._sources = sources
+        self._lock = threading.Lock()
+        self._supervision = Supervision(recorded=sources is None)
+        self._state = ""  # of the simulator, which another scene does not change
+        self._read = {topic: reader_of(topic) for topic in INPUTS}
+        self.skipped = SkippedMessages()
+        """Messages that could not be used."""
+        self.units = ""
+        """System of units that the reader asked for; empty: the scene's."""
+        self._clear()
+
+    def clear(self) -> None:
+        """Drop all values, for a new run or another time of the recording."""
+        with self._lock:
+            self._clear()
+
+    def _clear(self) -> None:
+        self._time = 0.0
+        self._scene: dict[str, Any] | None = None
+        self._hole: Scene | None = None
+        self._weight = math.nan
+        self._nodes: list[list[float]] = []
+        self._marks: dict[str, dict[str, Any]] = {}
+        self._trail: dict[str, list[list[float]]] = {}
+        self._rig: dict[str, float] = {}
+        self._motion: dict[str, Any] = {"state": "", "criterion": "", "whirls": False}
+        self._onset: dict[str, Any] | None = None
+        self._advice: dict[str, Any] = {"level": 0}
+        self._map: dict[str, Any] | None = None
+        self._estimates: dict[str, Any] | None = None
+        self._simulator = {"factor": "", "text": ""}
+        self._said = dict.fromkeys(_SPEAKERS, "")  # sentences of these nodes
+        self._starting = ""  # name of the simulator while it compiles or is not configured
+
+    def update(self, topic: str, raw: bytes) -> None:
+        """Decode a message; one that cannot be used is skipped and counted."""
+        try:
+            with self._lock:
+                if topic in self.HANDLERS:
+                    self.HANDLERS[topic](self, self._read[topic](raw))
+                if self._sources is not None:
+                    empty = topic == RIG_STATE and not any(map(math.isfinite, self._rig.values()))
+                    self._sources.message(topic, finite=not empty)
+        except DrillTwinError as error:
+            self.skipped.add(topic, self._time, error)
+
+    def _on_poses(self, poses: PoseArray) -> None:
+        _check_positions(poses.position)
+        self._time = seconds(poses.stamp)
+        nodes = poses.position
+        if len(nodes) > _MOST_NODES:
+            raise MessageError(f"expected at most {_MOST_NODES} positions, found {len(nodes)}")
+        if self._hole is not None:
+            nodes = along_hole(self._hole, nodes[None])[0]
+        self._nodes = nodes.round(6).tolist()
+
+    def _on_rig(self, state: JointState) -> None:
+        rig = read_rig_state(state)
+        drag = rig.hookload + rig.bit_force - self._weight
+        self._rig = {**rig_values(rig), "drag": drag}
+        self._supervision.rig(seconds(state.stamp), self._rig)
+
+    def _on_whirl(self, state: JointState) -> None:
+        whirl = read_whirl_state(state)
+        for name, radius, precession in zip(whirl.marks, whirl.orbit_radius, whirl.precession, strict=True):
+            self._mark(name).update(orbit=number(radius), precession=number(precession / math.tau))
+
+    def _on_onset(self, found: tuple[int, OnsetMessage | None]) -> None:
+        onset = found[1]
+        self._onset = None if onset is None else {"time": number(onset.time), "mark": short(onset.mark)}
+
+    def _on_advice(self, state: JointState) -> None:
+        self._advice = shown_advice(state)
+
+    def _on_map(self, text: str) -> None:
+        self._map = shown_map(text)
+
+    def _on_estimates(self, state: JointState) -> None:
+        self._estimates = shown_estimates(state)
+
+    def _on_summary(self, state: JointState) -> None:
+        values = dict(zip(state.names, state.position.tolist(), strict=False))
+        try:
+            code, severity = MotionCode(int(values["whirl"])), float(values["whirl_severity"])
+        except (KeyError, ValueError, OverflowError) as error:
+            raise MessageError(f"expected the code and the severity of whirl on {TWIN_SUMMARY}, found none") from error
+        self._motion["whirls"] = code.whirls
+        self._supervision.motion(code, severity)
+
+    def _on_motion(self, found: tuple[int, list[SubjectMotion]]) -> None:
+        for motion in found[1]:
+            if motion.subject == STRING_LEVEL:
+                self._motion |= {"state": short(motion.state), "criterion": short(motion.criterion)}
+            elif motion.subject != BIT:
+                self._mark(motion.subject)["motion"] = short(motion.state)
+
+    def _mark(self, name: str) -> dict[str, Any]:
+        if name not in self._marks and len(self._marks) >= _MOST_MARKS:
+            raise MessageError(f"expected at most {_MOST_MARKS} marks, found another")
+        return self._marks.setdefault(name, {"name": short(name)})
+
+    def _on_marks(self, state: JointState) -> None:
+        if state.position.size != len(state.names) or state.position.size % len(MARK_AXES):
+            raise MessageError(f"expected {len(MARK_AXES)} values a mark on {MARKS_STATE}, found {state.position.size}")
+        positions = state.position.reshape(-1, len(MARK_AXES))
+        _check_positions(positions)
+        for k, (x, y, z) in enumerate(positions[:, :3].tolist()):
+            name = state.names[k * len(MARK_AXES)].rpartition("/")[0]
+            self._mark(name).update(x=x, y=y, z=z)
+            trail = self._trail.setdefault(name, [])
+            trail.append([round(x, 6), round(y, 6)])
+            del trail[:-_TRAIL]
+
+    def _on_scene(self, text: str) -> None:
+        scene, found = parse_scene(text, name=TWIN_SCENE), self._map
+        self._clear()
+        if found is not None and found["digest"] == digest_of(scene):  # it may come before its scene
+            self._map = found
+        self._hole = scene if scene.hole.survey else None
+        self._weight = string_weight(scene)
+        self._supervision.begin(scene.name)
+        self._scene = shown_scene(scene)
+
+    def _on_diagnostics(self, found: tuple[int, list[Status]]) -> None:
+        for status in found[1]:
+            if self._sources is not None:
+                self._sources.report(status)
+            if (node := status.name.rpartition("/")[2]) in _SPEAKERS:
+                self._said[node] = short(status.text)
+                if node == "estimator" and self._estimates is not None:
+                    self._supervision.estimate(self._estimates["level"], self._said[node])
+            if "compiling" in status.values:
+                self._starting = status.name
+                self._simulator = {"factor": "", "text": status.text}
+            if "realtime_factor" in status.values:
+                values, self._starting = status.values, ""
+                self._state = short(values.get("state", ""))
+                self._simulator = {
+                    "factor": short(values.get("realtime_factor_last_second", values["realtime_factor"])),
+                    "text": short(values.get("pace", "") if status.level == Level.OK else status.text),
+                }
+
+    def snapshot(self) -> dict[str, Any]:
+        """All values as plain types for JSON, with the positions of the marks since the last snapshot."""
+        with self._lock:
+            trail, self._trail = self._trail, {}
+            picture = {
+                "time": self._time,
+                "scene": self._scene,
+                "units": self.units,
+                "nodes": self._nodes,
+                "marks": [dict(mark) for mark in self._marks.values()],
+                "trail": trail,
+                "rig": {name: number(value) for name, value in self._rig.items()},
+                "motion": self._motion,
+                "onset": self._onset,
+                "advice": {**self._advice, "text": self._said["advisor"]},
+                "map": self._map,
+                "estimates": self._estimates and {**self._estimates, "text": self._said["estimator"]},
+                "simulator": self._simulator,
+                "state": self._state,
+                "ages": {},
+                "graph": [],
+                **self._supervision.snapshot(),
+            }
+            return picture if self._sources is None else without_old_values(picture, self._sources, self._starting)
+
+    def history(self) -> dict[str, Any]:
+        """Trends and events since the beginning, for a page that opens."""
+        with self._lock:
+            return self._supervision.history()
+
+    def take(self, request: Mapping[str, Any]) -> dict[str, Any]:
+        """Carry out what a request says about alarms and limits; returns the rest of it.
+
+        Raises:
+            DrillTwinError: There is no such alarm, or a limit is impossible.
+        """
+        with self._lock:
+            return self._supervision.take(request)
+
+    def note(self, text: str) -> None:
+        """Add an event to the log."""
+        with self._lock:
+            self._supervision.alarms.note(text, self._supervision.time)
+
+    def check_sources(self) -> None:
+        """Raise or end the alarms of nodes; to be called about once a second."""
+        if self._sources is not None:
+            with self._lock:
+                self._supervision.nodes(self._sources.nodes())
+                if (self._sources.age("analyzer") or 0.0) > GONE:
+                    self._supervision.no_findings()
+
+    def fill_trends(self, messages: Iterable[tuple[str, bytes]]) -> None:
+        """Compute the trends of a recording from its messages."""
+        for topic, raw in messages:
+            with suppress(MessageError):  # it is counted when it is played
+                if topic == RIG_STATE:
+                    state = self._read[RIG_STATE](raw)
+                    self._supervision.trends.push(seconds(state.stamp), rig_values(read_rig_state(state)))
+
+    HANDLERS: ClassVar[dict[str, Callable[[PageState, Any], None]]] = {
+        TWIN_SCENE: _on_scene,
+        STRING_POSES: _on_poses,
+        MARKS_STATE: _on_marks,
+        RIG_STATE: _on_rig,
+        WHIRL_STATE: _on_whirl,
+        WHIRL_MOTION: _on_motion,
+        WHIRL_ONSET: _on_onset,
+        ADVICE_STATE: _on_advice,
+        ADVICE_MAP: _on_map,
+        ESTIMATE_STATE: _on_estimates,
+        TWIN_SUMMARY: _on_summary,
+        DIAGNOSTICS: _on_diagnostics,
+    }
+    """Function that takes the decoded message of each topic."""
+
+
+INPUTS = tuple(PageState.HANDLERS)
+"""Topics that the page shows."""
+
+
+def _check_positions(positions: Array) -> None:
+    """Raise MessageError for positions that cannot be drawn."""
+    if not (np.abs(positions) < _LARGEST).all():
+        raise MessageError(f"expected positions within {_LARGEST:g} m, found a larger or a missing one")

@@ -1,0 +1,152 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Values, scene, advice, operating map and estimates on the live page, from messages of unknown origin."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from drill_twin.core.errors import MessageError, printable
+from drill_twin.core.files.json_files import read_json
+from drill_twin.core.units.system import QUANTITIES
+from drill_twin.dynamics.twin.frame import RigState
+from drill_twin.io.messages.decode import JointState
+from drill_twin.io.messages.diagnostics import Level
+from drill_twin.io.messages.topic_words import REGIME_COLOURS, SENSORS, AdviceCode
+from drill_twin.io.scene_geometry import string_steps
+from drill_twin.report.string_curve import well_geometry
+from drill_twin.scene import Scene
+
+SHOWN_STEPS = 64
+"""Steps of the map along each range on the page; a finer one is shown at every second node, or fewer."""
+_MOST_STEPS = 1024
+
+
+def short(text: str, most: int = 300) -> str:
+    """Text of bounded length, without control characters."""
+    return printable(text[:most], keep="")
+
+
+def number(value: float) -> float | None:
+    """Number for JSON, which has no NaN."""
+    return float(value) if math.isfinite(value) else None
+
+
+def rig_values(state: RigState) -> dict[str, float]:
+    """Values of the rig by name [N, rev/s, N m, m/s]; no rate of penetration where the bit has not drilled."""
+    return {
+        "wob": state.bit_force,
+        "rps": state.top_drive_speed / math.tau,
+        "torque": state.top_drive_torque,
+        "bit_rps": state.bit_speed / math.tau,
+        "bit_torque": state.bit_torque,
+        "hookload": state.hookload,
+        "rop": state.rate_of_penetration if state.drilled > 0.0 else math.nan,
+    }
+
+
+def shown_advice(state: JointState) -> dict[str, Any]:
+    """Level of a `/advice/state`, and the set-point that is advised, `wob` [N] and `rps` [rev/s], if there is one.
+
+    Raises:
+        MessageError: It has no advice.
+    """
+    values = dict(zip(state.names, state.position.tolist(), strict=False))
+    if "advice" not in values:
+        raise MessageError(f"expected the code of an advice, found {', '.join(state.names) or 'none'}")
+    level = {AdviceCode.NEAR: Level.WARN, AdviceCode.LEAVE: Level.ERROR}.get(values["advice"], Level.OK)
+    shown: dict[str, Any] = {"level": int(level)}
+    target = [values.get(f"target/{name}", math.nan) for name in ("weight_on_bit", "rotation")]
+    if values.get("target") and all(map(math.isfinite, target)):
+        shown |= {"wob": target[0], "rps": target[1] / math.tau}
+    return shown
+
+
+def shown_map(text: str) -> dict[str, Any]:
+    """Ranges in N and rev/s, and a digit a node for regime, whirl from rest and whirl that goes on.
+
+    Raises:
+        MessageError: It is no map of `/advice/map`.
+    """
+    data = read_json(text, largest=4 * (_MOST_STEPS + 1) ** 2)
+    try:
+        steps = int(data["steps"])
+        (low, high), (slow, fast) = (map(float, data[name]) for name in ("weight_on_bit_N", "rotation_rad_s"))
+        every, side = max(1, steps // SHOWN_STEPS), steps + 1
+        fields = {name: str(data[name]) for name in ("codes", "whirls", "keeps")}
+        names, digest, window = list(data["regimes"]), str(data["digest"]), data["safe_window"]
+        edges = [low, high, slow, fast, *map(float, window or ())]
+        good = 1 <= steps <= _MOST_STEPS and low < high and slow < fast and all(map(math.isfinite, edges))
+        if not (good and all(len(digits) == side**2 and digits.isdigit() for digits in fields.values())):
+            raise ValueError(f"{steps} steps")
+    except (KeyError, TypeError, ValueError, OverflowError) as error:
+        raise MessageError(f"expected an operating map, found another text ({type(error).__name__})") from error
+    rows = range(0, side, every)
+    return {
+        "digest": digest[:64],
+        "colours": REGIME_COLOURS,
+        "wob": [low, high],
+        "rps": [slow / math.tau, fast / math.tau],
+        "regimes": [short(str(name), 40) for name in names[:10]],
+        "window": edges[4:6] + [edge / math.tau for edge in edges[6:]],
+        **{name: "".join(digits[i * side + j] for i in rows for j in rows) for name, digits in fields.items()},
+    }
+
+
+_MOST = 50
+_LONGEST_NAME = 60
+_ENDS = ("/low", "/high")
+_LIKELY = 0.5
+"""Chance of whirl from which the page warns."""
+
+
+def shown_estimates(state: JointState) -> dict[str, Any]:
+    """Levels of a `/estimate/state`, and rows of it for the page.
+
+    A row has name, mean, low and high end of its 90 % band; one with a unit also its quantity, and the values in the
+    page's own unit, which the page shows in the reader's. `trust` is the level of the trust in them; of unusable ones
+    there are no rows.
+
+    Raises:
+        MessageError: It has neither trust nor alarm.
+    """
+    values = dict(zip(state.names, state.position.tolist(), strict=False))
+    if not {"trust", "alarm"} <= values.keys():
+        raise MessageError(f"expected trust and alarm among the estimates, found {', '.join(state.names) or 'none'}")
+    trust = Level.OK if values["trust"] == 0.0 else Level.WARN if values["trust"] == 1.0 else Level.ERROR
+    chance = values.get("chance_of_whirl", math.nan)
+    level = Level.ERROR if values["alarm"] else max(trust, Level.WARN if chance >= _LIKELY else Level.OK)
+    named = [name for name in values if all(name + end in values for end in _ENDS)]
+    rows = [{"name": "chance of whirl", "mean": number(chance), "low": None, "high": None}]
+    rows += [_row(name, values) for name in named[:_MOST]]
+    return {"level": int(level), "trust": int(trust), "rows": [] if trust is Level.ERROR else rows}
+
+
+def _row(name: str, values: dict[str, float]) -> dict[str, Any]:
+    unit = "m" if name.endswith(("/x", "/y")) else SENSORS.get(name, "")
+    quantity = "offset" if unit == "m" else QUANTITIES.get(unit, "")  # radii and places across the hole
+    factor = 1.0 / math.tau if quantity == "rotation" else 1.0  # to the page's own unit
+    mean, low, high = (number(factor * values[name + end]) for end in ("", *_ENDS))
+    shown = short(name, _LONGEST_NAME)
+    band = {"mean": mean, "low": low, "high": high}
+    return {"name": shown.replace("_", " "), "quantity": quantity, **band} if quantity else {"name": shown, **band}
+
+
+_STATIONS = 41  # depths at which the hole is drawn, and at each change of its radius
+
+
+def shown_scene(scene: Scene) -> dict[str, Any]:
+    """Well, string, walls and clearances [m] by mark, set-points [N, rev/s] of a scene, as plain types for JSON."""
+    marks = scene.string.marks
+    return {
+        "name": scene.name,
+        "units": scene.unit_system.name,
+        "length": scene.length,
+        "hole": scene.hole.radius,
+        "well": well_geometry(scene, _STATIONS),
+        "string": string_steps(scene),
+        "walls": {mark.name: scene.hole.radius_at(scene.length - mark.distance_from_bit) for mark in marks},
+        "clearance": {mark.name: scene.clearance_at(mark.distance_from_bit) for mark in marks},
+        "wob": scene.rig.weight_on_bit.value,
+        "rps": scene.rig.rotation.value / math.tau,
+    }

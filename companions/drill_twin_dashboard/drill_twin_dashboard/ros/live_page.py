@@ -1,0 +1,232 @@
+# SPDX-License-Identifier: Apache-2.0
+"""ROS node behind the live page: feeds the page from the twin's topics, and sends the set-points of its sliders.
+
+With a rig driver in the graph its live parameters are set; without one the single set-points are published. Pause, step
+and reset are the services of the simulator.
+"""
+
+from __future__ import annotations
+
+import argparse
+import math
+import threading
+import time
+from collections.abc import Mapping, Sequence
+from functools import partial
+from typing import Any, ClassVar
+
+from rcl_interfaces.srv import SetParameters
+from rclpy.context import Context
+from rclpy.lifecycle import LifecycleState, TransitionCallbackReturn
+from rclpy.parameter import Parameter as RosParameter
+from std_srvs.srv import Trigger
+
+from drill_twin.core.errors import DrillTwinError
+from drill_twin.core.units.system import SYSTEMS
+from drill_twin.io.messages.diagnostics import Level, Status
+from drill_twin.io.messages.good_samples import GONE
+from drill_twin.io.messages.rig_messages import CommandEncoder
+from drill_twin.io.messages.topics import RIG_COMMAND, RPS_COMMAND, TOPICS, TWIN_SCENE, WOB_COMMAND
+from drill_twin.ros.core.node import DONE, TwinNode
+from drill_twin.ros.core.node_main import init_context, run_in_order
+from drill_twin.ros.core.stop_request import StopRequest
+from drill_twin.ros.deployment import readable_refusal
+from drill_twin.scene.set_points.command import Command
+from drill_twin_dashboard.live.foxglove_server import FoxgloveServer
+from drill_twin_dashboard.live.limits import parse_limit
+from drill_twin_dashboard.live.page_state import INPUTS, PageState
+from drill_twin_dashboard.live.sources import Sources
+
+_DEPTH = 50  # messages; the page shows fewer
+_MATCHING = 3.0  # s; a simulator has been found by then
+_CONTROLS = ("pause", "resume", "step", "reset")
+_SET_POINTS = {"wob": ("weight_on_bit", "N", WOB_COMMAND), "rps": ("rotation", "rev/s", RPS_COMMAND)}
+
+
+class LivePage(TwinNode):
+    """Feeds the page from the topics."""
+
+    NAME: ClassVar = "watch"
+    PURPOSE: ClassVar = "Shows a running twin in the browser."
+
+    def __init__(self, context: Context, viewers: FoxgloveServer | None = None) -> None:
+        """Create the node.
+
+        Args:
+            context: The rclpy context.
+            viewers: Server that all topics of the contract are passed on to.
+        """
+        super().__init__(context)
+        self._viewers = viewers
+        self._sources = Sources()
+        self.page_state = PageState(self._sources)
+        self._encoder = CommandEncoder()
+        self._requests: dict[str, float] = {}  # the newest value of each slider
+        self._requests_lock = threading.Lock()
+        self._pending: list[tuple[str, float, Any]] = []
+        self._asked: list[str] = []  # controls of the run
+        self._answers: list[Any] = []
+        self._refused = ""
+        self._driver = self.create_client(SetParameters, "rig_driver/set_parameters")
+        self._controls = {name: self.create_client(Trigger, f"simulator/{name}") for name in _CONTROLS}
+
+    def on_configure(self, _: LifecycleState) -> TransitionCallbackReturn:
+        """Create the subscriptions."""
+        self.topics.subscribe_scenes(partial(self.page_state.update, TWIN_SCENE))
+        for topic in set(INPUTS) - {TWIN_SCENE} if self._viewers is None else TOPICS:
+            depth = 1 if TOPICS[topic].latched else _DEPTH
+            self.topics.subscribe_raw(topic, partial(self._on_message, topic), depth=depth)
+        return DONE
+
+    def _on_message(self, topic: str, raw: bytes, info: Mapping[str, Any]) -> None:
+        message = bytes(raw)
+        if self._viewers is not None:
+            self._viewers.publish(topic, message, info["received_timestamp"])
+        if topic in INPUTS and topic != TWIN_SCENE:  # scenes pass a gate
+            self.page_state.update(topic, message)
+
+    def snapshot(self) -> Mapping[str, Any]:
+        """State of the page."""
+        return {**self.page_state.snapshot(), "refused": self._refused}
+
+    def on_request(self, request: Mapping[str, Any]) -> None:
+        """Queue set-points and controls of the run, for `step`: called in the server's thread.
+
+        Raises:
+            DrillTwinError: A name is none of these, nor of an alarm or a limit.
+        """
+        for name, value in self.page_state.take(request).items():
+            if isinstance(value, bool) != (name in _CONTROLS) or name not in {*_SET_POINTS, *_CONTROLS}:
+                expected = f"{', '.join(_SET_POINTS)} with a number or {', '.join(_CONTROLS)} with true"
+                raise DrillTwinError(f"expected {expected}, found {name}: {value}")
+            with self._requests_lock:
+                if name in _SET_POINTS:
+                    self._requests[name] = float(value)
+                elif value:
+                    self._asked.append(name)
+
+    def step(self) -> None:
+        """Process messages, and send the requested set-points."""
+        self.spin_once(0.02)
+        with self._requests_lock:
+            requests, self._requests = self._requests, {}
+            asked, self._asked = self._asked, []
+        for name, value in requests.items():
+            self.page_state.note(
+                f"set-point: {_SET_POINTS[name][0].replace('_', ' ')} {value:.6g} {_SET_POINTS[name][1]}"
+            )
+            self._command(name, value)
+        for name in asked:
+            self._control(name)
+        if self._pending or self._answers:
+            self._check_answers()
+
+    def _control(self, name: str) -> None:
+        """Ask the simulator to pause, go on, step or begin again."""
+        if self._controls[name].service_is_ready():
+            self._answers.append(self._controls[name].call_async(Trigger.Request()))
+        else:
+            self._refused = f"expected a simulator to {name}, found none"
+
+    def _command(self, name: str, value: float) -> None:
+        parameter, unit, _ = _SET_POINTS[name]
+        if self._driver_present():
+            change = RosParameter(parameter, value=f"{value!r} {unit}").to_parameter_msg()
+            answer = self._driver.call_async(SetParameters.Request(parameters=[change]))
+            self._pending.append((name, value, answer))
+        else:
+            self._publish(name, value)
+
+    def _check_answers(self) -> None:
+        for answer in [answer for answer in self._answers if answer.done()]:
+            self._answers.remove(answer)
+            said = answer.result()
+            self._refused = "" if said.success else said.message
+            self.page_state.note(said.message)
+        present = self._driver_present()
+        pending, self._pending = self._pending, []
+        for name, value, answer in pending:
+            if answer.done():
+                self._refused = next((r.reason for r in answer.result().results if not r.successful), "")
+            elif present:
+                self._pending.append((name, value, answer))
+            else:  # the driver ended without an answer
+                self._driver.remove_pending_request(answer)
+                self._publish(name, value)
+
+    def _driver_present(self) -> bool:
+        return bool(self.topics.publisher_nodes(RIG_COMMAND)) and self._driver.service_is_ready()
+
+    def _publish(self, name: str, value: float) -> None:
+        topic = _SET_POINTS[name][2]
+        self._advertise(topic)
+        if topic == WOB_COMMAND:
+            self.topics.publish(topic, self._encoder.wob_command(Command(value, 0.0)))
+        else:
+            self.topics.publish(topic, self._encoder.rps_command(Command(0.0, value * math.tau)))
+
+    def _advertise(self, topic: str) -> None:
+        """Create the publisher of a set-point on its first use: a page that only shows is no source of commands."""
+        if topic not in self.topics.publishers:
+            publisher, deadline = self.topics.advertise(topic), time.monotonic() + _MATCHING
+            while not publisher.get_subscription_count() and time.monotonic() < deadline:
+                self.spin_once(0.02)
+
+    def health(self) -> Status:
+        """Nodes that are not heard any more, or the number of messages that could not be decoded."""
+        if self._driver_present():  # its plan is set instead
+            for topic in {WOB_COMMAND, RPS_COMMAND} & set(self.topics.publishers):
+                self.topics.withdraw(topic)
+        self.page_state.check_sources()
+        if missing := self._sources.missing():
+            return Status(self.NAME, Level.WARN, f"no diagnostics for more than {GONE:g} s of {', '.join(missing)}")
+        skipped = len(self.page_state.skipped)
+        return Status(self.NAME, Level.WARN if skipped else Level.OK, f"{skipped} messages could not be read")
+
+
+def run(arguments: Sequence[str], stop: StopRequest) -> None:
+    """Show the twin of this domain until asked to stop; the arguments are those of `drill-twin watch`."""
+    from drill_twin_dashboard.live.server import PageServer
+
+    parser = argparse.ArgumentParser(prog="watch", description=LivePage.PURPOSE)
+    parser.add_argument("--host", default="127.0.0.1", help="address to listen on (%(default)s)")
+    parser.add_argument("--port", type=int, default=8000, help="port of the page; 0: a free one (%(default)s)")
+    parser.add_argument("--allow-host", action="append", default=[], help="name of this server; repeatable")
+    parser.add_argument("--limit", action="append", default=[], help="limit, as torque_high=12 kN m; repeatable")
+    parser.add_argument("--units", choices=[*SYSTEMS], default="", help="units of the page (the scene's)")
+    parser.add_argument("--no-browser", action="store_true", help="do not open the browser")
+    parser.add_argument("--foxglove", type=int, help="port for viewers that speak the Foxglove protocol; 0: a free one")
+    own = list(arguments)
+    ros = own[own.index("--ros-args") :] if "--ros-args" in own else []
+    given = parser.parse_args(own[: len(own) - len(ros)])
+    limits = [parse_limit(text) for text in given.limit]
+    context = init_context(ros, stop)
+    viewers = None
+    try:
+        with stop.at_once(), readable_refusal():
+            viewers = None if given.foxglove is None else FoxgloveServer(given.host, given.foxglove, given.allow_host)
+            node = LivePage(context, viewers)
+            node.page_state.units = given.units
+            for limit in limits:
+                node.page_state.take(limit)
+        server = PageServer(
+            node.snapshot,
+            node.on_request,
+            history=node.page_state.history,
+            host=given.host,
+            port=given.port,
+            allowed_hosts=given.allow_host,
+        )
+        try:
+            server.links.show(f"the twin of ROS_DOMAIN_ID={context.get_domain_id()}")
+            if viewers is not None:
+                print(f"for Foxglove: {viewers.url}", flush=True)
+            if not given.no_browser:
+                server.links.open_browser()
+            run_in_order(node, stop)
+        finally:
+            server.close()
+    finally:
+        if viewers is not None:
+            viewers.close()
+        context.try_shutdown()

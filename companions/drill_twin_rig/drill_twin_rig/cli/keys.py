@@ -1,0 +1,36 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Command `drill-twin ros keys`: certificate and users of the gateway."""
+
+from __future__ import annotations
+
+import socket
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+
+def keys(
+    folder: Annotated[Path, typer.Argument(help="Folder of the keys; it is made if there is none.")],
+    user: Annotated[str, typer.Option(help="Name of a user to add, or who gets another password.")],
+    password: Annotated[
+        str,
+        typer.Option(
+            prompt=True,
+            hide_input=True,
+            help="Password, 8 characters or more; asked for if left out (others see the options of a command).",
+        ),
+    ],
+    host: Annotated[
+        str, typer.Option(help="Name of the machine in the certificate; that of this machine if left out.")
+    ] = "",
+) -> None:
+    """Make the keys of the gateway: a self-signed certificate, and users that may command.
+
+    Put the certificates of clients into FOLDER/trusted.
+    """
+    from drill_twin_rig.gateway.opc_ua.keys import CERTIFICATE, TRUSTED, USERS, make_keys
+
+    new = make_keys(folder, "urn:drill_twin:gateway", host or socket.gethostname(), {user: password})
+    print(f"{folder / USERS}: {user} is {'new' if user in new else 'given another password'}")
+    print(f"{folder / CERTIFICATE}: for clients to trust; put theirs into {folder / TRUSTED}")

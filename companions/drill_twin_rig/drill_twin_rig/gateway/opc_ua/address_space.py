@@ -1,0 +1,156 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Address space of the server: a variable and a data point for each signal, and the vocabulary that they refer to."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any, Self
+
+from asyncua import ua
+
+from drill_twin_rig.gateway.control import HEARTBEAT, REQUEST
+from drill_twin_rig.gateway.dwis import NAMESPACE, PROPOSED_NAMESPACE, UNITS
+from drill_twin_rig.gateway.quantities import QUANTITIES
+from drill_twin_rig.gateway.signals import CommandTarget, ShownSignal, is_ours, prototype
+
+PERMISSION, HOLDER = "Permission", "Holder"
+_VERBS = (
+    "BelongsToClass",
+    "HasDynamicValue",
+    "HasUnitOfMeasure",
+    "IsOfMeasurableQuantity",
+    "IsPhysicallyLocatedAt",
+    "IsRelatedToDrillingIncident",
+)
+
+
+class AddressSpace:
+    """Nodes of a server that is not started yet; `build` makes one."""
+
+    @classmethod
+    async def build(cls, server: Any, application: str) -> Self:
+        """Create the folders and the verbs of D-WIS as types of references.
+
+        Args:
+            server: The server of asyncua, initialised.
+            application: Namespace of the nodes of signals.
+        """
+        space = cls()
+        space._spaces = {uri: await server.register_namespace(uri) for uri in (NAMESPACE, PROPOSED_NAMESPACE)}
+        space._own = space._spaces[application] = await server.get_namespace_index(application)
+        objects = server.nodes.objects
+        space.root = await objects.add_object(space.id("DrillTwin"), space.name("DrillTwin"))
+        space._signals = await space.root.add_folder(space.id("Signals"), space.name("Signals"))
+        space._points = await space.root.add_folder(space.id("DataPoints"), space.name("DataPoints"))
+        space._vocabulary = await space.root.add_folder(space.id("Vocabulary"), space.name("Vocabulary"))
+        links = server.get_node(ua.ObjectIds.NonHierarchicalReferences)
+        index = space._spaces[NAMESPACE]
+        space._verbs = {
+            verb: await links.add_reference_type(ua.NodeId(verb, index), ua.QualifiedName(verb, index), False)
+            for verb in _VERBS
+        }
+        return space
+
+    def __init__(self) -> None:
+        self.root: Any
+        """Object that holds all of the gateway."""
+        self._signals: Any
+        self._points: Any
+        self._vocabulary: Any
+        self._own = 0
+        self._spaces: dict[str, int] = {}
+        self._verbs: dict[str, Any] = {}
+        self._nouns: dict[str, Any] = {}
+
+    def id(self, name: str) -> Any:
+        """Node id of a node of ours."""
+        return ua.NodeId(name, self._own)
+
+    def name(self, name: str) -> Any:
+        """Browse name of a node of ours."""
+        return ua.QualifiedName(name, self._own)
+
+    async def add_signal(self, signal: ShownSignal) -> Any:
+        """Add the nodes of a signal; returns the node id of its variable."""
+        variable = await self._signals.add_variable(
+            self.id(signal.name), self.name(signal.name), ua.Variant(0.0, ua.VariantType.Double)
+        )
+        meaning = QUANTITIES[signal.quantity].meaning
+        if is_ours(signal.kind):
+            meaning += " (class proposed by drill_twin, not of D-WIS)"
+        await self.describe(variable, meaning, signal.unit)
+        point = await self._points.add_object(self.id(f"{signal.name}#01"), self.name(f"{signal.name}#01"))
+        await self.link(point, "HasDynamicValue", variable)
+        await self.link(point, "BelongsToClass", await self._noun("ComputedData"))
+        await self.link(point, "BelongsToClass", await self._noun(signal.kind, ours=is_ours(signal.kind)))
+        if kind := prototype(signal.kind):
+            await self.link(point, "IsOfMeasurableQuantity", await self._noun(kind.quantity))
+            if kind.location:
+                await self.link(point, "IsPhysicallyLocatedAt", await self._noun(kind.location))
+            if kind.incident:
+                await self.link(point, "IsRelatedToDrillingIncident", await self._noun(kind.incident))
+        empty = ua.DataValue(
+            ua.Variant(0.0, ua.VariantType.Double), ua.StatusCode(ua.StatusCodes.BadWaitingForInitialData)
+        )
+        await variable.write_attribute(ua.AttributeIds.Value, empty)
+        return variable.nodeid
+
+    async def add_control(self, targets: Sequence[CommandTarget]) -> dict[str, Any]:
+        """Add the nodes of control and the set-points; returns their ids by name."""
+        folder = await self.root.add_object(self.id("Control"), self.name("Control"))
+        rows = (
+            (REQUEST, ua.Variant(False), "true requests control, false gives it back"),
+            (HEARTBEAT, ua.Variant(0, ua.VariantType.UInt32), "number that the holder changes to keep control"),
+            (PERMISSION, ua.Variant(0, ua.VariantType.UInt16), "0 unset, 1 granted, 2 pending, 3 denied, 4 invalid"),
+            (HOLDER, ua.Variant("", ua.VariantType.String), "user who has control"),
+        )
+        ids = {}
+        for name, value, meaning in rows:
+            node = await folder.add_variable(self.id(name), self.name(name), value)
+            await node.write_attribute(ua.AttributeIds.Description, _text(meaning))
+            ids[name] = node.nodeid
+            if name in {REQUEST, HEARTBEAT}:
+                await node.set_writable()
+        for target in targets:
+            node = await folder.add_variable(
+                self.id(target.name), self.name(target.name), ua.Variant(0.0, ua.VariantType.Double)
+            )
+            await node.set_writable()
+            await self.describe(node, f"set-point of the {QUANTITIES[target.quantity].meaning}", target.unit)
+            await self.link(node, "BelongsToClass", await self._noun("SetPoint"))
+            ids[target.name] = node.nodeid
+        return ids
+
+    async def describe(self, variable: Any, meaning: str, unit: str) -> None:
+        """Give a variable its description, its unit as an OPC UA property, and its class and unit in D-WIS."""
+        await variable.write_attribute(ua.AttributeIds.Description, _text(meaning))
+        known = UNITS.get(unit)
+        information = ua.EUInformation(
+            NamespaceUri="http://www.opcfoundation.org/UA/units/un/cefact",
+            UnitId=known.number if known else -1,
+            DisplayName=ua.LocalizedText(unit),
+            Description=ua.LocalizedText(known.noun if known else unit),
+        )
+        await variable.add_property(
+            ua.NodeId(f"{variable.nodeid.Identifier}.EngineeringUnits", self._own),
+            ua.QualifiedName("EngineeringUnits", 0),
+            information,
+        )
+        await self.link(variable, "BelongsToClass", await self._noun("DynamicDrillingSignal"))
+        if known:
+            await self.link(variable, "HasUnitOfMeasure", await self._noun(known.noun))
+
+    async def link(self, subject: Any, verb: str, noun: Any) -> None:
+        """Add a reference, to be followed in both directions."""
+        await subject.add_reference(noun, self._verbs[verb])
+
+    async def _noun(self, name: str, *, ours: bool = False) -> Any:
+        """Node of a noun, made when it is first used."""
+        if name not in self._nouns:
+            index = self._spaces[PROPOSED_NAMESPACE if ours else NAMESPACE]
+            self._nouns[name] = await self._vocabulary.add_object(ua.NodeId(name, index), ua.QualifiedName(name, index))
+        return self._nouns[name]
+
+
+def _text(text: str) -> Any:
+    return ua.DataValue(ua.Variant(ua.LocalizedText(text)))

@@ -1,0 +1,182 @@
+# SPDX-License-Identifier: Apache-2.0
+"""OPC UA server of the gateway: the signals of the twin, with their D-WIS semantics, and set-points under control.
+
+Without keys everybody on this host reads, unencrypted, and nobody writes. With keys clients need a trusted certificate,
+Basic256Sha256 and a user with a password.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from datetime import UTC, datetime
+from typing import Any
+
+from asyncua import Server, ua
+from asyncua.common.callback import CallbackType
+
+from drill_twin.core import __version__
+from drill_twin.core.errors import RunError
+from drill_twin.core.loopback import in_url
+from drill_twin_rig.gateway.control import Control
+from drill_twin_rig.gateway.opc_ua.address_space import HOLDER, PERMISSION, AddressSpace
+from drill_twin_rig.gateway.opc_ua.keys import Keys
+from drill_twin_rig.gateway.opc_ua.sessions import Sessions
+from drill_twin_rig.gateway.rig_reader import EventLoopThread
+from drill_twin_rig.gateway.signals import CommandTarget, ShownSignal
+
+APPLICATION = "urn:drill_twin:gateway"
+"""URI of the application, and of the namespace of its nodes."""
+MOST_CLIENTS = 32
+_PENDING = 10.0  # s that a connection may take to open a session
+_FREE = 8  # places that are kept free of connections without a session
+_LOOK = 0.1  # s between two looks at the places
+logging.getLogger("asyncua").setLevel(logging.CRITICAL)  # what a client does wrong is no error of this program
+
+
+@dataclass(frozen=True)
+class PublishedSample:
+    """Value of a signal in its unit."""
+
+    value: float
+    """Value; NaN where there is none."""
+    stale: bool = False
+    """True if it is an old one, whose source is silent."""
+
+
+class OpcUaServer:
+    """Server in a thread of its own."""
+
+    def __init__(
+        self,
+        address: tuple[str, int],
+        signals: Sequence[ShownSignal],
+        targets: Sequence[CommandTarget],
+        control: Control,
+        keys: Keys | None,
+    ) -> None:
+        """Start to serve.
+
+        Args:
+            address: Address to listen on, and port.
+            signals: Signals of the twin.
+            targets: Set-points.
+            control: Decides who writes them.
+            keys: Keys; None: everybody reads, and nobody writes.
+
+        Raises:
+            RunError: The port is taken, or the address is none of this machine.
+        """
+        self.url = f"opc.tcp://{in_url(address[0])}:{address[1]}/drill_twin"
+        """Address for clients."""
+        self.sessions = Sessions(control, keys)
+        """Users, and refused connections and writes."""
+        self._targets, self._keys = targets, keys
+        self._signals = {signal.name: signal for signal in signals}
+        self._shown: dict[str, tuple[float, int]] = {}
+        self._thread = EventLoopThread("opc_ua_server")
+        try:
+            self._thread.call(self._start())
+        except OSError as error:
+            self._thread.close()
+            raise RunError(
+                f"expected a free port at {self.url}, found: {error.strerror}; set the parameter port"
+            ) from None
+
+    async def _start(self) -> None:
+        server = Server(user_manager=self.sessions)
+        await server.init()
+        server.set_endpoint(self.url)
+        server.set_server_name("drill_twin")
+        server.iserver.max_connections = MOST_CLIENTS
+        server.iserver.max_pending_activation_seconds = _PENDING
+        await server.set_application_uri(APPLICATION)
+        await server.set_build_info(APPLICATION, "drill_twin", "drill_twin", __version__, "0", datetime.now(UTC))
+        await self._secure(server)
+        space = await AddressSpace.build(server, APPLICATION)
+        self._nodes = {signal.name: await space.add_signal(signal) for signal in self._signals.values()}
+        self._control_nodes = await space.add_control(self._targets)
+        self.sessions.watch({node: name for name, node in self._control_nodes.items()})
+        server.subscribe_server_callback(CallbackType.PreWrite, self.sessions.before_write)
+        server.subscribe_server_callback(CallbackType.PostWrite, self.sessions.after_write)
+        self._server = server
+        await server.start()
+        self._places = asyncio.get_running_loop().create_task(self._keep_places_free())
+
+    async def _keep_places_free(self) -> None:
+        """Close the oldest connections without a session while places are short; each would hold one for `_PENDING`."""
+        while True:
+            await asyncio.sleep(_LOOK)
+            clients = list(self._server.bserver.clients)  # the oldest first
+            silent = [one for one in clients if not _has_session(one)]
+            for one in silent[: max(len(clients) - (MOST_CLIENTS - _FREE), 0)]:
+                one.transport.close()
+                self.sessions.note_silent()
+
+    async def _secure(self, server: Any) -> None:
+        if self._keys is None:
+            server.set_security_policy([ua.SecurityPolicyType.NoSecurity])
+            server.set_identity_tokens([ua.AnonymousIdentityToken])
+            return
+        await server.load_certificate(self._keys.certificate, "der")
+        await server.load_private_key(self._keys.private_key)
+        server.set_security_policy([ua.SecurityPolicyType.Basic256Sha256_SignAndEncrypt])
+        server.set_identity_tokens([ua.UserNameIdentityToken])
+        server.set_certificate_validator(self.sessions.check_certificate)
+
+    def show(self, samples: Mapping[str, PublishedSample]) -> None:
+        """Show the values of signals from now on; what has not changed is not sent again."""
+        changed = []
+        for name, sample in samples.items():
+            value = (sample.value, _status(sample))
+            if value != self._shown.get(name):
+                self._shown[name] = value
+                changed.append((name, *value))
+        if changed:
+            self._thread.post(self._write(changed))
+
+    def show_control(self, permission: int, holder: str) -> None:
+        """Show who has control."""
+        self._thread.post(self._write_control(permission, holder))
+
+    async def _write_control(self, permission: int, holder: str) -> None:
+        for name, value in (
+            (PERMISSION, ua.Variant(permission, ua.VariantType.UInt16)),
+            (HOLDER, ua.Variant(holder, ua.VariantType.String)),
+        ):
+            await self._server.write_attribute_value(self._control_nodes[name], ua.DataValue(value))
+
+    async def _write(self, changed: Sequence[tuple[str, float, int]]) -> None:
+        now = datetime.now(UTC)
+        for name, value, status in changed:
+            data = ua.DataValue(
+                ua.Variant(value, ua.VariantType.Double),
+                ua.StatusCode(status),
+                SourceTimestamp=now,
+                ServerTimestamp=now,
+            )
+            await self._server.write_attribute_value(self._nodes[name], data)
+
+    @property
+    def clients(self) -> int:
+        """Number of connected clients."""
+        return len(self._server.bserver.clients)
+
+    def close(self) -> None:
+        """End all sessions, and the thread."""
+        self._thread.call(self._server.stop())
+        self._thread.close()
+
+
+def _has_session(client: Any) -> bool:
+    session = client.processor.session
+    return session is not None and session.is_activated()
+
+
+def _status(sample: PublishedSample) -> int:
+    if not math.isfinite(sample.value):
+        return int(ua.StatusCodes.BadNoData)
+    return int(ua.StatusCodes.UncertainLastUsableValue if sample.stale else ua.StatusCodes.Good)

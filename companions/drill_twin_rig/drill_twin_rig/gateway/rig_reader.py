@@ -1,0 +1,218 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Reader of a rig's signals, in a thread of its own: connects, judges what it reads, and connects again by itself.
+
+There is one class a protocol. Value, stamp and unit of a signal are checked at each reading.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import math
+import threading
+import time
+from abc import ABC, abstractmethod
+from collections.abc import Coroutine, Iterable, Mapping, Sequence
+from concurrent.futures import Future
+from dataclasses import dataclass
+from typing import Any, TypeVar
+
+from drill_twin.core.errors import shortened
+from drill_twin.core.units.registry import UnitError, si_factor
+from drill_twin_rig.gateway.signals import RigSignal
+
+_AHEAD = 2.0  # s by which a stamp may be later than the clock of this machine
+
+
+@dataclass(frozen=True)
+class SignalReading:
+    """Reading of a node."""
+
+    value: object
+    """Value as the server gave it."""
+    status: str
+    """Name of a status that is not good; empty for a good one."""
+    stamp: float
+    """Source timestamp [s since 1970]; NaN without one."""
+
+
+@dataclass(frozen=True)
+class CheckedValue:
+    """Value with the verdict on it."""
+
+    value: float = math.nan
+    """Value [SI]; NaN if it is not sound."""
+    stamp: float = math.nan
+    """Source timestamp, or time of the reading where the server gives none [s since 1970]."""
+    fault: str = "no value yet"
+    """Reason why it is not used; empty if it is sound."""
+
+
+class QualityCheck:
+    """Judges one signal."""
+
+    def __init__(self, signal: RigSignal) -> None:
+        self._signal = signal
+        self._last: float | None = None
+        self._changed = 0.0
+
+    def check(self, reading: SignalReading, now: float) -> CheckedValue:
+        """Judge a reading at a time [s since 1970]."""
+        fault = self._fault(reading, now)
+        if fault or not isinstance(reading.value, int | float):
+            return CheckedValue(fault=fault)
+        stamp = reading.stamp if math.isfinite(reading.stamp) else now
+        return CheckedValue(float(reading.value) * self._signal.factor, stamp, "")
+
+    def _fault(self, reading: SignalReading, now: float) -> str:
+        signal, value = self._signal, reading.value
+        if reading.status:
+            return f"status {reading.status}"
+        if isinstance(value, bool) or not isinstance(value, int | float):
+            return f"expected a number, found {type(value).__name__}"
+        if not math.isfinite(value):
+            return f"expected a finite number, found {value}"
+        if not signal.low <= value <= signal.high:
+            return f"expected {signal.low:g} to {signal.high:g} {signal.unit}, found {value:g}"
+        if signal.stale_after and not math.isfinite(reading.stamp):
+            return "no source timestamp"
+        if signal.stale_after and now - reading.stamp > signal.stale_after:
+            return "stale stamp"
+        if reading.stamp - now > _AHEAD:
+            return "stamp in the future"
+        return self._frozen(float(value), now)
+
+    def _frozen(self, value: float, now: float) -> str:
+        if value != self._last:
+            self._last, self._changed = value, now
+        frozen = 0.0 < self._signal.frozen_after <= now - self._changed
+        return f"frozen for more than {self._signal.frozen_after:g} s" if frozen else ""
+
+
+def unit_fault(signal: RigSignal, found: str) -> str:
+    """Reason why the unit that a server gives to a signal is not that of its line; empty if it is.
+
+    Args:
+        signal: The signal.
+        found: Text of the unit on the server; empty where it gives none.
+    """
+    if not found:
+        return ""
+    try:
+        same = si_factor(found) == si_factor(signal.unit)
+    except UnitError:
+        same = False
+    return "" if same else f"wrong unit: expected {signal.unit}, found {found} on the server"
+
+
+_T = TypeVar("_T")
+
+
+class EventLoopThread:
+    """Runs coroutines while the calling thread does other work."""
+
+    def __init__(self, name: str) -> None:
+        self._loop = asyncio.new_event_loop()
+        self._posted: Future[object] | None = None
+        self._thread = threading.Thread(target=self._loop.run_forever, name=name, daemon=True)
+        self._thread.start()
+
+    def call(self, coroutine: Coroutine[Any, Any, _T], seconds: float = 30.0) -> _T:
+        """Run a coroutine and wait for its result, at most this long [s]; raises what it raises, or TimeoutError."""
+        return asyncio.run_coroutine_threadsafe(coroutine, self._loop).result(seconds)
+
+    def post(self, coroutine: Coroutine[Any, Any, object]) -> None:
+        """Run a coroutine without waiting for it; its error is raised by the next call of this method."""
+        if self._posted is not None and self._posted.done():
+            self._posted.result()
+        self._posted = asyncio.run_coroutine_threadsafe(coroutine, self._loop)
+
+    def close(self) -> None:
+        """Cancel what still runs, and end the thread."""
+        self.call(_cancel_others())
+        self._loop.call_soon_threadsafe(self._loop.stop)
+        self._thread.join()
+        self._loop.close()
+
+
+async def _cancel_others() -> None:
+    others = asyncio.all_tasks() - {asyncio.current_task()}
+    for task in others:
+        task.cancel()
+    await asyncio.gather(*others, return_exceptions=True)
+
+
+PATIENCE = 3.0
+"""Longest wait for an answer [s]."""
+_FIRST_WAIT, _LONGEST_WAIT = 0.5, 5.0  # s between two attempts to connect
+
+
+class RefusedError(Exception):
+    """The rig's server is not to be used; the message says why."""
+
+
+class RigReader(ABC):
+    """Reads signals in a thread of its own; `checked` may be called from another."""
+
+    def __init__(self, signals: Sequence[RigSignal], period: float) -> None:
+        """Begin to read.
+
+        Args:
+            signals: Signals to read.
+            period: Time between two readings [s].
+        """
+        self._signals, self._period = signals, period
+        self._checks = [QualityCheck(signal) for signal in signals]
+        self._checked: Sequence[CheckedValue] = [CheckedValue() for _ in signals]
+        self._read_time = -math.inf
+        self.fault = "not connected yet"
+        """Reason why there is no connection; empty while there is one."""
+        self.connections = 0
+        """Connections made so far."""
+        self._thread = EventLoopThread("rig_reader")
+        self._thread.post(self._run())
+
+    @abstractmethod
+    async def connect_and_read(self) -> None:
+        """Connect, call `_connected`, then `_take` for each reading; returns or raises when the connection ends."""
+
+    def fault_of(self, index: int) -> str:
+        """Reason why a signal is not used whatever its value; empty if there is none."""
+        del index
+        return ""
+
+    def checked(self) -> Mapping[RigSignal, CheckedValue]:
+        """Latest value of each signal, with the verdict on it."""
+        if time.monotonic() - self._read_time > PATIENCE + self._period:
+            return {
+                signal: CheckedValue(fault=f"no connection: {self.fault or 'no answer'}") for signal in self._signals
+            }
+        return dict(zip(self._signals, self._checked, strict=True))
+
+    def close(self) -> None:
+        """Disconnect, and end the thread."""
+        self._thread.close()
+
+    async def _run(self) -> None:
+        wait = _FIRST_WAIT
+        while True:
+            before = self.connections
+            try:
+                await self.connect_and_read()
+                self.fault = "its server ended the connection"
+            except Exception as error:  # noqa: BLE001 - a server may answer anything; it is told, and tried again
+                text = str(error) or type(error).__name__
+                self.fault = shortened(text.partition("\n")[0], 200)
+            wait = _FIRST_WAIT if self.connections > before else min(2.0 * wait, _LONGEST_WAIT)
+            await asyncio.sleep(wait)
+
+    def _connected(self) -> None:
+        self.connections, self.fault = self.connections + 1, ""
+
+    def _take(self, readings: Iterable[SignalReading]) -> None:
+        """Judge a reading of each signal."""
+        now = time.time()
+        self._checked = [
+            CheckedValue(fault=fault) if (fault := self.fault_of(index)) else self._checks[index].check(one, now)
+            for index, one in enumerate(readings)
+        ]
+        self._read_time = time.monotonic()

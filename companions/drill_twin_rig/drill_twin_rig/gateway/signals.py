@@ -1,0 +1,233 @@
+# SPDX-License-Identifier: Apache-2.0
+"""File of the gateway: a line a signal, with its name, quantity and unit."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from difflib import get_close_matches
+from pathlib import Path
+from typing import Any
+
+from drill_twin.core.errors import DrillTwinError
+from drill_twin.core.files.foreign_file import ForeignFile
+from drill_twin.core.files.yaml_reader import LARGEST_TEXT, Place, read_yaml
+from drill_twin.core.units import UnitError, factor_of
+from drill_twin_rig.gateway.dwis import PROPOSED, PROTOTYPES
+from drill_twin_rig.gateway.quantities import MEASURED, QUANTITIES, downhole, measured_dimension
+
+_RIG = ("node", "unit", "low", "high", "stale_after", "frozen_after")
+_SECTIONS = {
+    "show": ("value", "unit", "class"),
+    "command": ("value", "unit", "low", "high"),
+    "measure": _RIG,
+    "follow": _RIG,
+}
+_STALE_AFTER = 2.0  # s
+_WITS_UNITS = {"kdaN": ("daN", 1000.0)}
+"""Units of WITS that no other file of this package has."""
+SET_POINTS = ("weight_on_bit", "surface_rotation")
+"""Quantities that can be commanded."""
+
+
+class SignalsError(DrillTwinError):
+    """A file of signals that cannot be used; the message has file and line."""
+
+
+_FILE = ForeignFile("a file of signals", LARGEST_TEXT, SignalsError)
+
+
+@dataclass(frozen=True)
+class ShownSignal:
+    """Signal of the twin on the OPC UA server."""
+
+    name: str
+    """Name of its node."""
+    quantity: str
+    """Key of `QUANTITIES`."""
+    unit: str
+    """Unit on the server."""
+    factor: float
+    """SI value of one unit."""
+    kind: str
+    """Class: prototype of D-WIS, proposed one, or a name of the user."""
+
+
+@dataclass(frozen=True)
+class CommandTarget:
+    """Set-point that a client with control writes."""
+
+    name: str
+    """Name of its node."""
+    quantity: str
+    """One of `SET_POINTS`."""
+    unit: str
+    """Unit on the server."""
+    factor: float
+    """SI value of one unit."""
+    low: float
+    """Smallest value taken, in the unit."""
+    high: float
+    """Largest value taken, in the unit."""
+
+
+@dataclass(frozen=True)
+class RigSignal:
+    """Signal of the rig, on its server."""
+
+    quantity: str
+    """Key of `MEASURED`."""
+    node: str
+    """Node id on the rig's server, as `ns=2;s=WOB` or `nsu=urn:rig;s=WOB`."""
+    unit: str
+    """Unit there."""
+    factor: float
+    """SI value of one unit."""
+    low: float
+    """Smallest value that is used, in the unit."""
+    high: float
+    """Largest value that is used, in the unit."""
+    stale_after: float
+    """Age of its stamp at which it is not used any more [s]; 0: none."""
+    frozen_after: float
+    """Time without a change at which it is not used any more [s]; 0: none."""
+
+
+Limits = Mapping[str, tuple[float, float]]
+"""Lowest and highest set-point of a scene by quantity [SI]."""
+
+
+def range_taken(signal: CommandTarget | RigSignal, limits: Limits) -> tuple[float, float]:
+    """Range of a set-point in its unit: that of the file within that of the scene; infinite where neither says."""
+    low, high = (one / signal.factor for one in limits.get(signal.quantity, (-math.inf, math.inf)))
+    return max(low, signal.low), min(high, signal.high)
+
+
+@dataclass(frozen=True)
+class Signals:
+    """Signals of a gateway."""
+
+    show: tuple[ShownSignal, ...] = ()
+    """Twin -> OPC UA."""
+    command: tuple[CommandTarget, ...] = ()
+    """OPC UA -> twin."""
+    measure: tuple[RigSignal, ...] = ()
+    """Server of the rig -> `/measured/rig/state` and `/measured/downhole/SUB/summary`."""
+    follow: tuple[RigSignal, ...] = ()
+    """Set-points on the server of the rig -> twin."""
+
+
+def signals_path(name: str) -> Path:
+    """File of signals, by its path or the name of an installed one.
+
+    Raises:
+        SignalsError: There is none.
+    """
+    known = {path.stem: path for path in sorted(Path(__file__).parent.glob("*.yaml"))}
+    path = known.get(name, Path(name))
+    if not path.is_file():
+        raise SignalsError(f"{name}: expected a file of signals or one of {', '.join(known)}, found none of that name")
+    return path
+
+
+def read_signals(path: Path) -> Signals:
+    """Signals of a file.
+
+    Raises:
+        SignalsError: It cannot be read, or a line is not valid.
+    """
+    data, lines = read_yaml(_FILE.text(path), str(path))
+    return _Reader(path, lines).signals(data)
+
+
+class _Reader:
+    def __init__(self, path: Path, lines: Mapping[Place, int]) -> None:
+        self._path, self._lines = path, lines
+
+    def signals(self, data: Any) -> Signals:
+        if not isinstance(data, dict) or not data:
+            raise self._error((), f"expected the sections {', '.join(_SECTIONS)}, found none")
+        self._known((), data, tuple(_SECTIONS))
+        show, command = self._section(data, "show"), self._section(data, "command")
+        return Signals(
+            tuple(self._shown(name, line) for name, line in show.items()),
+            tuple(self._target(name, line) for name, line in command.items()),
+            *(
+                tuple(self._of_rig((section, name), line) for name, line in self._section(data, section).items())
+                for section in ("measure", "follow")
+            ),
+        )
+
+    def _section(self, data: Mapping[str, Any], name: str) -> dict[str, dict[str, Any]]:
+        section = data.get(name) or {}
+        if not isinstance(section, dict):
+            raise self._error((name,), f"{name}: expected a line a signal, found {section!r}")
+        for signal, line in section.items():
+            if not isinstance(line, dict):
+                raise self._error((name, signal), f"{signal}: expected {{value: ..., unit: ...}}, found {line!r}")
+            self._known((name, signal), line, _SECTIONS[name])
+        return section
+
+    def _shown(self, name: str, line: Mapping[str, Any]) -> ShownSignal:
+        quantity, unit, factor = self._quantity(("show", name), line)
+        kind = str(line.get("class", name))
+        return ShownSignal(name, quantity, unit, factor, kind)
+
+    def _target(self, name: str, line: Mapping[str, Any]) -> CommandTarget:
+        place = ("command", name)
+        quantity, unit, factor = self._quantity(place, line, SET_POINTS)
+        return CommandTarget(name, quantity, unit, factor, *self._range(place, line))
+
+    def _of_rig(self, place: Place, line: Mapping[str, Any]) -> RigSignal:
+        known = SET_POINTS if place[0] == "follow" else tuple(MEASURED)
+        if place[0] == "measure" and all(downhole(str(place[-1]))):
+            known = (str(place[-1]),)
+        quantity, unit, factor = self._quantity(place, {"value": place[-1], **line}, known)
+        node = line.get("node")
+        if not isinstance(node, str) or "=" not in node:
+            raise self._error(place, f'{quantity}: expected a node such as "ns=2;s=WOB", found {node!r}')
+        times = [line.get("stale_after", _STALE_AFTER), line.get("frozen_after", 0.0)]
+        if not all(isinstance(one, int | float) and 0.0 <= one < math.inf for one in times):
+            raise self._error(place, f"{quantity}: expected times [s] from 0, found {times}")
+        return RigSignal(quantity, node, unit, factor, *self._range(place, line), *map(float, times))
+
+    def _range(self, place: Place, line: Mapping[str, Any]) -> tuple[float, float]:
+        low, high = (line.get(key, default) for key, default in (("low", -math.inf), ("high", math.inf)))
+        if not (isinstance(low, int | float) and isinstance(high, int | float) and low < high):
+            raise self._error(place, f"{place[-1]}: expected numbers low < high, found {low!r} and {high!r}")
+        return float(low), float(high)
+
+    def _quantity(
+        self, place: Place, line: Mapping[str, Any], known: tuple[str, ...] = tuple(QUANTITIES)
+    ) -> tuple[str, str, float]:
+        """Quantity, unit and its SI factor."""
+        quantity, unit = str(line.get("value", "")), str(line.get("unit", ""))
+        self._known((*place, "value"), (quantity,), known)
+        dimension = measured_dimension(quantity)
+        base, multiple = _WITS_UNITS.get(unit, (unit, 1.0))
+        try:
+            return quantity, unit, multiple * factor_of(base, dimension)
+        except UnitError as error:
+            raise self._error((*place, "unit"), f"{place[-1]}: {error}") from None
+
+    def _known(self, place: Place, found: Mapping[str, Any] | tuple[str, ...], known: tuple[str, ...]) -> None:
+        for name in found:
+            if name not in known:
+                near = get_close_matches(name, known, n=1)
+                hint = f"did you mean {near[0]}?" if near else f"expected one of {', '.join(known)}"
+                raise self._error((*place, name), f"found {name!r}, which is unknown here; {hint}")
+
+    def _error(self, place: Place, message: str) -> SignalsError:
+        line = next((self._lines[place[:n]] for n in range(len(place), -1, -1) if place[:n] in self._lines), 1)
+        return SignalsError(f"{self._path}:{line}: {message}")
+
+
+def is_ours(kind: str) -> bool:
+    """Return True for a class that D-WIS does not have."""
+    return kind not in PROTOTYPES
+
+
+def prototype(kind: str) -> Any:
+    """Prototype of a class; None for a name of the user."""
+    return PROTOTYPES.get(kind) or PROPOSED.get(kind)

@@ -1,0 +1,256 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Gateway node: shows the twin to rig software by OPC UA, and takes set-points of a client that has control.
+
+The OPC UA server runs in a thread of its own; a target that a client writes is published from there. This node takes
+messages some tens of times a second instead of waiting for each, which would cost more than all the rest.
+"""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Mapping, Sequence
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, ClassVar
+
+from rclpy.lifecycle import LifecycleState, TransitionCallbackReturn
+from std_srvs.srv import Trigger
+
+from drill_twin.core.errors import DrillTwinError, MessageError, missing
+from drill_twin.core.loopback import is_loopback
+from drill_twin.io.messages.decode import read_string
+from drill_twin.io.messages.diagnostics import Level, Status
+from drill_twin.io.messages.topics import RIG_STATE, TOPICS, TWIN_SCENE
+from drill_twin.ros.core.node import AUTOSTART, DONE, TwinNode
+from drill_twin.ros.core.parameters import Parameter, ParameterError
+from drill_twin.ros.simulator.command_limits import limits_for
+from drill_twin.scene import parse_scene
+from drill_twin_rig.gateway.control import Control, Permission
+from drill_twin_rig.gateway.quantities import QUANTITIES, TwinQuantities
+from drill_twin_rig.gateway.signals import Signals, read_signals, signals_path
+from drill_twin_rig.ros.commands import CommandOutput
+from drill_twin_rig.ros.control_desk import ControlDesk
+from drill_twin_rig.ros.rig import RigLink
+
+if TYPE_CHECKING:
+    from drill_twin_rig.gateway.opc_ua.keys import Keys
+    from drill_twin_rig.gateway.opc_ua.server import OpcUaServer, PublishedSample
+
+PARAMETERS = (
+    Parameter("signals", "dwis", "file with a line a signal: an installed one by name, or a path"),
+    Parameter("host", "127.0.0.1", "address of the OPC UA server; 0.0.0.0: all of this machine"),
+    Parameter("port", 4840, "port of the OPC UA server", "", 1, 65535),
+    Parameter("rate", 10.0, "values a second on the OPC UA server", "Hz", 0.1, 50.0),
+    Parameter(
+        "keys",
+        "",
+        "folder of keys (drill-twin ros keys): clients need a trusted certificate, encryption and a user; "
+        '"": everybody reads without encryption, on this host only, and nobody commands',
+    ),
+    Parameter(
+        "grant",
+        "ask",
+        "control that a client requests: ask: granted by ~/grant_control; always: granted at once; never: denied",
+        choices=("ask", "always", "never"),
+        live=True,
+    ),
+    Parameter("heartbeat_timeout", 2.0, "wall time without a heartbeat after which control is lost", "s", 0.2, 60.0),
+    Parameter("safe_weight_on_bit", 0.0, "weight on bit once control is lost", "N", -1e7, 1e7, live=True),
+    Parameter("safe_speed", 0.0, "top-drive speed once control is lost", "rev/s", -100.0, 100.0, live=True),
+    Parameter("safe_ramp_time", 5.0, "time to the safe set-point, by the wall clock", "s", 0.0, 3600.0, live=True),
+    Parameter(
+        "rig_url",
+        "",
+        "server of a rig (OPC UA, or WITS level 0 as wits://rig:5001), whose signals of the sections measure and "
+        'follow are read; "": none',
+        such_as="opc.tcp://rig:4840",
+    ),
+    Parameter(
+        "rig_security",
+        "sign_and_encrypt",
+        "connection with it: sign_and_encrypt: with keys, Basic256Sha256; none: open, and set-points are followed on "
+        "this host only",
+        choices=("sign_and_encrypt", "none"),
+    ),
+    Parameter("rig_user", "", 'user on it, whose password is in the file rig_password in keys; "": anonymous'),
+    Parameter("rig_rate", 10.0, "readings of it a second", "Hz", 0.1, 50.0),
+    Parameter("stale_after", 1.0, "age at which a value of the twin is marked uncertain", "s", 0.1, 3600.0),
+    AUTOSTART,
+)
+
+
+_TURN = 0.05  # s between two turns of the loop
+_CONTROL_PERIOD = 0.1  # s
+_DEPTH = 100  # messages; half a second at 200 Hz
+
+
+class Gateway(TwinNode):
+    """Shows the quantities of the twin on an OPC UA server, and commands it for a client."""
+
+    NAME: ClassVar = "gateway"
+    PURPOSE: ClassVar = "Connects the twin with rig software by OPC UA, with the signals of D-WIS. Needs asyncua."
+    PARAMETERS: ClassVar = PARAMETERS
+
+    _server: OpcUaServer | None = None
+    _rig: RigLink | None = None
+
+    def on_configure(self, _: LifecycleState) -> TransitionCallbackReturn:
+        """Start server and client; create subscriptions to the topics of the signals, services and timers."""
+        if not self.settings.keys and not is_loopback(self.settings.host):
+            raise ParameterError(
+                f"parameter host: expected an address of this host only, as keys is not set, found "
+                f"{self.settings.host}; make keys with drill-twin ros keys"
+            )
+        self._signals = read_signals(signals_path(self.settings.signals))
+        self._quantities = TwinQuantities(time.monotonic)
+        self._output = CommandOutput(self, self._quantities)
+        self._control = Control(self._signals.command, self.settings.heartbeat_timeout, self._on_targets)
+        self._desk = ControlDesk(self, self._output, self._control)
+        self._unread = ""
+        self._server, keys = _make_server(self.settings, self._signals, self._control)
+        if self.settings.rig_url:
+            self._rig = self._desk.rig = RigLink(self, self._output, self._signals, keys)
+        topics = {QUANTITIES[signal.quantity].topic for signal in self._signals.show}
+        for topic in topics | ({RIG_STATE} if self._signals.command or self._rig else set()):
+            depth = 1 if TOPICS[topic].latched else _DEPTH
+            self.topics.subscribe_raw(topic, partial(self._on_message, topic), depth=depth)
+        self.topics.subscribe_scenes(self._on_scene)
+        self.create_service(Trigger, "~/grant_control", self._desk.grant)
+        self.create_service(Trigger, "~/withdraw_control", self._desk.withdraw)
+        self.every(1.0 / self.settings.rate, self._show)
+        self.every(_CONTROL_PERIOD, self._work)
+        self.get_logger().info(f"{len(self._signals.show)} signals at {self._server.url}")
+        return DONE
+
+    def on_cleanup(self, _: LifecycleState) -> TransitionCallbackReturn:
+        """End server and client."""
+        if self._rig is not None:
+            self._rig.close()
+        if self._server is not None:
+            self._server.close()
+        self._rig = self._server = None
+        return DONE
+
+    def _on_message(self, topic: str, raw: bytes, _: Mapping[str, Any]) -> None:
+        try:
+            self._quantities.take(topic, bytes(raw))
+        except MessageError as error:
+            self._unread = f"{topic}: {error}"
+
+    def _on_scene(self, raw: bytes) -> None:
+        """Take the limits of the scene, as the simulator does: what it would refuse is refused here, and said."""
+        try:
+            limits = limits_for(
+                parse_scene(read_string(raw), name=TWIN_SCENE), max_weight_on_bit=0.0, max_speed=0.0, negative=False
+            )
+        except DrillTwinError as error:
+            self._unread = f"{TWIN_SCENE}: {error}"
+            return
+        of = {"weight_on_bit": limits.weight_on_bit, "surface_rotation": limits.rotation}
+        self._control.set_limits(of)
+        if self._rig is not None:
+            self._rig.limits = of
+
+    def step(self) -> None:
+        """Process many messages at a time."""
+        time.sleep(_TURN)
+        self.spin_all()
+
+    def _show(self) -> None:
+        if self._server is not None:
+            self._server.show(self._samples())
+
+    def _work(self) -> None:
+        if self._server is not None:
+            self._desk.work(self._server)
+        if self._rig is not None:
+            self._rig.work()
+
+    # --- twin -> OPC UA -------------------------------------------------------------------------------------------
+
+    def _samples(self) -> dict[str, PublishedSample]:
+        from drill_twin_rig.gateway.opc_ua.server import PublishedSample
+
+        values, samples = self._quantities.values, {}
+        for signal in self._signals.show:
+            if signal.quantity in values:
+                value = values[signal.quantity] / signal.factor
+                samples[signal.name] = PublishedSample(value, self._is_stale(signal.quantity))
+        return samples
+
+    def _is_stale(self, quantity: str) -> bool:
+        if QUANTITIES[quantity].on_change:
+            return False
+        slow = TOPICS[QUANTITIES[quantity].topic].rate == "1 Hz"
+        return self._quantities.age(quantity) > float(self.settings.stale_after) + slow
+
+    # --- OPC UA -> twin -------------------------------------------------------------------------------------------
+
+    def _on_targets(self) -> None:
+        """Publish the targets at once; called in the server's thread."""
+        self._output.send(self._control.values)
+
+    def health(self) -> Status:
+        """Clients, control, and the signals that have no value or an old one."""
+        present = [one for one in self._signals.show if one.quantity in self._quantities.values]
+        stale = [one.name for one in present if self._is_stale(one.quantity)]
+        server, command = self._server, self._output.command
+        refused = server.sessions.refused if server else {}
+        values = {
+            "url": server.url if server else "",
+            "clients": str(server.clients if server else 0),
+            "signals": str(len(self._signals.show)),
+            "without_value": " ".join(one.name for one in self._signals.show if one not in present),
+            "stale": " ".join(stale),
+            "permission": self._control.permission.name.lower(),
+            "holder": self._control.holder,
+            "commands_sent": str(self._output.sent),
+            **{f"refused_{kind}": str(count) for kind, count in refused.items()},
+            **self._quantities.samples.values(),
+        }
+        if command is not None:
+            values |= {"weight_on_bit": f"{command.weight_on_bit:g}", "speed_rev_s": f"{command.rotation / math.tau:g}"}
+        if self._rig is not None:
+            values |= self._rig.values()
+        level, text = self._verdict(stale, present=bool(present))
+        return Status(self.NAME, level, text, values)
+
+    def _verdict(self, stale: Sequence[str], *, present: bool) -> tuple[Level, str]:
+        """Level and sentence: the worst first."""
+        if self._output.is_safe:
+            lost = self._rig.lost if self._rig is not None and self._rig.lost else self._control.lost
+            return Level.ERROR, f"control lost: {lost}; the safe set-point is in force"
+        if self._rig is not None and (fault := self._rig.fault()):
+            return Level.WARN, fault
+        if self._control.permission is Permission.PENDING and self._control.user is not None:
+            return Level.WARN, f"{self._control.user.name} requests control: call ~/grant_control"
+        if self._server is not None and (refusal := self._server.sessions.refusal):
+            return Level.WARN, f"refused: {refusal}"
+        if self._desk.denied and self._control.permission is Permission.DENIED:
+            return Level.WARN, self._desk.denied
+        if self._unread:
+            text, self._unread = f"a message could not be read: {self._unread}", ""
+            return Level.WARN, text
+        level, text = self._quantities.samples.verdict()
+        if stale or level is not Level.OK:
+            silent = "the twin is silent" if level in {Level.OK, Level.STALE} else ""
+            said = [part for part in (silent, text, f"{len(stale)} signals are marked uncertain") if part]
+            return max(level, Level.WARN), ": ".join(said)
+        return Level.OK, "showing the twin" if present else "waiting for the twin"
+
+
+def _make_server(settings: Any, signals: Signals, control: Control) -> tuple[OpcUaServer, Keys | None]:
+    """Start the server, with the keys of its folder if one is named.
+
+    Raises:
+        DrillTwinError: asyncua is not installed, or the keys cannot be used.
+        RunError: The port is taken.
+    """
+    try:
+        from drill_twin_rig.gateway.opc_ua.keys import read_keys
+        from drill_twin_rig.gateway.opc_ua.server import OpcUaServer
+    except ModuleNotFoundError as error:
+        raise missing(error, "opcua") from error
+    keys = read_keys(Path(settings.keys)) if settings.keys else None
+    return OpcUaServer((settings.host, settings.port), signals.show, signals.command, control, keys), keys

@@ -1,0 +1,199 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A rig's signals as topics: what it measures on `/measured/rig/state`, and its set-points as commands."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Collection, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+from urllib.parse import urlsplit
+
+import numpy as np
+
+from drill_twin.core.files.foreign_file import ForeignFile
+from drill_twin.core.loopback import is_loopback
+from drill_twin.core.rig_channels import ARRAYS, RIG_JOINTS
+from drill_twin.dynamics.sensors.subs import SUMMARY
+from drill_twin.io.messages.cdr import JointStateTemplate
+from drill_twin.io.messages.stamps import stamp_ns
+from drill_twin.io.messages.topics import MEASURED as MEASURED_NAMESPACE
+from drill_twin.io.messages.topics import MEASURED_RIG_STATE, summary_topic
+from drill_twin.ros.core.node import TwinNode
+from drill_twin.ros.core.parameters import ParameterError
+from drill_twin_rig.gateway.quantities import MEASURED, downhole
+from drill_twin_rig.gateway.rig_reader import RigReader
+from drill_twin_rig.gateway.signals import Limits, RigSignal, Signals, range_taken
+from drill_twin_rig.gateway.wits0 import WitsReader
+from drill_twin_rig.ros.commands import CommandOutput
+
+if TYPE_CHECKING:
+    from drill_twin_rig.gateway.opc_ua.keys import Keys
+    from drill_twin_rig.gateway.rig_reader import CheckedValue
+
+
+class RigLink:
+    """Publishes what a rig measures, and sends its set-points."""
+
+    def __init__(self, node: TwinNode, output: CommandOutput, signals: Signals, keys: Keys | None) -> None:
+        """Begin to read.
+
+        Args:
+            node: The gateway.
+            output: Publisher of set-points.
+            signals: Signals of the file.
+            keys: Keys of the gateway.
+
+        Raises:
+            ParameterError: The connection would not be secure enough for what is asked of it.
+        """
+        settings, read = node.settings, (*signals.measure, *signals.follow)
+        wits, secure = _is_wits(settings), _is_secure(settings)
+        check_security(settings, follows=bool(signals.follow), has_keys=keys is not None)
+        self._node, self._output, self._signals = node, output, signals
+        self._client: RigReader = (
+            WitsReader(settings.rig_url, read) if wits else _opc_ua_client(settings, read, keys if secure else None)
+        )
+        self._checked = self._client.checked()
+        self.limits: Limits = {}
+        """Limits of the scene for the set-points that are followed."""
+        self._published, self._withdrawn = dict[str, int](), False
+        measured = {MEASURED[one.quantity][0] for one in signals.measure if one.quantity in MEASURED}
+        self._joints = tuple(joint for joint in RIG_JOINTS if joint in measured)
+        self._template = JointStateTemplate(self._joints)
+        node.topics.advertise(MEASURED_RIG_STATE)
+        subs = dict.fromkeys(downhole(one.quantity)[0] for one in signals.measure if all(downhole(one.quantity)))
+        self._summaries = {sub: JointStateTemplate(SUMMARY, velocity=False, effort=False, frame_id=sub) for sub in subs}
+        for sub in subs:
+            node.topics.advertise(MEASURED_NAMESPACE + summary_topic(sub))
+        self.follows = False
+        """True while the set-points of the rig are in force."""
+        self.lost = ""
+        """Reason why they are not any more; empty before, and once they are again."""
+
+    def work(self) -> None:
+        """Publish what has come, and send the set-points; the safe one when they are not sound any more."""
+        self._checked = self._client.checked()
+        self._publish()
+        if self._signals.follow and not self._withdrawn:
+            self._follow()
+
+    def _publish(self) -> None:
+        """Publish the measured values of surface and subs, those of which one is newer than the last."""
+        sound = {one.quantity: self._checked[one] for one in self._signals.measure if not self._checked[one].fault}
+        surface = {MEASURED[quantity]: checked for quantity, checked in sound.items() if quantity in MEASURED}
+        if stamp := self._newer(MEASURED_RIG_STATE, surface.values()):
+            values = np.full((len(ARRAYS), len(self._joints)), np.nan)
+            for (joint, array), checked in surface.items():
+                values[ARRAYS.index(array), self._joints.index(joint)] = checked.value
+            self._node.topics.publish(MEASURED_RIG_STATE, self._template.fill(stamp, *values))
+        for sub, template in self._summaries.items():
+            found = {name: sound[f"{sub}.{name}"] for name in SUMMARY if f"{sub}.{name}" in sound}
+            topic = MEASURED_NAMESPACE + summary_topic(sub)
+            if stamp := self._newer(topic, found.values()):
+                row = [found[name].value if name in found else math.nan for name in SUMMARY]
+                self._node.topics.publish(topic, template.fill(stamp, row))
+
+    def _newer(self, topic: str, sound: Collection[CheckedValue]) -> int:
+        """Stamp of the newest value [ns]; 0 unless it is newer than the last one on the topic."""
+        stamp = max((stamp_ns(one.stamp) for one in sound if math.isfinite(one.stamp)), default=0)
+        if stamp <= self._published.get(topic, 0):
+            return 0
+        self._published[topic] = stamp
+        return stamp
+
+    def _follow(self) -> None:
+        fault = self._fault_of(self._signals.follow) or self._beyond_limits()
+        free = self._output.command is None or bool(self.lost)  # no client has control, or lost it
+        if not fault and (self.follows or (free and not self._output.others())):
+            if not self.follows:
+                self._output.begin()
+            self.follows, self.lost = True, ""
+            self._output.send({one.quantity: self._checked[one].value for one in self._signals.follow})
+        elif fault and self.follows:
+            self.follows, self.lost = False, fault
+            self._output.go_safe()
+            self._node.publish_diagnostics()
+
+    def stop_following(self) -> None:
+        """Leave the set-points of the rig alone from now on."""
+        self._withdrawn, self.follows, self.lost = True, False, ""
+
+    def _fault_of(self, signals: Sequence[RigSignal]) -> str:
+        """First fault of some signals, with its quantity; empty if all are sound."""
+        found = ((one, self._checked[one]) for one in signals)
+        return next((f"{one.quantity} of the rig: {checked.fault}" for one, checked in found if checked.fault), "")
+
+    def _beyond_limits(self) -> str:
+        """First set-point of the rig that the scene does not admit, in a sentence; empty if all are admitted."""
+        for one in self._signals.follow:
+            low, high = range_taken(one, self.limits)
+            if not (math.isfinite(low) and math.isfinite(high)):
+                return f"{one.quantity} of the rig: expected a scene of the twin, which limits it, found none so far"
+            if not low <= (value := self._checked[one].value / one.factor) <= high:
+                return f"{one.quantity} of the rig: expected {low:g} to {high:g} {one.unit}, found {value:g}"
+        return ""
+
+    def fault(self) -> str:
+        """First fault of all, as a sentence; empty if all is sound."""
+        if self._client.fault:
+            return f"no connection to the rig: {self._client.fault}"
+        return self._fault_of((*self._signals.measure, *self._signals.follow)) or self._beyond_limits()
+
+    def values(self) -> dict[str, str]:
+        """Values for the diagnostics."""
+        return {
+            "rig_connections": str(self._client.connections),
+            "rig_follows": str(self.follows).lower(),
+            **{f"measured_{one.quantity}": _text(self._checked[one]) for one in self._signals.measure},
+        }
+
+    def close(self) -> None:
+        """Disconnect."""
+        self._client.close()
+
+
+def _is_wits(settings: Any) -> bool:
+    return bool(urlsplit(settings.rig_url).scheme == "wits")
+
+
+def _is_secure(settings: Any) -> bool:
+    return bool(settings.rig_security == "sign_and_encrypt") and not _is_wits(settings)
+
+
+def check_security(settings: Any, *, follows: bool, has_keys: bool) -> None:
+    """Refuse a connection to a rig that is not secure enough for what is asked of it.
+
+    Raises:
+        ParameterError: Keys are missing, or set-points or a password would cross the network in clear.
+    """
+    if _is_secure(settings):
+        if not has_keys:
+            raise ParameterError("parameter keys: expected a folder of keys, as rig_security is sign_and_encrypt")
+    elif not is_loopback(urlsplit(settings.rig_url).hostname or ""):
+        for reason, holds in (
+            ("set-points of another host are followed", follows),
+            ("the password of rig_user goes to another host", bool(settings.rig_user)),
+        ):
+            if holds:
+                raise ParameterError(f"parameter rig_security: expected sign_and_encrypt, as {reason}; WITS has none")
+
+
+def _opc_ua_client(settings: Any, signals: Sequence[RigSignal], keys: Keys | None) -> RigReader:
+    from drill_twin_rig.gateway.opc_ua.keys import check_private
+    from drill_twin_rig.gateway.opc_ua.rig_client import RigClient, ServerAccess
+    from drill_twin_rig.gateway.opc_ua.server import APPLICATION
+
+    password = ""
+    if settings.rig_user:
+        file = Path(settings.keys) / "rig_password"
+        if not file.is_file():
+            raise ParameterError(f"parameter rig_user: expected the password in {file}, found no such file")
+        check_private(file)
+        password = ForeignFile("a password", 10_000, ParameterError).text(file).strip()
+    access = ServerAccess(settings.rig_url, keys, APPLICATION, settings.rig_user, password)
+    return RigClient(access, signals, 1.0 / settings.rig_rate)
+
+
+def _text(checked: CheckedValue) -> str:
+    return checked.fault or f"{checked.value:g}"

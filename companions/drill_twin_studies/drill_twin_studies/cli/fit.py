@@ -1,0 +1,102 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Command `drill-twin fit`: numbers of a scene from a record."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from drill_twin.cli import options
+from drill_twin.cli.emit import emit
+from drill_twin.cli.show import shown_progress
+from drill_twin.core.table import Table
+
+if TYPE_CHECKING:
+    from rich.text import Text
+
+    from drill_twin_studies.fitting import Posterior, Sampling
+
+
+def fit(
+    record: options.FittedArgument,
+    scene: options.FittedOption,
+    free: options.FreeOption,
+    channel: options.ChannelOption,
+    change: options.SetOption = [],  # noqa: B006  typer makes a new list of it
+    likelihood: Annotated[
+        str, typer.Option("--likelihood", help="What is compared: the series, or features of windows (features).")
+    ] = "series",
+    begin: options.FromOption = 0.0,
+    end: options.ToOption = math.inf,
+    rate: Annotated[
+        str, typer.Option("--rate", metavar="FREQUENCY", help="Number of samples per second that are compared.")
+    ] = "20 Hz",
+    window: Annotated[
+        float, options.time_option("--window", "With --likelihood features: length of a window", 0.0)
+    ] = 5.0,
+    members: Annotated[int, typer.Option("--members", min=8, help="Number of runs in a round.")] = 64,
+    rounds: Annotated[int, typer.Option("--rounds", min=1, help="Most rounds.")] = 24,
+    seed: options.SeedOption = 1,
+    workers: options.WorkersOption = 0,
+    out: Annotated[
+        Path | None, options.folder_option("Write fit.json, fitted.yaml and fit.png to this folder.")
+    ] = None,
+    units: options.UnitsOption = "",
+    json: options.JsonOption = False,
+) -> None:
+    """Find numbers of a scene from a record, with intervals, correlations, and what the record does not determine."""
+    import drill_twin as dt
+    from drill_twin_studies.fitting.posterior import fit_figure
+
+    ranges = options.ranges_of("--free", free)
+
+    with shown_progress("running the first round", rounds, unit="rounds", most=True) as bar:
+
+        def told(number: int, found: Sampling) -> None:
+            power = "" if found.power == 1.0 else f", likelihood to the power {found.power:.2g}"
+            bar.show(f"{found.effective:.0f} effective draws of {len(found.weights)}{power}", number)
+
+        found = dt.fit(
+            record, scene, ranges, channels=channel, overrides=options.overrides(change, units=units),
+            likelihood=likelihood, begin=begin, end=end if end < math.inf else None, rate=rate, window=window,
+            members=members, rounds=rounds, seed=seed, workers=workers, progress=told,
+        )  # fmt: skip
+    base = str(Path(scene).resolve()) if Path(scene).is_file() else scene
+    emit(
+        found.to_dict(), _shown(found), json=json, folder=out,
+        files={"fit.json": found.to_dict, "fitted.yaml": lambda: found.scene_text(base),
+               "fit.png": lambda: fit_figure(found)},
+    )  # fmt: skip
+
+
+def _shown(found: Posterior) -> Iterator[Table | Text | str]:
+    from rich.text import Text
+
+    from drill_twin_studies.fitting.posterior import shown_number
+    from drill_twin_studies.goodness import table as goodness_table
+
+    if found.unexplained:
+        yield Text(f"{found.unexplained}; intervals count with what is left, not with what is hidden in it", "bold red")
+    rows = []
+    for key in found.ranges:
+        size, unit = shown_number(key, found.scene)
+        low, high = found.intervals[key]
+        values = found.best[key], low, found.median(key), high
+        rows.append((f"{key} [{unit}]" if unit else key, *(f"{size * value:.4g}" for value in values)))
+    yield Table(
+        ("number", "best", "low", "median", "high"),
+        rows,
+        title=f"{found.scene.name}: {len(found.values)} runs, intervals of 90 % or more",
+        right=(1, 2, 3, 4),
+    )
+    if found.sampling.power < 1.0:
+        yield Text("the draws are still wider than the record allows; more --rounds narrow the intervals", "yellow")
+    for line in found.undetermined:
+        yield f"not determined: {line}"
+    for line in found.of_law:
+        yield line
+    yield goodness_table(found.goodness)

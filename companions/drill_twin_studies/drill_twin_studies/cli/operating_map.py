@@ -1,0 +1,144 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Command `drill-twin map`: operating map of a scene over weight on bit and speed."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterator
+from pathlib import Path
+from shlex import quote
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from drill_twin.cli import options
+from drill_twin.cli.emit import emit, folder_name
+from drill_twin.cli.show import shown_progress
+from drill_twin.core.files.output import make_folder
+
+if TYPE_CHECKING:
+    from drill_twin.scene import Scene
+    from drill_twin_studies.maps import OperatingMap
+
+
+def operating_map(
+    scene: options.SceneArgument,
+    wob: Annotated[str, typer.Option("--wob", metavar="LO..HI", help='Range of the weight on bit, as "1..300 N".')],
+    rpm: Annotated[
+        str,
+        typer.Option("--rpm", metavar="LO..HI", help='Range of the speed, as "1..3 rev/s"; bare: rev/min.'),
+    ],
+    seeds: Annotated[
+        int, typer.Option("--seeds", metavar="N", min=1, max=1000, help="Number of draws of uncertain numbers.")
+    ] = 1,
+    vary: Annotated[
+        list[str],
+        typer.Option(
+            "--vary",
+            metavar="KEY=LO..HI",
+            help='Draw this number from a range, as "wall_friction.coefficient=0.1..0.3"; repeatable.',
+        ),
+    ] = [],  # noqa: B006  typer makes a new list of it
+    change: options.SetOption = [],  # noqa: B006
+    duration: options.DurationOption = "",
+    calm_for: Annotated[
+        str,
+        typer.Option(
+            "--calm-for", metavar="TIME", help="Time for which safe windows must stay calm.",
+            show_default="ten times that of a run",
+        ),
+    ] = "",
+    runs: Annotated[
+        int, typer.Option("--runs", metavar="N", min=1, max=1_000_000, help="Most runs of the search.")
+    ] = 1500,
+    steps: Annotated[
+        int, typer.Option("--steps", metavar="N", help="A boundary is located within 1/N of each range; a power of 2.")
+    ] = 128,
+    no_hysteresis: Annotated[
+        bool, typer.Option("--no-hysteresis", help="Leave out the boundary at which an existing whirl dies.")
+    ] = False,
+    no_growth: Annotated[
+        bool, typer.Option("--no-growth", help="Do not place first runs by the growth rates of the linear string.")
+    ] = False,
+    workers: options.WorkersOption = 0,
+    dask: Annotated[
+        str, typer.Option("--dask", metavar="ADDRESS", help="Address of a Dask scheduler whose workers make the runs.")
+    ] = "",
+    out: Annotated[
+        Path | None, options.folder_option("Folder of the result; a map that was broken off goes on.", "out/map_SCENE")
+    ] = None,
+    replace: options.ReplaceOption = False,
+    units: options.UnitsOption = "",
+    json: options.JsonOption = False,
+) -> None:  # fmt: skip
+    """Map the regimes of motion over weight on bit and speed, and find windows in which the string stays calm.
+
+    Runs crowd where the regime changes: the end of smooth motion first, then the onset of whirl, the other regimes,
+    draws of seeds and uncertain numbers, and the boundary at which an existing whirl dies; at last runs of the whole
+    time asked check the windows. Writes map.json, map.csv, map.html and map.png.
+    """
+    from drill_twin.core.units.system import typed_in_pounds
+    from drill_twin.scene import load_scene
+    from drill_twin_studies.api.maps import operating_map as make
+    from drill_twin_studies.maps.drawing import build_page, map_figure
+
+    changes = options.overrides(change, duration=duration, units=units or ("field" if typed_in_pounds(wob) else ""))
+    ranges = options.ranges_of("--vary", vary)
+    described = load_scene(scene, overrides=changes)
+    folder = out or Path("out") / f"map_{folder_name(described.name)}"
+    make_folder(folder)
+    runs_file = folder / "runs.jsonl"
+    if replace and runs_file.exists():
+        runs_file.replace(folder / "runs.jsonl.old")
+    going_on = f"the same command goes on from {runs_file}"
+    with shown_progress("calm", runs, unit="runs", kept=going_on, most=True) as bar:
+        found = make(
+            described, wob=wob, rpm=rpm, seeds=seeds, vary=ranges, runs=runs,
+            hysteresis=not no_hysteresis, growth=not no_growth, steps=steps, folder=folder, workers=workers, dask=dask,
+            calm_for=calm_for or None,
+            progress=lambda phase, done, expected: bar.show(phase, done, max(runs, expected)),
+        )  # fmt: skip
+    data = found.to_dict()
+    settings = [
+        f"--set {quote(f'{key}={value}')}" for key, value in changes.items() if key not in {"duration", "units"}
+    ]
+    emit(
+        data, _shown(found, described), json=json, folder=folder, also=["runs.jsonl"],
+        files={
+            "map.json": data, "map.csv": found.csv(),
+            "map.html": build_page(found, " ".join([quote(scene), *settings])),
+            "map.png": lambda: map_figure(found),
+        },
+    )  # fmt: skip
+
+
+def _shown(found: OperatingMap, scene: Scene) -> Iterator[str]:
+    """Runs, shares of the regimes, window, and margin of the scene's own set-point."""
+    from drill_twin_studies.maps.regimes import REGIMES
+
+    units = scene.unit_system
+    counts = Counter(found.regimes.ravel().tolist())
+    yield f"{found.name}: {found.said_runs}"
+    whole = found.regimes.size
+    for code, count in sorted(counts.items()):
+        yield f"  {REGIMES[code].value}: {count / whole:.1%} of the ranges"
+    unknown = 1.0 - float(found.known.mean())
+    if unknown:
+        yield f"  {unknown:.0%} of the ranges (hatched) have no runs on all sides; there it is that of the nearest run"
+    if not found.windows:
+        yield "  no safe window: nowhere in these ranges do enough runs show that the string stays calm"
+    for weight, speed in found.windows:
+        at = units.span(speed.low, speed.high, "rotation")
+        yield f"  safe window: {units.span(weight.low, weight.high, 'force')} at {at}"
+    yield from (f"    rests on: {sentence}" for sentence in found.basis)
+    load, turn = scene.rig.weight_on_bit.value, scene.rig.rotation.value
+    if found.contains(load, turn):
+        margin = found.margin(load, turn)
+        word = "margin to the boundary" if margin.share >= 0.0 else "beyond the boundary by"
+        apart = margin.text(units)
+        yield (
+            f"  set-point of the scene, {units.set_point(load, turn)}: {found.regime(load, turn).value}"
+            + ("" if found.is_known(load, turn) else " in the nearest run; not known there")
+            + (f"; {word} {apart}" if apart else "")
+        )
+    yield from (f"  note: {note}" for note in found.notes)

@@ -1,0 +1,24 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Estimates of state and numbers of a running rig from what is measured, by an ensemble that is corrected."""
+
+from drill_twin_studies.estimation.ensemble_filter import CHANNELS, EnsembleFilter, EstimatorOptions
+from drill_twin_studies.estimation.estimate import Estimate, FilterWindow
+from drill_twin_studies.estimation.intake import SET_POINTS, Intake
+from drill_twin_studies.estimation.members import LOAD
+from drill_twin_studies.estimation.prediction import Band, unit_of
+from drill_twin_studies.estimation.square_root_filter import Correction, correction
+
+__all__ = [
+    "CHANNELS",
+    "LOAD",
+    "SET_POINTS",
+    "Band",
+    "Correction",
+    "EnsembleFilter",
+    "Estimate",
+    "EstimatorOptions",
+    "FilterWindow",
+    "Intake",
+    "correction",
+    "unit_of",
+]

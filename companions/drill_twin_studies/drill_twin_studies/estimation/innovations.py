@@ -1,0 +1,145 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Innovations, measured less predicted, of the last windows: how well the model explains what is measured."""
+
+from __future__ import annotations
+
+import math
+from collections import deque
+from collections.abc import Mapping, Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from drill_twin.core.arrays import Array
+from drill_twin_studies.estimation.square_root_filter import correction
+from drill_twin_studies.goodness import Goodness, goodness, noise_of
+
+WINDOWS = 20
+"""Windows that are judged together."""
+_FEWEST = 10
+"""Windows from which a change of the mean innovation can be told; half of the samples that tell their noise."""
+_LEAST_NOISE = 0.25
+"""Noise of a channel over its stated error, at least: sensor and model err together as the stated error says, and the
+record of a twin has no noise."""
+
+
+class _Window(NamedTuple):
+    """Measured, predicted mean and spread of a window, shape (C, S) each."""
+
+    measured: Array
+    mean: Array
+    spread: Array
+
+
+class Innovations:
+    """Innovations of C channels over the last `WINDOWS`.
+
+    Attributes:
+        misfit: Rms innovation of the last window over the channel's scale, shape (C,); NaN where nothing was measured.
+        normalised: The same over what members and stated errors predict for it, shape (C,).
+        off: The same innovation [SI], shape (C,).
+        surprises: Squared innovation of the last window over its covariance, that of members and noise, shape (C,).
+        samples: Number of samples of it, shape (C,).
+    """
+
+    def __init__(self, channels: Sequence[str], few: float = 1.0) -> None:
+        """Begin.
+
+        Args:
+            channels: Names.
+            few: Factor by which the spread of the members may be too small, where a misfit is judged.
+        """
+        self._channels, self._few = list(channels), few
+        self._windows: deque[_Window] = deque(maxlen=WINDOWS)
+        self._stated: Array = np.zeros(len(channels))
+        self.misfit: Array = np.full(len(channels), np.nan)
+        self.normalised, self.off = self.misfit.copy(), self.misfit.copy()
+        self.surprises: Array = np.zeros(len(channels))
+        self.samples: Array = np.zeros(len(channels))
+
+    def take(self, predicted: Array, measured: Array, scale: Array, stated: Array) -> None:
+        """Take a window.
+
+        Args:
+            predicted: Channels of the members before the correction, shape (N, C, S).
+            measured: Channels, shape (C, S); NaN where missing.
+            scale: Largest size of each channel [SI], shape (C,).
+            stated: Standard deviation that is stated for the error of a sample [SI], shape (C,).
+        """
+        window = _Window(measured, predicted.mean(axis=0), predicted.std(axis=0, ddof=1))
+        self._windows.append(window)
+        self._stated = stated
+        square = (measured - window.mean) ** 2
+        self.off = rms(square)
+        self.misfit = self.off / np.maximum(scale, np.finfo(float).tiny ** 0.25)
+        self.normalised = rms(square / ((self._few * window.spread) ** 2 + stated[:, None] ** 2))
+        noise = self._noise()
+        self.samples = np.where(np.isfinite(noise), np.isfinite(measured).sum(axis=1), 0)
+        wide = window.mean + self._few * (predicted - window.mean)
+        self.surprises = np.array([_surprise(wide[:, k], row, noise[k]) for k, row in enumerate(measured)])
+
+    def _noise(self) -> Array:
+        """Noise of each channel over the last windows, shape (C,); NaN where the samples are too few to tell it."""
+        found = np.full(len(self._channels), np.nan)
+        for k, row in enumerate(np.concatenate([each.measured for each in self._windows], axis=1)):
+            known = row[np.isfinite(row)]
+            if known.size >= 2 * _FEWEST:
+                found[k] = max(noise_of(row) or noise_of(known), _LEAST_NOISE * self._stated[k])
+        return found
+
+    def forget(self) -> None:
+        """Forget all windows: numbers have jumped, and are drawn anew."""
+        last = self._windows[-1]
+        self._windows.clear()
+        self._windows.append(last._replace(measured=np.full_like(last.measured, np.nan)))
+
+    def judged(self) -> Mapping[str, Goodness]:
+        """Goodness of each channel over the last windows, against the stated errors."""
+        measured, mean, spread = (np.concatenate([each[k] for each in self._windows], axis=1) for k in range(3))
+        return {
+            name: goodness(measured[k], mean[k], spread[k], noise_of(measured[k]), float(self._stated[k]), math.nan)
+            for k, name in enumerate(self._channels)
+        }
+
+
+def widening(found: Mapping[str, Goodness]) -> float:
+    """Factor of the bands of what is not measured: root of the largest chi-square of a channel where that exceeds 1.
+
+    It is taken to err as the measured channels do. What is told is widened, not the ensemble as by the inflation of
+    Anderson (2009).
+    """
+    return math.sqrt(max([1.0, *(one.chi_square for one in found.values() if one.samples)]))
+
+
+def widening_of_numbers(found: Mapping[str, Goodness]) -> float:
+    """Factor of the bands of numbers: chi-square counts with the samples that are not independent of one another.
+
+    The filter learns from each sample as from a new one; where the model errs alike from sample to sample, the mean of
+    many has the error of the independent ones alone.
+    """
+    known = (one for one in found.values() if one.samples and one.independent > 0.0)
+    return math.sqrt(max([1.0, *(one.chi_square * one.samples / one.independent for one in known)]))
+
+
+def _surprise(predicted: Array, measured: Array, noise: float) -> float:
+    """Squared innovation over its covariance, of members (N, S), samples (S,) and noise; their number, if it is right.
+
+    A covariance of few members is too small in the q directions in which they differ: there the expected square is
+    q (N + 1) / N (N - 1) / (N - q - 2) (Hotelling 1931), by which it is divided. 0 where nothing can be told.
+    """
+    count, known = len(predicted), int(np.isfinite(measured).sum())
+    if not known or not math.isfinite(noise):
+        return 0.0
+    found = correction(predicted, measured, np.full(measured.size, noise**2))
+    along, left = found.directions, count - found.directions - 2.0
+    if left <= 0.0:
+        return 0.0
+    return found.surprise * known / (known - along + along * (count + 1) / count * (count - 1) / left)
+
+
+def rms(squares: Array) -> Array:
+    """Root of the mean of the finite squares, shape (C,), of shape (C, S); NaN where there is none."""
+    known = np.isfinite(squares)
+    count = known.sum(axis=1)
+    total = np.where(known, squares, 0.0).sum(axis=1)
+    return np.where(count > 0, np.sqrt(total / np.maximum(count, 1)), np.nan)

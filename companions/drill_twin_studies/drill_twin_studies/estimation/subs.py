@@ -1,0 +1,177 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Downhole subs: what those of a member read over a window, and features of readings that can be compared.
+
+Forces are means over frames, with impacts among them; their integral, turned out of the frame of the sub by its own
+gyroscope, is the lateral velocity but for a constant, and smooth. Its mean is left out, and that of the force in the
+frame of the sub, with the bias of the accelerometers, likewise: in the same way for the rig and for the members.
+"""
+
+from __future__ import annotations
+
+import math
+from collections import Counter
+from collections.abc import Sequence
+from operator import itemgetter
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drill_twin.core.arrays import Array, ComplexArray, Mask
+from drill_twin.core.errors import ArgumentError
+from drill_twin.dynamics.sensors.motion import SubMotion, sub_motion, true_readings
+from drill_twin.dynamics.sensors.subs import REAL, gravity_of, places_of, subs_by_name
+from drill_twin.dynamics.twin.frame_record import NodeSeries
+from drill_twin.dynamics.twin.twin import Twin
+from drill_twin.scene import Scene
+from drill_twin.scene.blocks.sensors import Sub
+from drill_twin_studies.estimation.prediction import WindowTiming
+
+VALUES = 6
+"""Values of a reading: specific force [m/s^2] and rates of rotation [rad/s] about the axes of the sub."""
+_ABSURD = 10.0
+"""Largest force of a member in a window, times this: a larger one that is rare is absurd."""
+_RARE = 0.1
+
+
+def listed(scene: Scene, names: Sequence[str]) -> list[Sub]:
+    """Subs of a scene by name, `measured/NAME` for those of a real rig.
+
+    Raises:
+        ArgumentError: The scene does not list one, or it is named twice.
+    """
+    known = subs_by_name(scene)
+    wanted = [name.removeprefix(REAL) for name in names]
+    if odd := [name for name, sub in zip(names, wanted, strict=True) if sub not in known or wanted.count(sub) > 1]:
+        raise ArgumentError(
+            f"subs: expected each once, of those that scene {scene.name} lists ({', '.join(known) or 'none'}), "
+            f"found {', '.join(odd)}; list it under `sensors.subs` of the scene, or with --set"
+        )
+    return [known[name] for name in wanted]
+
+
+class SubReader:
+    """Perfect readings of subs in a twin."""
+
+    def __init__(self, scene: Scene, twin: Twin, subs: Sequence[Sub]) -> None:
+        places = places_of(subs, twin.rod)
+        self._nodes = np.unique(np.concatenate((places.element, places.element + 1)))
+        self._places = places._replace(element=np.searchsorted(self._nodes, places.element))
+        self._gravity = gravity_of(scene)
+
+    def start(self, twin: Twin) -> tuple[Array, Array]:
+        """Node rows that carry the subs, before a window."""
+        u, v = twin.unknowns
+        return u[self._nodes], v[self._nodes]
+
+    def read(self, before: tuple[Array, Array], states: NodeSeries, period: float) -> Array:
+        """Means over the frames of a window, shape (F, s, 6).
+
+        Args:
+            before: As `start` returned them.
+            states: The recorded frames.
+            period: Length of a frame [s].
+        """
+        rows = (np.concatenate((w[None], of[:, self._nodes])) for w, of in zip(before, states[:2], strict=True))
+        motion = sub_motion(self._places, *rows)
+        first, last = SubMotion(*(part[:-1] for part in motion)), SubMotion(*(part[1:] for part in motion))
+        return true_readings(self._places, first, last, period, self._gravity)
+
+
+def replace_outliers(measured: Array, predicted: Array) -> Array:
+    """Readings, with those left out that are rare and absurd beside the members: the one before stands for them.
+
+    Args:
+        measured: Shape (s, F, 6); NaN for a sub without readings.
+        predicted: Of the members, shape (N, F, s, 6).
+    """
+    force = np.abs(measured[..., :3]).max(axis=2)
+    largest = np.abs(predicted[..., :3]).max(axis=(0, 1, 3))
+    off: Mask = force > _ABSURD * np.maximum(largest, 1.0)[:, None]
+    off &= off.mean(axis=1, keepdims=True) < _RARE
+    row = np.where(off, 0, np.arange(force.shape[1]))
+    return np.take_along_axis(measured, np.maximum.accumulate(row, axis=1)[..., None], axis=1)
+
+
+def lateral_velocity(readings: Array, period: float, samples: int) -> ComplexArray:
+    """Lateral velocity about its mean, of means over the samples, shape (..., S) [m/s].
+
+    Its direction is counted from that of the sensor at the start of the window.
+
+    Args:
+        readings: Shape (..., F, 6).
+        period: Length of a frame [s].
+        samples: Samples S of the F frames.
+    """
+    force = readings[..., 0] + 1j * readings[..., 1]
+    spin = period * (np.cumsum(readings[..., 5], axis=-1) - 0.5 * readings[..., 5])
+    steady = force - force.mean(axis=-1, keepdims=True)
+    velocity = period * np.cumsum(steady * np.exp(1j * spin), axis=-1)
+    means = _means(velocity, samples)
+    return np.asarray(means - means.mean(axis=-1, keepdims=True))
+
+
+def _means(values: NDArray[Any], samples: int) -> NDArray[Any]:
+    return np.asarray(values.reshape(*values.shape[:-1], samples, values.shape[-1] // samples).mean(axis=-1))
+
+
+def speed(readings: Array, samples: int) -> Array:
+    """Speed of rotation, of means over the samples, shape (..., S) [rad/s]."""
+    rate = readings[..., 5]
+    return _means(rate, samples)
+
+
+def velocity_noise(sub: Sub, window: float) -> float:
+    """Standard deviation that the noise of the accelerometers leaves in `lateral_velocity` [m/s].
+
+    That of a random walk in the middle between its ends, which the removed mean ties.
+    """
+    return 0.5 * sub.accelerometer.noise * math.sqrt(window / sub.rate)
+
+
+_LARGEST = 1e5
+"""Largest reading where the scene gives no range: 10 000 g."""
+_GAP = 3.5
+"""Intervals between readings over which they are interpolated; a window with a longer gap goes without the sub."""
+_FEWEST = 8
+"""Readings of a window, from which equal ones are frozen."""
+
+
+class SubIntake:
+    """Readings of a sub on their way to windows."""
+
+    def __init__(self, pace: WindowTiming, sub: Sub, troubles: Counter[str]) -> None:
+        self._pace, self._rate, self._troubles = pace, sub.rate, troubles
+        ranges = [sub.accelerometer.range or _LARGEST] * 3 + [sub.gyroscope.range or _LARGEST] * 3
+        self._largest = np.array(ranges)
+        self._open: dict[float, Array] = {}
+        self._last: list[tuple[float, Array]] = []  # of the window before, or none
+
+    def take(self, time: float, values: Sequence[float]) -> None:
+        """Take a reading of six values, by its time in the ensemble [s]."""
+        reading = np.asarray(values, float)
+        if not np.all(np.abs(reading) <= self._largest):
+            self._troubles["impossible reading"] += 1
+        elif time in self._open:
+            self._troubles["repeated reading"] += 1
+        else:
+            self._open[time] = reading
+
+    def close(self, start: float) -> Array:
+        """Readings at the middles of the frames of the window that starts at a time [s], shape (F, 6); NaN without."""
+        pace, end = self._pace, start + self._pace.window
+        middles = start + pace.period * (0.5 + np.arange(pace.frames))
+        given = sorted(self._open.items(), key=itemgetter(0))
+        own, after = [each for each in given if each[0] <= end], [each for each in given if each[0] > end]
+        points = [*self._last, *own, *after[:1]]
+        self._open, self._last = dict(after), own[-1:] or self._last
+        times = np.array([time for time, _ in points])
+        gaps = np.diff(np.clip(times, start, end), prepend=start, append=end)
+        if not own or gaps.max() > _GAP / self._rate:
+            self._troubles["window without readings"] += 1
+        elif len(own) >= _FEWEST and not np.ptp([values for _, values in own], axis=0).any():
+            self._troubles["frozen readings"] += 1
+        else:
+            columns = np.array([values for _, values in points]).T
+            return np.stack([np.interp(middles, times, column) for column in columns], axis=-1)
+        return np.full((pace.frames, VALUES), np.nan)

@@ -1,0 +1,39 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Limits of a chance from a count (Clopper and Pearson 1934)."""
+
+from __future__ import annotations
+
+CONFIDENCE = 0.9
+"""Two-sided confidence of a count, of which the upper limit holds with 95 %."""
+
+
+def proportion_interval(count: int, trials: int, confidence: float = 0.95) -> tuple[float, float]:
+    """Two-sided limits of the chance behind `count` of `trials`; (0, 1), nothing known, without trials.
+
+    They hold at least as often as `confidence`, whatever the chance and however few the trials. The upper limit alone
+    holds with a confidence of (1 + confidence) / 2, so that 0.9 gives the one-sided 95 % limit.
+
+    >>> low, high = proportion_interval(41, 42)
+    >>> round(low, 3), round(high, 4)
+    (0.874, 0.9994)
+    """
+    from scipy.special import betaincinv
+
+    outside = 0.5 * (1.0 - confidence)
+    low = 0.0 if count == 0 else float(betaincinv(count, trials - count + 1, outside))
+    high = 1.0 if count == trials else float(betaincinv(count + 1, trials - count, 1.0 - outside))
+    return low, high
+
+
+def proportion_text(count: int, trials: int, confidence: float = 0.95) -> str:
+    """The count with its limits in words.
+
+    >>> proportion_text(41, 42)
+    '41 of 42 (95 % interval 87.4 to 99.9 %)'
+    >>> proportion_text(0, 0)
+    '0 of 0 (not known)'
+    """
+    if trials == 0:
+        return "0 of 0 (not known)"
+    low, high = (100.0 * limit for limit in proportion_interval(count, trials, confidence))
+    return f"{count} of {trials} ({100.0 * confidence:.3g} % interval {low:.3g} to {high:.3g} %)"

@@ -1,0 +1,113 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Regimes of an operating map, from the findings of a run."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from enum import Enum
+from typing import NamedTuple
+
+from drill_twin.whirl import MotionState, Summary
+from drill_twin.whirl.criteria import BitMotion, Criteria
+from drill_twin.whirl.motion.states import NO_WHIRL
+from drill_twin.whirl.motion.stick_slip_index import FULL, MODERATE, STUCK
+
+BUCKLED_RADIUS = 0.25
+"""Least radius of a mark, over its clearance, of a string that is buckled and does not whirl."""
+
+BEHIND = 0.05
+"""Least difference of the mean speeds of bit and top drive, over the latter, of a string that still winds up."""
+
+
+class TorsionalSpeeds(NamedTuple):
+    """Speeds of bit and top drive over the last time base of the stick-slip index."""
+
+    severity: float
+    """Larger stick-slip index of the two."""
+    bit: float
+    top: float
+    """Mean speeds [rad/s]."""
+
+    @property
+    def sticks(self) -> bool:
+        """The bit comes to rest between its peaks, or stands while the top drive turns."""
+        return self.top != 0.0 and (self.severity >= FULL or abs(self.bit) < STUCK * abs(self.top))
+
+    @property
+    def winds(self) -> bool:
+        """Bit and top drive turn at different mean speeds."""
+        return abs(self.bit - self.top) > BEHIND * abs(self.top)
+
+
+class Regime(Enum):
+    """Motion of the string at the end of a run; the order is that of the codes in a map."""
+
+    SMOOTH = "smooth"
+    """No whirl, nothing that grows, and bit and top drive turn steadily."""
+    VIBRATION = "torsional vibration"
+    """No whirl; the speed of bit or top drive swings by a stick-slip index of `MODERATE` or more."""
+    STICK_SLIP = "stick-slip"
+    """No whirl; the bit comes to rest between its peaks, or stands."""
+    BUCKLED = "buckled without whirl"
+    """No whirl, vertical hole: the string is bent by more than `BUCKLED_RADIUS`, and spins about its bent shape."""
+    SWING = "swinging on the low side"
+    """No whirl, inclined hole: the string swings across its low side, and bit and top drive turn steadily."""
+    UNSETTLED = "not settled"
+    """No whirl at the end, but a motion that grows, or a whirl that began and ended: a longer run decides."""
+    FORWARD = "forward whirl"
+    """Regular whirl with the rotation, in any shape."""
+    BACKWARD = "backward whirl or rolling"
+    """Regular whirl against the rotation, in any shape."""
+    IRREGULAR = "irregular whirl"
+    """Whirl without a steady rate or radius."""
+    FAILED = "could not be followed"
+    """The run did not come to its end."""
+
+    @property
+    def code(self) -> int:
+        """Place in the order of the regimes."""
+        return _CODES[self]
+
+    @property
+    def whirls(self) -> bool:
+        """The string whirls."""
+        return self in {Regime.FORWARD, Regime.BACKWARD, Regime.IRREGULAR}
+
+
+REGIMES = tuple(Regime)
+_CODES = {regime: code for code, regime in enumerate(REGIMES)}
+_BY_STATE = {
+    MotionState.SYNCHRONOUS_WHIRL: Regime.FORWARD,
+    MotionState.FORWARD_WHIRL: Regime.FORWARD,
+    MotionState.BACKWARD_WHIRL: Regime.BACKWARD,
+    MotionState.ROLLING: Regime.BACKWARD,
+    MotionState.IRREGULAR: Regime.IRREGULAR,
+}
+
+
+def regime_of(
+    summary: Summary, radius_shares: Iterable[float], torsion: TorsionalSpeeds, *, vertical: bool, grows: bool
+) -> Regime:
+    """Regime at the end of a run.
+
+    Args:
+        summary: Its findings.
+        radius_shares: Largest radius of each mark over its clearance, late in the run.
+        torsion: Speeds of bit and top drive late in the run.
+        vertical: Whether the hole is vertical, so that a string off the axis is a buckled one.
+        grows: Whether a motion grows that would not be calm in the time asked.
+    """
+    state = summary.motion[-1].state if summary.motion else MotionState.AT_REST
+    ratio = summary.mode_ratio or 0.0
+    stands = abs(ratio) < Criteria().standing_ratio and state is not MotionState.IRREGULAR
+    if not (state in NO_WHIRL or state is MotionState.NOT_OBSERVABLE or stands):
+        return _BY_STATE.get(state, Regime.FORWARD if ratio > 0.0 else Regime.BACKWARD)
+    if summary.bit in {BitMotion.STICK_SLIP, BitMotion.STANDS} or torsion.sticks:
+        return Regime.STICK_SLIP
+    if vertical and max(radius_shares, default=0.0) > BUCKLED_RADIUS:
+        return Regime.BUCKLED
+    if torsion.severity >= MODERATE:
+        return Regime.VIBRATION
+    if state is MotionState.LOW_SIDE_SWING:
+        return Regime.SWING
+    return Regime.UNSETTLED if grows else Regime.SMOOTH

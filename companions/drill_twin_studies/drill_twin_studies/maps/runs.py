@@ -1,0 +1,265 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Runs of a map: members of an ensemble at nodes of the plane, and what is kept of each."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Generator, Mapping, Sequence
+from contextlib import closing
+from dataclasses import asdict, dataclass, fields
+from typing import Any, Literal, NamedTuple
+
+import numpy as np
+from pydantic import NonNegativeInt
+
+from drill_twin.core.arrays import Array, number_or_nan
+from drill_twin.io.messages.stamps import NANOSECONDS, seconds
+from drill_twin.runs.ensemble import Executor, expand
+from drill_twin.runs.ensemble.outputs import Request
+from drill_twin.runs.ensemble.run import MemberRun
+from drill_twin.scene import Scene
+from drill_twin.whirl.criteria import Criteria
+from drill_twin.whirl.motion.stick_slip_index import MODERATE, TIME_BASE
+from drill_twin_studies.maps.plane import Node, Plane
+from drill_twin_studies.maps.regimes import Regime, TorsionalSpeeds, regime_of
+
+UNCHANGED = 1.1
+"""Change between two stretches up to which a motion that is large already does not grow."""
+FLOOR = 1e-6
+"""Share of the limit below which a size is taken for this: there it is round-off, which has no trend."""
+LARGEST = 700.0
+"""Largest exponent of a growth."""
+
+
+@dataclass(frozen=True)
+class Trend:
+    """Sizes in two stretches of time, one after the other.
+
+    Attributes:
+        before: Sizes in the first, shape (n,).
+        now: Sizes in the second, shape (n,).
+        apart: Time from one to the other [s].
+    """
+
+    before: Array
+    now: Array
+    apart: float
+
+    @property
+    def rate(self) -> float:
+        """Growth of the largest of them [1/s]; NaN where there is none."""
+        before, now = float(self.before.max()), float(self.now.max())
+        return math.log(now / before) / self.apart if before > 0.0 and now > 0.0 else math.nan
+
+    def reaches(self, limit: float, ahead: float) -> bool:
+        """One of them, growing on at its rate, is larger than a limit in a time ahead [s].
+
+        One that is larger already counts where it grew by more than `UNCHANGED`.
+        """
+        before, now = (np.maximum(size, FLOOR * limit) for size in (self.before, self.now))
+        change = np.log(now / before)
+        then = now * np.exp(np.clip(change / self.apart * ahead, -LARGEST, LARGEST))
+        grows = np.where(now < limit, then >= limit, change > math.log(UNCHANGED))
+        return bool(np.any(grows))
+
+
+WEIGHT, SPEED = "rig.weight_on_bit", "rig.rotation"
+HOLD, RAMP, STAY = 1.0, 0.25, 1.25
+"""Of the duration of a run: time at a whirling set-point, of the way from there to the node, and at the node."""
+ORBIT = 120
+"""Samples kept of the last orbit."""
+ORBIT_RATE = 25.0
+"""Largest rate of those samples [Hz]."""
+OUTPUTS = ("findings", "last_half", "settling", "marks")
+FINER = 64
+"""Places of a check in each step of the lattice."""
+
+
+class Key(NamedTuple):
+    """One run of a map."""
+
+    i: int
+    j: int
+    draw: int = 0
+    """0: the scene as it is; others: other seeds and uncertain numbers."""
+    origin: Node | None = None
+    """Whirling node that the run comes from; None: from rest."""
+    finer: int = 1
+    """Above 1: a check, a run of the time asked at i and j of so many parts of a step."""
+
+    @property
+    def node(self) -> Node:
+        """Its node; of a check, the nearest one below."""
+        return self.i // self.finer, self.j // self.finer
+
+    @property
+    def place(self) -> tuple[float, float]:
+        """Its place on the lattice, in steps."""
+        return self.i / self.finer, self.j / self.finer
+
+    @property
+    def searches(self) -> bool:
+        """It is a run from rest at a node."""
+        return self.origin is None and self.finer == 1
+
+    def length(self, duration: float, asked: float) -> float:
+        """Simulated time [s], from that of a run from rest and the time asked."""
+        return asked if self.finer > 1 else duration if self.origin is None else (HOLD + RAMP + STAY) * duration
+
+
+@dataclass(frozen=True)
+class RunRecord:
+    """Findings and severity of one run; NaN where there is none."""
+
+    regime: Regime
+    onset_s: float = math.nan
+    """Onset of whirl [s]."""
+    whirl_hz: float = math.nan
+    """Whirl frequency, positive = forward [Hz]."""
+    ratio: float = math.nan
+    """Whirl ratio."""
+    bit: str = ""
+    """Motion of the bit at the end."""
+    radius: float = math.nan
+    """Largest radius of a mark over its clearance, last half of the run."""
+    wall_force: float = math.nan
+    """Largest wall force of a node [N], last half of the run."""
+    torque_swing: float = math.nan
+    """Largest less smallest torque of the top drive [N m], last half of the run."""
+    bending_stress: float = math.nan
+    """Largest bending stress at the end of the run [Pa]."""
+    growth: float = math.nan
+    """Growth of the lateral motion that neither rests nor turns with the string, at the end [1/s]."""
+    bit_index: float = math.nan
+    top_index: float = math.nan
+    """Stick-slip index of bit and top drive at the end."""
+    failure: str = ""
+    """The reason why it could not be followed."""
+    orbit: tuple[tuple[int, int], ...] = ()
+    """Last orbit of the mark with the largest radius, in thousandths of its clearance."""
+
+    @property
+    def whirls(self) -> bool:
+        """The string whirls at the end."""
+        return self.regime.whirls
+
+    def to_dict(self) -> dict[str, Any]:
+        """Plain types; numbers that are not known left out."""
+        plain = {**asdict(self), "regime": self.regime.value, "orbit": [list(point) for point in self.orbit]}
+        return {
+            name: value
+            for name, value in plain.items()
+            if value not in ("", []) and not (isinstance(value, float) and not math.isfinite(value))
+        }
+
+
+Place = tuple[NonNegativeInt, NonNegativeInt]
+"""Place on a lattice in a file."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class RunOfFile(RunRecord):
+    """A run in `map.json`: its record and its `Key`."""
+
+    node: Place
+    draw: NonNegativeInt
+    origin: Place | None
+    finer: Literal[1, 64]
+
+    @property
+    def key(self) -> Key:
+        """Its key."""
+        return Key(*self.node, self.draw, self.origin, self.finer)
+
+    @property
+    def record(self) -> RunRecord:
+        """The record alone."""
+        return RunRecord(*(getattr(self, of.name) for of in fields(RunRecord)))
+
+
+@dataclass(frozen=True)
+class Runner:
+    """Runs members of one scene.
+
+    Attributes:
+        scene: The base scene.
+        plane: Its plane.
+        duration: Simulated time of a run from rest [s].
+        asked: Time for which a calm set-point must stay calm [s]: what grows is extrapolated to it.
+        draws: Values of seed and uncertain numbers by key, one mapping a draw; empty without draws.
+        executor: Place where they are run.
+    """
+
+    scene: Scene
+    plane: Plane
+    duration: float
+    asked: float
+    draws: Sequence[Mapping[str, float | str]]
+    executor: Executor
+
+    def run(self, keys: Sequence[Key]) -> Generator[tuple[Key, RunRecord]]:
+        """Run them, and yield each as it ends; those of one length together, those from rest first."""
+        for kind in sorted({(key.finer, key.origin is not None) for key in keys}):
+            group = [key for key in keys if (key.finer, key.origin is not None) == kind]
+            length = group[0].length(self.duration, self.asked)
+            rows = [values_of(self.plane, self.duration, key, self.draws) for key in group]
+            members = expand(self.scene, {name: [row[name] for row in rows] for name in rows[0]}, zipped=True)
+            with closing(self.executor.run(members, self._request(length))) as ended:
+                for number, run in ended:
+                    yield group[number], self._record(run, group[number])
+
+    def _request(self, duration: float) -> Request:
+        period = self.scene.numerics.frame_period_ns
+        frames = max(1, math.ceil(duration * NANOSECONDS / period - 0.5))
+        every = max(1, round(self.scene.numerics.frame_rate / ORBIT_RATE))
+        return Request(OUTPUTS, seconds(period), frames, every)
+
+    def _record(self, run: MemberRun, key: Key) -> RunRecord:
+        if run.failure or not run.values:
+            return RunRecord(Regime.FAILED, failure=run.failure or "no frame was computed")
+        values = {name: variable.value for name, variable in run.values.items()}
+        clearance = np.array([mark.clearance for mark in self.scene.mark_table])
+        shares = values["radius_late"] / clearance
+        summary, widest = values["summary"], int(np.argmax(shares))
+        orbit = np.rint(values["centre"][-ORBIT:, widest] / clearance[widest] * 1000.0)
+        onset, hz, ratio = (
+            number_or_nan(found) for found in (summary.onset_s, summary.mode_frequency_hz, summary.mode_ratio)
+        )
+        length, index = key.length(self.duration, self.asked), values["stick_slip_index"]
+        torsion = TorsionalSpeeds(float(index[1].max()), *values["mean_speed"].tolist())
+        lateral = Trend(values["lateral_rest"][0] / clearance, values["lateral_rest"][1] / clearance, length / 4.0)
+        twist = Trend(index[0], index[1], min(float(TIME_BASE), length / 4.0))
+        ahead = max(self.asked - length, 0.0)
+        grows = (
+            torsion.winds
+            or lateral.reaches(Criteria().onset_radius, ahead)
+            or twist.reaches(MODERATE, ahead)
+            or (key.origin is None and math.isfinite(onset))
+        )
+        return RunRecord(
+            regime_of(summary, shares, torsion, vertical=is_vertical(self.scene), grows=grows),
+            onset, hz, ratio, summary.bit.value, float(shares.max()),
+            float(values["wall_force_late"]), float(values["torque_swing_late"]), float(values["bending_stress_end"]),
+            lateral.rate, float(index[1, 0]), float(index[1, 1]),
+            orbit=tuple((int(x), int(y)) for x, y in orbit[np.isfinite(orbit).all(axis=1)]),
+        )  # fmt: skip
+
+
+def values_of(
+    plane: Plane, duration: float, key: Key, draws: Sequence[Mapping[str, float | str]]
+) -> dict[str, float | str]:
+    """Values in which a run differs from the base scene, in SI."""
+    values: dict[str, float | str] = {}
+    for axis, (name, value) in enumerate(zip((WEIGHT, SPEED), plane.command(key.place), strict=True)):
+        values[f"{name}.value"] = value
+        if key.origin is not None:
+            values |= {
+                f"{name}.shape": "ramp", f"{name}.initial": plane.command(key.origin)[axis],
+                f"{name}.start": HOLD * duration, f"{name}.duration": RAMP * duration,
+            }  # fmt: skip
+    return values | dict(draws[key.draw] if draws else {})
+
+
+def is_vertical(scene: Scene) -> bool:
+    """The hole is straight and vertical, so that a string off its axis is bent by its load."""
+    return not scene.hole.survey and scene.hole.inclination == 0.0

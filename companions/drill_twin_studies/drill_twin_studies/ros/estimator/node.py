@@ -1,0 +1,254 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Estimator node: an ensemble that follows what a rig measures. It commands nothing."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from concurrent.futures import Future, ThreadPoolExecutor
+from dataclasses import asdict
+from functools import partial
+from types import SimpleNamespace
+from typing import ClassVar, TypeVar
+
+import numpy as np
+from rclpy.lifecycle import LifecycleState, TransitionCallbackReturn
+
+from drill_twin.core.errors import RunError, RunStopped
+from drill_twin.dynamics.solver.slices import checked
+from drill_twin.io.messages.decode import JointState
+from drill_twin.io.messages.diagnostics import Level, Status
+from drill_twin.io.messages.encode import encode_string
+from drill_twin.io.messages.good_samples import GoodSamples
+from drill_twin.io.messages.rig_messages import read_command
+from drill_twin.io.messages.sensor_messages import ImuReading
+from drill_twin.io.messages.stamps import seconds, stamp_ns
+from drill_twin.io.messages.topics import (
+    ESTIMATE,
+    ESTIMATE_STATE,
+    MEASURED_RIG_STATE,
+    OF_NEAREST_TWIN,
+    RIG_COMMAND,
+    TWIN_SCENE,
+)
+from drill_twin.io.scene_geometry import readings_topic
+from drill_twin.ros.core.node import AUTOSTART, DONE, TwinNode
+from drill_twin.ros.core.parameters import Parameter, ParameterError
+from drill_twin.ros.core.scene_parameters import OVERRIDES, SCENE, pairs_of, scene_of
+from drill_twin.runs import compile_kernel
+from drill_twin_studies.api.estimator import Estimator as Following
+from drill_twin_studies.estimation import Estimate, EstimatorOptions
+from drill_twin_studies.ros.estimator.messages import (
+    EstimateEncoder,
+    NearestTwin,
+    trust_in,
+    values_for_diagnostics,
+    values_of,
+    verdict_of,
+)
+
+PARAMETERS = (
+    SCENE,
+    OVERRIDES,
+    Parameter(
+        "free", "load_factor=0.8..1.2", 'free numbers and their ranges as KEY=LO..HI, separated by ";"',
+        such_as="wall_friction.coefficient=0.1..0.4; load_factor=0.8..1.2",
+    ),
+    Parameter(
+        "channels", "torque hookload",
+        "channels that correct: torque, or motor_torque with inertia and bearings of the drive; hookload, "
+        "top_drive_speed, bit_speed",
+    ),
+    Parameter(
+        "subs", "",
+        "downhole subs of the scene whose readings correct, by name; of a real rig as measured/NAME",
+        such_as="measured/near_bit",
+    ),
+    Parameter(
+        "set_points", "command", "where set-points come from: /rig/command, the measured message, or the scene", "",
+        choices=("command", "measured", "scene"),
+    ),
+    Parameter("members", 64, "members of the ensemble", "", 4, 1000),
+    Parameter("window", 1.0, "time from estimate to estimate", "s", 0.05, 60.0),
+    Parameter("rate", 10.0, "samples a second that are compared", "Hz", 0.1, 1000.0),
+    Parameter("error", 0.02, "error of a sample, over the largest value of its channel", "", 1e-6, 1.0),
+    Parameter("horizon", 4.0, "time ahead for which the chance of whirl is computed; 0: it is not", "s", 0.0, 60.0),
+    Parameter("show", True, "publish the member nearest to the rig under estimate/"),
+    Parameter("seed", 1, "seed of the draws", "", 0, 2**31 - 1),
+    AUTOSTART,
+)  # fmt: skip
+
+
+def make_estimator(settings: SimpleNamespace) -> Following:
+    """Estimator of the parameters.
+
+    Raises:
+        DrillTwinError: Scene, numbers or channels cannot be taken.
+    """
+    free = pairs_of("free", settings.free)
+    if not free:
+        raise ParameterError('parameter free: expected at least one KEY=LO..HI, found ""')
+    names = ("members", "window", "rate", "error", "horizon", "seed")
+    options = EstimatorOptions(frames=settings.show, **{name: getattr(settings, name) for name in names})
+    return Following(
+        scene_of(settings), free, channels=settings.channels.split(), subs=settings.subs.split(), options=options
+    )
+
+
+_DEPTH = 1000  # messages that wait while another thread has the processor
+_BEHIND = 10  # windows that wait before the oldest is left out
+
+Result = TypeVar("Result")
+
+
+class Estimator(TwinNode):
+    """Feeds an ensemble with what is measured, and publishes what it finds."""
+
+    NAME: ClassVar = "estimator"
+    PURPOSE: ClassVar = "Follows a rig with an ensemble: numbers, virtual sensors, chance of whirl, alarm."
+    PARAMETERS: ClassVar = PARAMETERS
+    ON_CHANGE: ClassVar = (RIG_COMMAND,)
+    _thread: ThreadPoolExecutor | None = None
+
+    def on_configure(self, _: LifecycleState) -> TransitionCallbackReturn:
+        """Create topics, and begin to make the ensemble on a thread of its own.
+
+        Raises:
+            DrillTwinError: Scene, numbers or channels cannot be taken.
+        """
+        self._set_points: dict[str, float] = {}
+        self._following: Following | None = None
+        self._nearest: NearestTwin | None = None
+        self._found: Estimate | None = None
+        self._encoder, self._channels = EstimateEncoder(), GoodSamples()
+        self._making, self._closing = "making the ensemble", False
+        self._thread = ThreadPoolExecutor(1, "ensemble")
+        self._made: Future[Following] | None = self._thread.submit(self._stoppable, self._make)
+        self._step: Future[Estimate | None] | None = None
+        self.topics.advertise(ESTIMATE_STATE)
+        if self.settings.show:
+            self.topics.prefix = self.get_namespace().rstrip("/") + ESTIMATE
+            for topic in OF_NEAREST_TWIN:
+                self.topics.advertise(topic)
+            self.topics.prefix = ""
+        self.topics.subscribe(MEASURED_RIG_STATE, self._on_measured, depth=_DEPTH)
+        for sub in self.settings.subs.split():
+            self.topics.subscribe(readings_topic(sub), partial(self._on_readings, sub), depth=_DEPTH)
+        if self.settings.set_points == "command":
+            self.topics.subscribe(RIG_COMMAND, self._on_command, depth=_DEPTH)
+        return DONE
+
+    def on_cleanup(self, _: LifecycleState) -> TransitionCallbackReturn:
+        """End a compilation, or the window that is being computed."""
+        self._closing = True
+        if self._thread is not None:
+            self._thread.shutdown(cancel_futures=True)
+        return DONE
+
+    def not_ready(self) -> str:
+        """Reason while the ensemble is being made."""
+        return "" if self._following is not None else self._making
+
+    def step(self) -> None:
+        """Take what has arrived, publish what has been found, and begin the next window."""
+        super().step()
+        if self._made is not None and self._made.done():
+            self._begin(self._made.result())
+            self._made = None
+        if self._following is None:
+            return
+        if self._step is not None and self._step.done():
+            self._publish(self._following, self._step.result())
+            self._step = None
+        while self._following.intake.waiting > _BEHIND:
+            self._following.intake.skip()
+        if self._thread is not None and self._step is None and self._following.intake.waiting:
+            self._step = self._thread.submit(self._stoppable, self._following.step)
+
+    def _stoppable(self, function: Callable[[], Result]) -> Result:
+        """Call a function on the thread; `on_cleanup` ends what it computes."""
+
+        def check() -> None:
+            if self._closing:
+                raise RunStopped
+
+        with checked(check):
+            return function()
+
+    def _make(self) -> Following:
+        """Make the ensemble; its kernels are compiled by a child process, which `on_cleanup` ends at once."""
+        scene = scene_of(self.settings)
+        compile_kernel(scene, scene.numerics.frame_period, self._on_compilation)
+        return make_estimator(self.settings)
+
+    def _on_compilation(self, progress: str) -> None:
+        self._making = progress
+        if self._closing:
+            raise RunError(f"stopped while {progress}")
+
+    def _begin(self, following: Following) -> None:
+        self._following = following
+        if self.settings.show:
+            self._nearest = NearestTwin(following)
+            self.topics.publish(TWIN_SCENE, encode_string(following.scene.to_yaml()))
+        self.get_logger().info(f"{len(following.filter.members)} members of {following.scene.name} follow the rig")
+
+    def _on_command(self, state: JointState) -> None:
+        command = read_command(state, absent_weight=math.nan)
+        self.samples.take(RIG_COMMAND, finite=math.isfinite(command.rotation))
+        self._set_points = asdict(command)
+
+    def _on_measured(self, state: JointState) -> None:
+        if self._following is None:
+            return
+        values = values_of(state, set_points=self.settings.set_points == "measured")
+        in_order = self._following.take(seconds(state.stamp), values | self._set_points)
+        finite = {name: math.isfinite(values[name]) for name in self._following.channels}
+        self.samples.take(MEASURED_RIG_STATE, finite=any(finite.values()), in_order=in_order)
+        for name, known in finite.items():
+            self._channels.take(f"{name} of {MEASURED_RIG_STATE}", finite=known, in_order=in_order)
+
+    def _on_readings(self, sub: str, reading: ImuReading) -> None:
+        if self._following is None:
+            return
+        self.samples.take(readings_topic(sub), finite=bool(np.isfinite(reading.values).any()))
+        self._following.take_readings(seconds(reading.stamp), sub, reading.values)
+
+    def _publish(self, following: Following, found: Estimate | None) -> None:
+        if found is None:
+            return
+        if found.alarm and (self._found is None or not self._found.alarm):
+            self.get_logger().warning(found.alarm)
+        self._found = found
+        origin = following.intake.origin
+        stamp = stamp_ns(max(origin + found.time, 0.0))
+        self.topics.publish(ESTIMATE_STATE, self._encoder.encode(stamp, found))
+        self.publish_diagnostics()  # the sentence on it
+        if self._nearest is not None:
+            for topic, raw in self._nearest.messages(found, origin):
+                self.topics.publish(topic, raw)
+
+    def health(self) -> Status:
+        """Level and sentence: what is measured, whether the model parts from it, whether the machine keeps up."""
+        if self._following is None:
+            return Status(self.NAME, Level.OK, self._making)
+        intake = self._following.intake
+        values = {f"samples_{kind.replace(' ', '_')}": str(count) for kind, count in intake.troubles.items()}
+        values |= {} if self._found is None else values_for_diagnostics(self._found)
+        values |= {**self.samples.values(), **self._channels.values(), "windows_waiting": str(intake.waiting)}
+        (level, text), (_, lacks) = self.samples.verdict(), self._channels.verdict()
+        if level is not Level.OK:
+            return Status(self.NAME, level, text, values)
+        level, text = (Level.OK, "") if self._found is None else trust_in(self._found)
+        if text:
+            return Status(self.NAME, level, text, values)
+        if lacks := lacks or self.topics.loss:
+            return Status(self.NAME, Level.WARN, lacks, values)
+        if intake.frozen:
+            return Status(self.NAME, Level.WARN, f"{', '.join(sorted(intake.frozen))}: frozen, left out", values)
+        if intake.troubles["skipped window"]:
+            text = "too slow for real time, windows are left out; take fewer members or a coarser mesh"
+            return Status(self.NAME, Level.WARN, text, values)
+        if self._found is None:
+            return Status(self.NAME, Level.OK, f"waiting for {MEASURED_RIG_STATE}", values)
+        return Status(self.NAME, *verdict_of(self._found), values)

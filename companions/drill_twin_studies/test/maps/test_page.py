@@ -1,0 +1,45 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The page of a map opens from disk: what it shows of a run and of a set-point, in headless Chromium."""
+
+import re
+
+import pytest
+
+from drill_twin_studies.maps.drawing import build_page, page_data
+
+USE = """(() => {
+  const map = $("map"), edge = map.getBoundingClientRect(), [x, y] = at(%d, %d);
+  const event = { clientX: edge.left + x, clientY: edge.top + y };
+  map.dispatchEvent(new MouseEvent("mousemove", event)); map.dispatchEvent(new MouseEvent("click", event));
+  $("field").value = "radius"; $("field").onchange();
+  return { here: $("here").innerText, run: $("run").innerText, command: $("command").textContent,
+    screen: innerWidth, width: document.documentElement.scrollWidth, legend: $("legend").innerText };
+})()"""
+
+
+def test_it_needs_nothing_from_a_network(found):
+    page = build_page(found, "pa6_bench")
+    assert not re.search(r"""(src|href)=["'](?!data:)""", page)
+    assert "</script" not in page[page.index('id="data"') :].split("</script>", 1)[0]
+
+
+def test_its_fields_are_those_of_the_map(found):
+    data = page_data(found, "pa6_bench")
+    assert [int(code) for code in data["codes"]] == found.regimes.ravel().tolist()
+    assert [flag == "1" for flag in data["keeps"]] == found.keeps_whirling.ravel().tolist()
+    assert len(data["commands"]) == len(data["runs"])
+
+
+@pytest.mark.parametrize("width", [390, 1280])
+def test_a_click_shows_the_run_and_its_command(found, browse, tmp_path, width):
+    key = next(key for key, record in found.records.items() if record.whirls and key.draw == 0 and not key.origin)
+    file = tmp_path / "map.html"
+    file.write_text(build_page(found, "pa6_bench"))
+    shown = browse(file.as_uri(), width, live=False).value(USE % key.node)
+    record = found.records[key]
+    assert record.regime.value in shown["run"]
+    assert f"{record.onset_s:.4g} s" in shown["run"]
+    assert shown["command"] == found.command_of(key, "pa6_bench")
+    assert "to calm operation" in shown["here"]
+    assert "whirl begins from rest" in shown["legend"]
+    assert shown["width"] <= shown["screen"]

@@ -1,2 +1,0 @@
-# SPDX-License-Identifier: Apache-2.0
-"""Node `estimator`: an ensemble beside a rig (docs/estimator.md)."""

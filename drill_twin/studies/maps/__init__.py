@@ -1,9 +1,0 @@
-# SPDX-License-Identifier: Apache-2.0
-"""Operating map: regimes of motion over weight on bit and speed, from an ensemble that refines their boundaries."""
-
-from drill_twin.studies.maps.build import MapPlan, build_map
-from drill_twin.studies.maps.operating_map import OperatingMap, read_map
-from drill_twin.studies.maps.plane import Plane, Span
-from drill_twin.studies.maps.regimes import Regime
-
-__all__ = ["MapPlan", "OperatingMap", "Plane", "Regime", "Span", "build_map", "read_map"]
