@@ -12,13 +12,19 @@ import time
 import pytest
 
 PATTERNS = {
-    "gateway.drillbotics": ("_STAMP", "_UNIT"), "scene.overrides": ("_BARE", "_INDEX"),
-    "scene.lines": ("_LINE_BREAKS_OF_UNICODE",), "scene.well_plan.table": ("_BARE", "_DECIMAL_COMMA"),
-    "core.units.parse": ("_QUANTITY",), "core.units.registry": ("_UNIT", "_POWER", "_COURSE", "_WORD"),
-    "io.messages.topics": ("_NAMED",),
+    "drill_twin_rig.gateway.drillbotics": ("_STAMP", "_UNIT"), "drill_twin.scene.overrides": ("_INDEX",),
+    "drill_twin.scene.lines": ("_LINE_BREAKS_OF_UNICODE",),
+    "drill_twin.scene.well_plan.table": ("_BARE", "_DECIMAL_COMMA"),
+    "drill_twin.core.units.parse": ("_QUANTITY",), "drill_twin.core.units.ranges": ("_COUNT",),
+    "drill_twin.core.units.registry": ("_UNIT", "_POWER", "_COURSE", "_WORD"),
+    "drill_twin.core.files.yaml_reader": ("_NUMBER",), "drill_twin.core.numerals": ("_NUMBER",),
+    "drill_twin.io.messages.topics": ("_NAMED",),
 }  # fmt: skip
 """Compiled patterns by module."""
-MATCHED_WHOLE = {"core.units.parse._QUANTITY", "core.units.registry._UNIT"}
+MATCHED_WHOLE = {
+    "drill_twin.core.units.parse._QUANTITY", "drill_twin.core.units.registry._UNIT",
+    "drill_twin.core.files.yaml_reader._NUMBER", "drill_twin.core.numerals._NUMBER",
+}  # fmt: skip
 """Those that are never searched for in a text; a search for them would take a time that grows as its square."""
 INLINE = (
     r"(?m)^[ \t]*started: ['\"]?([0-9T:.+-]+)", r"\S{201,}", r"[-+\d.]+", r", at [^,\s]+:\d+",
@@ -32,7 +38,7 @@ REPEATS = (
     "1/", "1.", "1e", "a.", "a=", ", ", ", a", ", at ", "[a] ", "m^2", "deg", "\u00b5", "\u2028", "\u0661", "\0", "0-",
 )  # fmt: skip
 ALL = {
-    **{f"{place}.{name}": getattr(importlib.import_module(f"drill_twin.{place}"), name)
+    **{f"{place}.{name}": getattr(importlib.import_module(place), name)
        for place, names in PATTERNS.items() for name in names},
     **{pattern: re.compile(pattern) for pattern in INLINE},
 }  # fmt: skip

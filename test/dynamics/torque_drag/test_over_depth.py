@@ -66,7 +66,7 @@ def test_what_is_no_range_and_no_record_over_depth_is_refused(tmp_path):
     assert coefficients("0.15..0.35:5") == pytest.approx([0.15, 0.2, 0.25, 0.3, 0.35])
     assert coefficients("0.3,0.2") == [0.2, 0.3]
     for text in ("0.1..", "-0.1..0.3", "0.1..0.3:0", "many", "0.1..9:3"):
-        with pytest.raises(ArgumentError, match="--friction: expected at most 20 coefficients"):
+        with pytest.raises(ArgumentError, match=r"--friction: expected (at most 20 coefficients|LO\.\.HI)"):
             coefficients(text)
     file = tmp_path / "rig.csv"
     file.write_text("time [s],RPM [rpm]\n0,1\n1,2\n")

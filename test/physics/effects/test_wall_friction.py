@@ -155,7 +155,10 @@ def test_static_and_dynamic_friction_are_joined_by_steps(slip: float) -> None:
     [
         ({"static_speed": 0.1}, "`static_speed` and `dynamic_speed` together"),
         ({"static_speed": 0.1, "dynamic_speed": 0.1}, r"`dynamic_speed` above `static_speed` \(0\.1 m/s\)"),
-        ({"static_speed": 0.1, "dynamic_speed": 1.0, "decay": 1.0}, "no `decay`, `exponent` or `sign` beside"),
+        (
+            {"static_speed": 0.1, "dynamic_speed": 1.0, "decay": 1.0},
+            "no `decay`, `exponent`, `sign` or `accuracy` beside",
+        ),
     ],
 )
 def test_slip_speeds_that_join_nothing_are_refused(law: dict[str, float], said: str) -> None:

@@ -49,8 +49,10 @@ def test_hidden_numbers_lie_in_their_intervals_and_the_fitted_scene_has_them(rec
     assert [said.partition(":")[0] for said in found["of_law"]] == [*HIDDEN]
     for key, hidden in HIDDEN.items():
         numbers = found["numbers"][key]
-        assert numbers["low"] <= hidden <= numbers["high"]
-        assert numbers["high"] - numbers["low"] < 0.2 * hidden
+        # of one record: a right band of 90 % misses in one of ten, one of 99 %, 1.57 times as wide, in one of a hundred
+        middle, half = 0.5 * (numbers["low"] + numbers["high"]), 0.5 * (numbers["high"] - numbers["low"])
+        assert abs(hidden - middle) <= 1.57 * half
+        assert 2.0 * half < 0.2 * hidden
     fitted = dt.load_scene(tmp_path / "fit" / "fitted.yaml")
     assert fitted.effects.bit_torque_stribeck.sticking == found["numbers"]["bit_torque_stribeck.sticking"]["best"]
     assert (tmp_path / "fit" / "fit.png").stat().st_size > 10_000
