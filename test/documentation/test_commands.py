@@ -39,7 +39,7 @@ COMMANDS = get_command(app)
 ELSEWHERE = {
     r"ros2 launch ": "the launch file: test/ros/test_launch.py; `ros2` is no part of the wheels of the tests",
     r"--enclave": "needs keys that `ros2 security` makes: test/ros/test_security.py",
-    r"rig_url:=opc.tcp": "needs the OPC UA server of a rig: test/gateway",
+    r"rig_url:=opc.tcp": "needs the OPC UA server of a rig: companions/drill_twin_rig/test",
     r"--dask": "needs a scheduler and its workers: test/runs/ensemble",
     r"^drill-twin study (verify|hard|validate|paper|paper-search|analyzer-score|whirl-compare)( --page \S+)?$":
         "minutes to hours of processor time; `make evidence` runs them, the tests of evidence/ their cases",
@@ -217,7 +217,9 @@ GIVEN = {
     "tripping.csv": write(
         "tripping.csv", "bit depth [m],pick-up [kN],slack-off [kN]\n1000,500,400\n2000,800,650\n2800,1000,850\n"
     ),
-    "config/wells": lambda folder, _: shutil.copytree(ROOT / "config", folder / "config"),
+    "config/wells": lambda folder, _: shutil.copytree(
+        ROOT / "config", folder / "config", dirs_exist_ok=True
+    ),
 }  # fmt: skip
 """What a page takes from its reader, by the words of a command that name it."""
 ANSWERS = {"ros keys": "a password of a driller\n"}
@@ -250,9 +252,10 @@ def ended(line, folder, domain):
         try:
             child.stdin.write(answer)
             child.stdin.close()
-            end = time.monotonic() + 400.0
-            while child.poll() is None and time.monotonic() < end:
-                if endless and (folder / "said.txt").stat().st_size:
+            begun = time.monotonic()
+            while child.poll() is None and time.monotonic() < begun + 400.0:
+                # a node that waits for messages may have nothing to say
+                if endless and ((folder / "said.txt").stat().st_size or time.monotonic() > begun + 20.0):
                     time.sleep(1.0)  # it goes on
                     os.killpg(child.pid, signal.SIGINT)
                     child.wait(60.0)
