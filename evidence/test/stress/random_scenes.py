@@ -402,7 +402,7 @@ def mirrored(data: dict[str, Any]) -> dict[str, Any] | None:
         ("bit_side_force", "angle"),
         ("top_shake", "direction"),
     ):
-        if key in blocks:
+        if name in blocks.get(key, {}):
             blocks[key][name] = -blocks[key][name]
     if lopsided.get("sections"):
         lopsided["sections"] = [{**part, "angle": -part["angle"]} for part in lopsided["sections"]]

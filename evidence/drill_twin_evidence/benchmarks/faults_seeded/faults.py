@@ -58,8 +58,8 @@ FAULTS = (
     Fault(
         "sign: the wall pulls the string outwards in /marks/state",
         "drill_twin/io/messages/encode.py",
-        "push: Array = -(wall_force",
-        "push: Array = (wall_force",
+        "push: Array = -wall_force[",
+        "push: Array = wall_force[",
         "test/io/messages/test_frame_messages.py",
     ),
     Fault(
