@@ -160,7 +160,7 @@ class RigDriver(TwinNode):
         """Send the set-points for the end of the frame that begins at this time [ns]."""
         if not self._drives:
             return
-        stamp = clock + self._plan.period
+        stamp = min(clock + self._plan.period, 2**31 * NANOSECONDS - 1)  # the last one that a message can have
         self._publish(stamp, self._plan.at(seconds(stamp)))
 
     def _publish(self, stamp: int, command: Command) -> None:
