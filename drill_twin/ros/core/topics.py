@@ -18,6 +18,7 @@ from rclpy.qos_overriding_options import InvalidQosOverridesError, QoSOverriding
 from rclpy.subscription import Subscription
 
 from drill_twin.core.errors import MessageError
+from drill_twin.io.messages.diagnostics import Level
 from drill_twin.io.messages.readers import reader_of
 from drill_twin.io.messages.topic_row import Topic
 from drill_twin.io.messages.topics import CLOCK_TOPIC, DIAGNOSTICS, RPS_COMMAND, TOPICS, TWIN_SCENE, WOB_COMMAND
@@ -87,6 +88,8 @@ class NodeTopics:
         """True while messages are dropped, but for latched ones: the node is inactive."""
         self.taken = 0
         """Messages taken."""
+        self.number: int | None = None
+        """Sequence number that its publisher gave the message which is being handed over."""
         self._node, self._unreadable, self._kept = node, unreadable, kept
         self._gates: list[SceneGate] = []
         self._inputs: list[tuple[Subscription, str, str]] = []  # with the type, and the name to count drops by
@@ -168,6 +171,7 @@ class NodeTopics:
         def take(*given: Any) -> None:
             raw, info = given if len(given) > 1 else given[0]  # rclpy 7.1.6 hands over both as one argument
             self.taken += 1
+            self.number = info["publication_sequence_number"]
             if inputs is not self._inputs:  # the message was waiting when its subscription was destroyed
                 return
             self._drops.take(counted, info)
@@ -186,6 +190,11 @@ class NodeTopics:
             )
         self._inputs.append((subscription, row.type_name, counted))
         return subscription
+
+    def unsubscribe(self, subscription: Subscription) -> None:
+        """Destroy a subscription."""
+        self._inputs[:] = [row for row in self._inputs if row[0] is not subscription]
+        self._node.destroy_subscription(subscription)
 
     def destroy_all_but(self, kept: str) -> None:
         """Destroy all subscriptions, and all publishers but that of one topic."""
@@ -213,15 +222,18 @@ class NodeTopics:
         found = self._node.get_publishers_info_by_topic(self._node.resolve_topic_name(relative(topic)))
         return sorted(map(full_name, found))
 
-    def several_clocks(self) -> str:
-        """Sentence on a clock of this node that several publish; empty where one does, or this node has none."""
+    def several_clocks(self) -> tuple[Level, str] | None:
+        """Level and sentence on a clock of this node that several publish; None where one does, or none is used."""
         clock = self._node.resolve_topic_name(relative(CLOCK_TOPIC))
         reader = next((one for one, *_ in self._inputs if one.topic_name == clock), None)
         own = self.publishers.get(CLOCK_TOPIC) or reader
         found = [] if own is None else sorted(map(full_name, self._node.get_publishers_info_by_topic(own.topic_name)))
         if len(found) < 2:
-            return ""
-        return f"expected one publisher of {CLOCK_TOPIC}, found {', '.join(found)}; stop all but one, for time flips"
+            return None
+        names = f"expected one publisher of {CLOCK_TOPIC}, found {', '.join(found)}"
+        if len(set(found)) > 1:
+            return Level.ERROR, f"{names}; stop all but one, for time flips"
+        return Level.WARN, f"{names}: one that was killed is listed for about 20 s more; if both run, stop one"
 
     @property
     def loss(self) -> str:

@@ -3,7 +3,7 @@
 
 It follows the simulator's clock: on each `/clock` message it sends the set-points for the end of the next frame. It
 thus works at any pace, and a driver that is killed and started again continues at the present simulated time. While
-several publish `/clock`, it goes on to send the last set-point.
+several publish `/clock`, it goes on to send the last set-point; a simulator that was killed is not counted.
 """
 
 from __future__ import annotations
@@ -23,6 +23,7 @@ from drill_twin.ros.core.node import AUTOSTART, DONE, TwinNode
 from drill_twin.ros.core.parameters import Parameter
 from drill_twin.ros.core.scene_parameters import OVERRIDES, SCENE
 from drill_twin.ros.core.startup_barrier import StartupBarrier
+from drill_twin.ros.rig_driver.clock_source import ClockSource
 from drill_twin.ros.rig_driver.plan import SetPointPlan, check_set_points
 from drill_twin.scene.set_points.command import Command
 
@@ -90,17 +91,17 @@ class RigDriver(TwinNode):
         self._encoder = CommandEncoder(self.get_fully_qualified_name())
         self._clock_stamp: int | None = None  # ns
         self._last: Command | None = None
-        self._sent, self._sent_stamp, self._sent_at, self._several_clocks = 0, -1, math.inf, False
+        self._sent, self._sent_stamp, self._sent_at = 0, -1, math.inf
         if self._plan.report:
             self.get_logger().info(self._plan.report)
         self.topics.advertise(RIG_COMMAND)
         if self.settings.follow == "clock":
-            self._clocks = self.topics.subscribe(CLOCK_TOPIC, self._on_clock, depth=1, latched=True)
+            self._simulated_clock = ClockSource(self.topics, self._on_clock, self._hold)
             self.every(1.0, self._repeat)
         else:
             self.every(seconds(self._plan.period), self._on_wall)
         self._barrier = StartupBarrier(self, self.settings.wait_for, self.settings.wait_timeout, self._joins_a_run)
-        self._drives = False
+        self._drives = self._holds = False
         return DONE
 
     def on_cleanup(self, _: LifecycleState) -> TransitionCallbackReturn:
@@ -130,22 +131,24 @@ class RigDriver(TwinNode):
 
     def _on_clock(self, stamp: int) -> None:
         self.samples.take(CLOCK_TOPIC)
-        several = self._clocks.get_publisher_count() > 1
-        if several != self._several_clocks:
-            self._several_clocks = several
-            self.publish_diagnostics()
-        if several:  # which of them is the simulator's is not known: the set-point holds
-            if self._last is not None:
-                self._publish(self._sent_stamp, self._last)
-            return
         if stamp < (self._clock_stamp or 0):  # the simulator was reset
             self._sent_stamp = -1
             self._plan.begin_again()
-        self._clock_stamp = stamp
+        self._clock_stamp, self._holds = stamp, False
         if self._sent_stamp != stamp + self._plan.period:
             self._send(stamp)
 
+    def _hold(self) -> None:
+        """Send the last set-point again: which clock is the simulator's is not known."""
+        self.samples.take(CLOCK_TOPIC)
+        if not self._holds:
+            self._holds = True
+            self.publish_diagnostics()
+        if self._last is not None:
+            self._publish(self._sent_stamp, self._last)
+
     def _repeat(self) -> None:
+        self._simulated_clock.settle()
         if self._clock_stamp is not None and time.monotonic() - self._sent_at > _REPEAT:
             self._send(self._clock_stamp)
 
