@@ -185,7 +185,7 @@ sub-onsets: setup-test
 	@nice $(PYTHON) -m drill_twin_evidence.detection.sub_onsets 330 out/sub_onsets.jsonl
 
 browser: setup-test
-	@$(PYTEST) companions/drill_twin_dashboard/companions/drill_twin_dashboard/companions/drill_twin_dashboard/companions/drill_twin_dashboard/test/ros/test_live_page.py -q -m 'long or not long'
+	@$(PYTEST) companions/drill_twin_dashboard/test/ros/test_live_page.py -q -m 'long or not long'
 
 bench: $(STAMPS)/bench-$(KIND)
 	@$(PYTHON) -m pytest evidence/test/benchmarks/kernel_speed.py -q --benchmark-autosave --benchmark-storage=file://.benchmarks
