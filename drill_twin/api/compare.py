@@ -3,13 +3,11 @@
 
 from __future__ import annotations
 
-import base64
 import math
 import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from html import escape
-from importlib.resources import files
 from pathlib import Path
 from typing import NamedTuple
 
@@ -27,6 +25,7 @@ from drill_twin.core.table import Column, Table
 from drill_twin.core.units.system import UnitSystem
 from drill_twin.dynamics.rotordynamics.modes import LATERAL
 from drill_twin.dynamics.torque_drag.analysis import OperationLoads
+from drill_twin.report.page import html_page, picture
 from drill_twin.report.string_forces import bending_stress_at
 from drill_twin.scene import Scene
 
@@ -242,22 +241,15 @@ def page(
         f"<h2>{title}</h2><section>{_table(len(names), rows, units)}</section>" for title, rows in parts if rows
     )
     legend = "<br>".join(escape(f"{chr(ord('A') + case)}: {name}") for case, name in enumerate(names))
-    picture = base64.b64encode(figure.read_bytes()).decode()
-    style = files("drill_twin.report").joinpath("assets", "page.css").read_text("utf-8")
-    return (
-        '<!DOCTYPE html>\n<html lang="en"><head><meta charset="utf-8">'
-        '<meta name="viewport" content="width=device-width, initial-scale=1"><title>drill_twin: comparison</title>'
-        f'<link rel="icon" href="data:,"><style>{style}</style></head>\n<body><main>'
+    return html_page(
+        "drill_twin: comparison",
         f"<h1>Comparison</h1><p>{legend}</p>"
         f'<p class="lead">Differences of more than {100.0 * tolerance:g} % first; numbers of runs are of their second '
         "half.</p>"
         f"{''.join(f'<p>{escape(note)}</p>' for note in notes)}"
         f"<h2>Verdict</h2><section>{''.join(f'<p><b>{escape(said)}</b></p>' for said in verdict)}"
         f"<p>{escape(costs.title)}</p>{costs.html()}</section>"
-        f"{tables}"
-        '<h2>Over time</h2><section><div class="picture">'
-        f'<img alt="the runs over time" src="data:image/png;base64,{picture}"></div>'
-        "</section></main></body></html>\n"
+        f"{tables}<h2>Over time</h2><section>{picture(figure, 'the runs over time')}</section>",
     )
 
 

@@ -99,8 +99,6 @@ def new_folder(folder: Path, *, replace: bool) -> Path | None:
     """Make an empty folder, as `output.new_folder`; says on stderr where an older result is now."""
     moved = output.new_folder(folder, replace=replace)
     if moved:
-        from drill_twin.cli.show import remark
-
         remark(f"the older result is now {moved}")
     return moved
 

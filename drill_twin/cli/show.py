@@ -60,7 +60,7 @@ def remark(text: str, style: str = "") -> None:
 
 def findings_shown(summary: Mapping[str, Any]) -> Iterator[Table]:
     """Tables of a summary: findings, marks and timeline; what limits the findings goes to stderr."""
-    from drill_twin.report.text import findings, limitations, provenance
+    from drill_twin.report.text import findings, limitations, provenance, timeline_rows
 
     rows = [row for row in findings(summary) if not row[0].startswith("largest radius")]
     yield Table((), [*rows, *provenance(summary)])
@@ -68,7 +68,7 @@ def findings_shown(summary: Mapping[str, Any]) -> Iterator[Table]:
         yield Table(("mark", "largest radius", "over the threshold", "motion at the end"), marks, right=(2,))
     if found := summary["acceleration"]:
         yield _accelerations(found, summary)
-    if periods := [_period(period) for period in summary["motion"]]:
+    if periods := timeline_rows(summary["motion"]):
         yield Table(("from", "to", "motion of the string", "what decided it"), periods, right=(0, 1))
     for trouble in limitations(summary):
         remark(f"note: {trouble}", "yellow")
@@ -76,13 +76,10 @@ def findings_shown(summary: Mapping[str, Any]) -> Iterator[Table]:
 
 def marks_shown(summary: Mapping[str, Any]) -> Iterator[Table]:
     """Timeline of every mark."""
-    motion = summary["mark_motion"].items()
-    if rows := [(mark, *_period(period)) for mark, periods in motion for period in periods]:
+    from drill_twin.report.text import timeline_rows
+
+    if rows := [(mark, *row) for mark, periods in summary["mark_motion"].items() for row in timeline_rows(periods)]:
         yield Table(("mark", "from", "to", "motion", "what decided it"), rows, right=(1, 2))
-
-
-def _period(period: Mapping[str, Any]) -> tuple[str, str, str, str]:
-    return f"{period['start_s']:.2f} s", f"{period['end_s']:.2f} s", period["state"], period["criterion"]
 
 
 def _marks(summary: Mapping[str, Any]) -> Iterable[tuple[str, str, str, str]]:

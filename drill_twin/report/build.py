@@ -31,12 +31,12 @@ class ReportFiles:
     """PNG files by name; without those that the recording cannot fill."""
 
 
-def _ignore(part: str) -> None:
-    """No-op, where no progress is shown."""
-
-
 def build_report(
-    bag: Recording | str | Path, out_dir: str | Path, *, states: bool = False, progress: Callable[[str], None] = _ignore
+    bag: Recording | str | Path,
+    out_dir: str | Path,
+    *,
+    states: bool = False,
+    progress: Callable[[str], None] = lambda _: None,
 ) -> ReportFiles:
     """Write `report.html`, `summary.json` and the figures; older files of these names are replaced.
 
@@ -67,12 +67,13 @@ def build_report(
         folder.mkdir(parents=True, exist_ok=True)
         write_whole(files.summary, json_text(summary))
         from drill_twin.report.charts import CHARTS, chart
+        from drill_twin.report.figures.style import save
         from drill_twin.report.page import build_page
 
         charts = {}
         for name, path in files.figures.items():
             progress(name)
-            figure = _save(name, recording, path)
+            save(figure := draw(name, recording), path)
             if name in CHARTS:
                 charts[name] = chart(figure)
         progress("page")
@@ -90,12 +91,3 @@ def draw(name: str, recording: Recording) -> Figure:
 
     with styled():
         return drawing(name)(recording)
-
-
-def _save(name: str, recording: Recording, path: Path) -> Figure:
-    from drill_twin.report.figures.style import save, styled
-
-    figure = draw(name, recording)
-    with styled():
-        save(figure, path)
-    return figure

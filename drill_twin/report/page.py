@@ -29,6 +29,7 @@ from drill_twin.report.text import (
     irregular,
     limitations,
     provenance,
+    timeline_rows,
     transient,
 )
 from drill_twin.scene import Scene
@@ -83,13 +84,22 @@ def build_page(
         _scene(scene) if scene else "",
         f"<footer>drawn by drill_twin {escape(__version__)} from {escape(recording.path.name)}</footer>",
     ]  # fmt: skip
-    scripts = _scripts(charts, recording)
+    return html_page(f"{name}: drill_twin report", "".join(body), _scripts(charts, recording))
+
+
+def html_page(title: str, body: str, scripts: str = "") -> str:
+    """Text of a page in the style of the report.
+
+    Args:
+        title: Title of the window.
+        body: Elements of the page.
+        scripts: Elements `script` after them.
+    """
     return (
         '<!DOCTYPE html>\n<html lang="en"><head><meta charset="utf-8">'
         '<meta name="viewport" content="width=device-width, initial-scale=1">'
-        f'<title>{escape(name)}: drill_twin report</title><link rel="icon" href="data:,">'
-        f"<style>{_asset('page.css')}</style></head>\n"
-        f"<body><main>{''.join(body)}</main>\n{scripts}</body></html>\n"
+        f'<title>{escape(title)}</title><link rel="icon" href="data:,"><style>{_asset("page.css")}</style></head>\n'
+        f"<body><main>{body}</main>\n{scripts}</body></html>\n"
     )
 
 
@@ -182,11 +192,7 @@ def _timeline(summary: Mapping[str, Any]) -> str:
     columns = (
         Column("from", right=True), Column("to", right=True), Column("state", whole=True), Column("what decided it")
     )  # fmt: skip
-    rows = (
-        (f"{period['start_s']:.2f} s", f"{period['end_s']:.2f} s", period["state"], period["criterion"])
-        for period in summary["motion"]
-    )
-    table = Table(columns, rows).html(named=False)
+    table = Table(columns, timeline_rows(summary["motion"])).html(named=False)
     return f'<h2>Motion of the string</h2><section class="timeline">{table}</section>'
 
 
@@ -198,14 +204,14 @@ def _figure(name: str, figures: Mapping[str, Path]) -> str:
 def _both(path: Path, name: str) -> str:
     """Picture, and the place of the chart that takes its place."""
     return (
-        f'<div class="both"><div class="chart" data-name="{name}"></div>'
-        f'<div class="picture">{_image(path, name)}</div></div>'
+        f'<div class="both"><div class="chart" data-name="{name}"></div>{picture(path, name.replace("_", " "))}</div>'
     )
 
 
-def _image(path: Path, name: str) -> str:
+def picture(path: Path, name: str) -> str:
+    """Element of a PNG file, with its bytes."""
     data = base64.b64encode(path.read_bytes()).decode()
-    return f'<img alt="{escape(name.replace("_", " "))}" src="data:image/png;base64,{data}">'
+    return f'<div class="picture"><img alt="{escape(name)}" src="data:image/png;base64,{data}"></div>'
 
 
 def _view(scene: Scene) -> str:

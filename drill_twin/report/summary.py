@@ -22,7 +22,7 @@ from drill_twin.whirl import AnalysisError, MotionPeriod, two_sided_spectrum
 SLOWEST = 0.1
 """Lowest frequency of oscillations of the bit's speed [Hz]."""
 NOTICED = 0.01
-"""Least amplitude of such an oscillation, over the mean speed."""
+"""Least height of its line in the two-sided spectrum, which is half of its amplitude, over the mean speed."""
 
 
 def summarise(bag: Recording | Bag | str | Path) -> dict[str, Any]:

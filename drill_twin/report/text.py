@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 from drill_twin.core.units.system import UnitSystem
@@ -123,29 +123,32 @@ def _wall(summary: Summary) -> Iterator[Row]:
         yield "deepest in the wall", f"{units.text(found['deepest_m'], 'offset')} ({share}), {place}{at_rest}"
 
 
+def timeline_rows(periods: Sequence[Mapping[str, Any]]) -> list[tuple[str, str, str, str]]:
+    """Rows of start, end, state and criterion of motion states."""
+    return [(f"{one['start_s']:.2f} s", f"{one['end_s']:.2f} s", one["state"], one["criterion"]) for one in periods]
+
+
 def provenance(summary: Summary) -> Iterator[Row]:
-    """Rows on the run: scene, resolution, speed, version; of a recording that is no run, those that are known."""
-    unknown = () if summary["version"] else ("unknown", "none recorded", "")
-    yield from (row for row in _of_the_run(summary) if row[1] not in unknown)
-
-
-def _of_the_run(summary: Summary) -> Iterator[Row]:
-    yield "scene", _text(summary["scene"])
-    time = "simulated time" if summary["version"] else "recorded time"
-    yield time, f"{summary['duration_s']:.2f} s, {summary['samples']} samples"
-    yield "real-time factor", number_text(summary["realtime_factor"], "{:.3g}")
-    yield "speed of the physics alone", number_text(summary["physics_speed"], "{:.3g} x real time")
-    yield "elements", _text(summary["elements"])
-    yield "time step", number_text(summary["step_s"], "{:.3g} s")
-    if summary["steps"] is not None:
-        cut, loose = _text(summary["cut_steps"]), _text(summary["steps_above_tolerance"])
-        yield "steps", f"{summary['steps']}, {cut} cut steps, {loose} loose steps"
-    yield "effects", ", ".join(summary["effects"])
-    yield "seed", _text(summary["seed"])
-    yield "pace", _text(summary["pace"])
-    yield "started", _text(summary["started"])
-    yield "drill_twin", _text(summary["version"])
-    yield "live analysis", _live(summary["live"])
+    """Rows on the run: scene, resolution, speed, version; of a recording that is no run, only the known ones."""
+    is_run, steps = (
+        bool(summary["version"]),
+        "{steps}, {cut_steps} of them halved, {steps_above_tolerance} not converged",
+    )
+    rows = {
+        "scene": _text(summary["scene"]),
+        f"{'simulated' if is_run else 'recorded'} time": "{duration_s:.2f} s, {samples} samples".format_map(summary),
+        "real-time factor": number_text(summary["realtime_factor"], "{:.3g}"),
+        "speed of the physics alone": number_text(summary["physics_speed"], "{:.3g} x real time"),
+        "elements": _text(summary["elements"]),
+        "time step": number_text(summary["step_s"], "{:.3g} s"),
+        "steps": "" if summary["steps"] is None else steps.format_map(summary).replace("None", "unknown"),
+        "effects": ", ".join(summary["effects"]),
+        **{key: _text(summary[key]) for key in ("seed", "pace", "started")},
+        "drill_twin": _text(summary["version"]),
+        "live analysis": _live(summary["live"]),
+    }
+    left_out = ("",) if is_run else ("", "unknown", "none recorded")
+    yield from (row for row in rows.items() if row[1] not in left_out)
 
 
 def limitations(summary: Summary) -> list[str]:
