@@ -150,7 +150,7 @@ def quantities(cases: Sequence[Case]) -> list[ComparedQuantity]:
         known = next(row[name, unit] for row in rows if (name, unit) in row)
         missing: float | str = "" if isinstance(known, str) else math.nan
         found.append(ComparedQuantity(name, unit, tuple(row.get((name, unit), missing) for row in rows)))
-    return [of for of in found if any(value == value and value != "" for value in of.values)]  # noqa: PLR0124  NaN
+    return [row for row in found if any(value == value and value != "" for value in row.values)]  # noqa: PLR0124  NaN
 
 
 def _of(case: Case) -> Iterator[tuple[tuple[str, str], float | str]]:
@@ -184,9 +184,10 @@ def _run(case: Case) -> Iterator[tuple[tuple[str, str], float | str]]:
     yield ("bit at the end", ""), summary["bit"] or ""
     yield ("stick-slip index", "-"), number_or_nan(summary["stick_slip_index"])
     for way in ("lateral", "axial"):
-        found = [of[f"{way}_rms_m_s2"] for of in summary["acceleration"].values()]
+        found = [sizes[f"{way}_rms_m_s2"] for sizes in summary["acceleration"].values()]
         yield (f"{way} acceleration, rms", "m/s^2"), max(found, default=math.nan)
-    yield ("fatigue damage", "-"), max((of["damage"] for of in (summary["fatigue"] or {}).values()), default=math.nan)
+    damage = [section["damage"] for section in (summary["fatigue"] or {}).values()]
+    yield ("fatigue damage", "-"), max(damage, default=math.nan)
     yield ("rate of penetration", "m/s"), number_or_nan(summary["rate_of_penetration_m_s"])
     yield ("specific energy", "Pa"), number_or_nan(summary["specific_energy_pa"])
     if half.any():
@@ -234,8 +235,8 @@ def page(
         verdict: Sentences above all.
         costs: Table below them.
     """
-    ordered = sorted(found, key=lambda of: not of.differs(tolerance))
-    differing = sum(of.differs(tolerance) for of in ordered)
+    ordered = sorted(found, key=lambda row: not row.differs(tolerance))
+    differing = sum(row.differs(tolerance) for row in ordered)
     parts = (("What differs", ordered[:differing]), ("What does not", ordered[differing:]))
     tables = "".join(
         f"<h2>{title}</h2><section>{_table(len(names), rows, units)}</section>" for title, rows in parts if rows
@@ -255,7 +256,7 @@ def page(
 
 def _table(cases: int, rows: Sequence[ComparedQuantity], units: UnitSystem) -> str:
     cells = (
-        (Column(of.name, units.in_unit(of.unit)[1]).title, *(of.text(case, units) for case in range(cases)))
-        for of in rows
+        (Column(row.name, units.in_unit(row.unit)[1]).title, *(row.text(case, units) for case in range(cases)))
+        for row in rows
     )
     return Table(("", *(chr(ord("A") + case) for case in range(cases))), cells, right=range(1, 1 + cases)).html()

@@ -111,7 +111,7 @@ class Repeats:
             return self.command
         last = min(max(round(self.onset / self.period), 1), len(self.commands))
         before = self.commands[max(0, last - round(BEFORE / self.period)) : last]
-        weight, speed = np.mean([(of.weight_on_bit, of.rotation) for of in before], axis=0).tolist()
+        weight, speed = np.mean([(command.weight_on_bit, command.rotation) for command in before], axis=0).tolist()
         return Command(weight, speed)
 
     @property
@@ -119,8 +119,8 @@ class Repeats:
         """Weight on the bit and speed of the top drive at the onset, means of `BEFORE`."""
         time, last = self.rig.time, self.onset or 0.0
         before = (time > last - BEFORE) & (time <= last)
-        weight, speed = (float(np.nanmean(of[before])) for of in (self.rig.bit_force, self.rig.top_drive_speed))
-        return self.units.set_point(weight, speed)
+        weight, speed = self.rig.bit_force[before], self.rig.top_drive_speed[before]
+        return self.units.set_point(float(np.nanmean(weight)), float(np.nanmean(speed)))
 
     def modes(self, scene: Scene, command: Command) -> ModeTable | None:
         """Modes under a command; None where they cannot be computed, and `unknown_modes` says why."""
@@ -131,12 +131,16 @@ class Repeats:
             return None
 
     def plans(self) -> list[tuple[str, str, Scene, float, float]]:
-        """Repeats: what has less (empty for an effect), the change in words, scene, shares of weight and of speed."""
-        found = [("", change, scene, 1.0, 1.0) for change, of in _EFFECTS.items() if (scene := self.scaled(of))]
+        """Repeats, each as five values.
+
+        They are the quantity that is lowered (empty where an effect is taken back), the change in words, the scene,
+        and the shares of the recorded weight and speed.
+        """
+        found = [("", change, scene, 1.0, 1.0) for change, shares in _EFFECTS.items() if (scene := self.scaled(shares))]
         for name in ("weight", "speed", "wall friction"):
             held = {"weight": self.command.weight_on_bit, "speed": self.command.rotation}.get(name, 1.0)
             for less in LESS if held else ():
-                weight, speed = (less if name == of else 1.0 for of in ("weight", "speed"))
+                weight, speed = (less if name == part else 1.0 for part in ("weight", "speed"))
                 of_friction = name == "wall friction"
                 scene = self.scaled(dict.fromkeys(_FRICTION, less)) if of_friction else self.scene
                 told = self.units.set_point(weight * self.command.weight_on_bit, speed * self.command.rotation)
@@ -195,7 +199,7 @@ class Repeats:
             RunError: It stops early.
         """
         simulation = Simulation(scene)
-        simulation.play([Command(weight * of.weight_on_bit, speed * of.rotation, of.block) for of in self.commands])
+        simulation.play([Command(weight * one.weight_on_bit, speed * one.rotation, one.block) for one in self.commands])
         return simulation.result()
 
     @cached_property

@@ -100,10 +100,10 @@ def _accelerations(found: Mapping[str, Any], summary: Mapping[str, Any]) -> Tabl
     """Acceleration of the marks in g, and the level of each."""
     from drill_twin.core.units.dimension import GRAVITY
 
-    keys = [f"{way}_{of}" for way in ("lateral", "axial") for of in ("rms_m_s2", "peak_m_s2", "level")]
+    keys = [f"{way}_{size}" for way in ("lateral", "axial") for size in ("rms_m_s2", "peak_m_s2", "level")]
     rows = [
-        (mark, *(f"{of[key]}" if key.endswith("level") else f"{of[key] / GRAVITY:.2g}" for key in keys))
-        for mark, of in found.items()
+        (mark, *(f"{sizes[key]}" if key.endswith("level") else f"{sizes[key] / GRAVITY:.2g}" for key in keys))
+        for mark, sizes in found.items()
     ]
     since, shortest = summary["settled_s"], 2e3 / summary["acceleration_rate_hz"]
     title = (

@@ -174,11 +174,11 @@ def _motion_cards(summary: Mapping[str, Any]) -> str:
     ended, cards = transient(summary), card(summary["lasting_motion"], "{}", "motion that lasts", "unknown")
     if irregular(summary):
         return cards + card(interval(summary) or None, "{}", "irregular whirl, over windows", "irregular")
-    of = " of the transient" if ended else ""
+    whose = " of the transient" if ended else ""
     return (
         cards
-        + card(summary["whirl_frequency_hz"], "{:+.2f} Hz", f"whirl{of}, positive = forward")
-        + card(summary["whirl_ratio"], "{:+.2f}", f"whirl ratio{of}, most frequent")
+        + card(summary["whirl_frequency_hz"], "{:+.2f} Hz", f"whirl{whose}, positive = forward")
+        + card(summary["whirl_ratio"], "{:+.2f}", f"whirl ratio{whose}, most frequent")
     )
 
 
