@@ -124,6 +124,10 @@ def _not_drawn(recording: Recording) -> list[str]:
     return [f"not drawn: {', '.join(names)} (the recording holds {why})" for why, names in reasons.items()]
 
 
+def _row(*cards: str) -> str:
+    return f'<div class="cards">{"".join(cards)}</div>'
+
+
 def card(value: float | str | None, form: str, name: str, none: str = "none") -> str:
     """Number in a box with its name."""
     return f"<div><b>{none if value is None else form.format(value)}</b><span>{escape(name)}</span></div>"
@@ -138,13 +142,10 @@ def _first_cards(summary: Mapping[str, Any]) -> str:
     ended = transient(summary)
     onset = f"onset of a transient, ended at {summary['whirl_end_s']:.2f} s" if ended else "onset of whirl"
     index = "stick-slip index of the bit, last 20 s" + ("" if at is None else f", {level_text(at)}")
-    return (
-        '<div class="cards">'
-        + card(summary["onset_s"], "{:.2f} s", onset)
-        + card(summary["stick_slip_index"], "{:.2f}", index, "unknown")
-        + card(rms, "{}", f"lateral acceleration{level}", "unknown")
-        + "</div>"
-    )
+    return _row(
+        card(summary["onset_s"], "{:.2f} s", onset), card(summary["stick_slip_index"], "{:.2f}", index, "unknown"),
+        card(rms, "{}", f"lateral acceleration{level}", "unknown"),
+    )  # fmt: skip
 
 
 def _cards(summary: Mapping[str, Any]) -> str:
@@ -157,15 +158,13 @@ def _cards(summary: Mapping[str, Any]) -> str:
         swings = card(swing.get("last"), "{:.2f}", "swing of the torque over its mean, last 20 s", "unknown")
         if (by_torque := found.get("stick_slip_index_by_torque")) is not None:
             index = card(by_torque, "{:.2f}", "stick-slip index by the torque, at most")
-        return f'<div class="cards">{"".join(means)}{swings}{index}</div>'
+        return _row(*means, swings, index)
     radii = {mark: radius for mark, radius in summary["max_radius_m"].items() if radius is not None}
     widest = max(radii, key=lambda mark: radii[mark], default=None)
-    return (
-        '<div class="cards">'
-        + _motion_cards(summary)
-        + card(units_of(summary).text(radii[widest], "offset") if widest else None, "{}", f"largest radius, {widest}")
-        + card(summary["realtime_factor"], "{:.2g}", "real-time factor", "unknown")
-        + "</div>"
+    return _row(
+        _motion_cards(summary),
+        card(units_of(summary).text(radii[widest], "offset") if widest else None, "{}", f"largest radius, {widest}"),
+        card(summary["realtime_factor"], "{:.2g}", "real-time factor", "unknown"),
     )
 
 

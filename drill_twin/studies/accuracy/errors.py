@@ -8,7 +8,7 @@ the converged run, which differ by a small perturbation of the initial velocity.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 
 import numpy as np
 
@@ -64,8 +64,8 @@ def compare(motion: Motion, reference: Motion) -> MotionErrors:
         frequency=_relative(motion.frequency, reference.frequency),
         radius=abs(radius - true_radius),
         contact=abs(contact - true_contact),
-        hookload=_relative(_late_mean(motion, motion.hookload), _late_mean(reference, reference.hookload)),
-        torque=_relative(_late_mean(motion, motion.torque), _late_mean(reference, reference.torque)),
+        hookload=_relative(*(_late_mean(one, one.hookload) for one in (motion, reference))),
+        torque=_relative(*(_late_mean(one, one.torque) for one in (motion, reference))),
         stick_slip=_relative(motion.stick_slip_period, reference.stick_slip_period),
     )
 
@@ -100,16 +100,13 @@ def largest_distance(path: ComplexArray, true: ComplexArray) -> float:
 
 def spread(replicas: Sequence[Motion], reference: Motion) -> MotionErrors:
     """Root mean square of the errors of replicas of the converged run: smaller errors cannot be resolved."""
-    found = [compare(replica, reference) for replica in replicas]
-
-    def rms(name: str) -> float | None:
-        values = [getattr(errors, name) for errors in found if getattr(errors, name) is not None]
-        return float(np.sqrt(np.mean(np.square(values)))) if values else None
-
-    return MotionErrors(
-        rms("path"), rms("onset"), rms("frequency"), rms("radius") or 0.0, rms("contact") or 0.0,
-        rms("hookload"), rms("torque"), rms("stick_slip"),
-    )  # fmt: skip
+    found: dict[str, list[float]] = {}
+    for replica in replicas:
+        for name, error in asdict(compare(replica, reference)).items():
+            if error is not None:
+                found.setdefault(name, []).append(error)
+    rms = {name: float(np.sqrt(np.mean(np.square(errors)))) for name, errors in found.items()}
+    return MotionErrors(**{"path": None, "onset": None, "frequency": None, "radius": 0.0, "contact": 0.0, **rms})
 
 
 def _relative(value: float, true: float) -> float | None:
