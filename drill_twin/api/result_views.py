@@ -28,7 +28,7 @@ def _plot(name: str, what: str) -> Callable[[Plots], Figure]:
     """Method that draws the figure of this name (`drill_twin.report.figures`)."""
 
     def draw_it(plots: Plots) -> Figure:
-        from drill_twin.report.build import draw
+        from drill_twin.report import draw
 
         return draw(name, plots.recording)
 

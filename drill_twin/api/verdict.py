@@ -17,7 +17,7 @@ from drill_twin.core.table import Column, Table
 from drill_twin.core.units.system import UnitSystem
 from drill_twin.scene import Scene
 from drill_twin.scene.load import override
-from drill_twin.studies.accuracy.trial import CONFIDENCE, chance_difference
+from drill_twin.studies.accuracy.errors import CONFIDENCE, chance_difference
 
 COSTS = {
     "stick-slip index": 1.0, "lateral acceleration, rms": 1.0, "axial acceleration, rms": 1.0,

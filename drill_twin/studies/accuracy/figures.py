@@ -14,7 +14,7 @@ from drill_twin.core.arrays import Array
 from drill_twin.report.figures.style import BLUE, GREY, INK, VERMILION, laid_out, styled
 from drill_twin.studies.accuracy.ablation import Ablation, Change
 from drill_twin.studies.accuracy.convergence import Curve, MeasuredRun, pareto_front
-from drill_twin.studies.accuracy.trial import NAMES
+from drill_twin.studies.accuracy.errors import NAMES
 
 NEEDED, NOT_NEEDED = VERMILION, GREY
 SMALLEST, LARGEST = 1e-2, 1e2  # tolerances shown
