@@ -34,12 +34,12 @@ _CHANGE = re.compile(r",\s*(?=[A-Za-z_][\w.]*=)")
 
 @dataclass(frozen=True, eq=False)
 class Case:
-    """Case: its run, and its loads without a run."""
+    """A case: its run, and its loads in a balance of forces."""
 
     name: str
     result: Result
     loads: OperationLoads | None
-    """Of the last operation of its rig, drilling or what there is of it; None if there is no balance."""
+    """Loads of the last operation of the rig, which is drilling where the scene drills; None if there is no balance."""
     critical: float = math.nan
     """Distance of the final rotation from the nearest critical speed (of a long string: of its collars), as a share of
     it; NaN where it is not known."""

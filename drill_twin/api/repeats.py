@@ -31,13 +31,13 @@ AFTER_ONSET = 30.0
 BEFORE = 1.0
 """Time before the onset over which weight and speed there are averaged [s]."""
 LESS = (0.7, 0.5)
-"""Shares of weight, speed or wall friction in repeats with less of it; the second where the first does not end it."""
+"""Shares of weight, speed or wall friction in repeats; the second is tried where the first does not end the whirl."""
 BESIDE = (0.98, 1.02)
-"""Shares of the speed in further repeats of a change that ends the whirl: one run may end it by chance."""
+"""Shares of the speed in further repeats of a change that ends the whirl: in one run it may end by chance."""
 LEFT = 0.5
 """Share of the run's lateral motion above which a repeat without whirl still moves as the run does."""
 SWINGS = 0.5
-"""Stick-slip index of the run from which that of the repeats is told: friction at the wall turns with the string."""
+"""Stick-slip index of the run from which the repeats tell theirs: friction at the wall brakes the rotation too."""
 SMALL = 0.1
 """Share of bow and eccentricity that is left. Not zero: a perfect string never leaves the axis of a vertical hole."""
 
@@ -67,18 +67,18 @@ class Trial(NamedTuple):
     of_effects: bool
     """An effect was taken back, not a set-point."""
     ends_whirl: bool
-    """It does not whirl, or not backward where the run does, and would not later: no mode grows, and its lateral motion
-    is small. So too in the repeats at other speeds where the run itself whirls."""
+    """The repeat does not whirl, or not backward where the run does, and would not whirl later: no mode grows, and its
+    lateral motion is small. The same holds at the other speeds at which the run itself whirls."""
     outcome: str
     """Result in words."""
     motion: str
-    """Motion that lasts; empty where the repeat could not be followed to its end."""
+    """Motion of the repeat that lasts; empty where the repeat could not be followed to its end."""
     frequency_hz: float | None
-    """Frequency of its whirl."""
+    """Frequency of the repeat's whirl; None without one."""
     growth_per_s: float | None
-    """Growth of the lateral mode that grows fastest, with this change; None: not known, or the repeat whirls."""
+    """Growth of the fastest lateral mode with this change; None where it is not known or the repeat whirls."""
     moves: bool = False
-    """It does not whirl, nor would it later, but more than `LEFT` of the run's lateral motion is left."""
+    """The repeat does not whirl and would not later, but more than `LEFT` of the run's lateral motion is left."""
 
 
 class Repeats:

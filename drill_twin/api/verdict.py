@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Verdict between cases: what costs bits and joints, with its spread over seeds, and what the runs can show of it."""
+"""Verdict between cases: quantities that cost bits and joints, their spread over seeds, and what the runs can show."""
 
 from __future__ import annotations
 
@@ -51,7 +51,7 @@ class ComparedCost(NamedTuple):
 def again(
     first: Sequence[Case], what: Sequence[Scene | Result], seed: int, progress: Callable[[str], None] | None = None
 ) -> list[Case]:
-    """Cases in runs of another seed, a drawn push and a change of the speed apart; a bag stays what it is.
+    """Run the cases with another seed, which draws a push and a change of the speed; a bag is not run again.
 
     Args:
         first: Cases in their first runs, whose balance is that of all seeds.

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""End of a command: its files in a folder, an existing result moved aside or replaced only with `--replace`, and JSON
-or what people read on stdout.
+"""Output of a command: files in a folder, and on stdout JSON or a text for people.
+
+An existing result is moved aside or replaced with `--replace` only.
 """
 
 from __future__ import annotations
@@ -21,7 +22,7 @@ if TYPE_CHECKING:
     from rich.text import Text
 
 Shown = Iterable["Table | Text | str"]
-"""Tables and lines for people; computed only where they are printed, if it is a generator."""
+"""Tables and lines for people; a generator computes them only where they are printed."""
 
 
 def emit(

@@ -22,7 +22,7 @@ from drill_twin.core.table import Table
 
 
 class PrintableConsole(Console):
-    """Console that writes control characters out, whichever name of a bag they come from."""
+    """Console that spells control characters out, such as those in the name of a bag."""
 
     def say(self, text: str | Text, style: str = "") -> None:
         """Print a text: in a terminal its lines are broken between words, elsewhere it is as it is."""
@@ -44,7 +44,7 @@ def out() -> PrintableConsole:
 
 @cache
 def err() -> PrintableConsole:
-    """Console for progress and remarks, on stderr: the same one for all, so that remarks stay above a bar."""
+    """Console for progress and remarks, on stderr: one console for both, so that remarks stay above a bar."""
     return PrintableConsole(stderr=True, highlight=False, emoji=False)
 
 
@@ -114,7 +114,8 @@ def _accelerations(found: Mapping[str, Any], summary: Mapping[str, Any]) -> Tabl
     )
 
 
-_LINE_PERIOD = 10.0  # s between two lines outside a terminal
+_LINE_PERIOD = 10.0
+"""Time between two lines of progress outside a terminal [s]."""
 
 
 def _amount(task: Task) -> str:
@@ -157,7 +158,7 @@ class Bar:
             remark(", ".join(told))
 
     def step(self, text: str) -> None:
-        """Show what was done, and that it is one more."""
+        """Show what was done, and count it."""
         self.show(text, self._task.completed + 1)
 
 
@@ -171,10 +172,10 @@ def shown_progress(
 
     Args:
         text: What is in progress.
-        total: Amount at the end, of seconds, runs or the like; None: not known, or not known yet.
+        total: Seconds, runs or the like at the end; None: not known, or not known yet.
         unit: Unit of the amounts; with one there is a bar even if the total is not known yet.
         kept: Sentence on what is kept after Ctrl-C, and how to go on.
-        most: The total is a bound: it may end before.
+        most: The total is a bound, before which the block may end.
     """
     words = TextColumn("{task.description}", markup=False)
     columns: tuple[ProgressColumn, ...] = (SpinnerColumn(), words)

@@ -23,17 +23,17 @@ from drill_twin.report.load_text import (
 from drill_twin.whirl import Criteria, MotionState
 
 _OF_THE_STRING = {MotionState.SPIRAL.value, MotionState.SECOND_BENDING.value}
-"""States that only the string has, by its shape."""
+"""States of the string's shape, which no single mark can have."""
 FIELD_NAMES = {
     MotionState.ROLLING.value: "backward whirl", MotionState.IRREGULAR.value: "chaotic whirl",
 }  # fmt: skip
-"""Names of states in the field, where they are others (vocabulary of D-WIS)."""
+"""Field names of states that have another name here (vocabulary of D-WIS)."""
 LAB = "lab"
-"""System of units of a bench, where the levels of downhole tools say nothing."""
+"""System of units of a bench, for which the levels of downhole tools are not meant."""
 ON_THE_WALL = 1.005
-"""Share of the clearance from which the penetration of the wall is told."""
+"""Radius over the clearance from which a row tells how deep in the wall a mark was; not measured."""
 _VARIES = 0.05
-"""Range of a set-point, over its mean, from which it is given."""
+"""Range of a set-point, over its mean, from which a sentence gives the range."""
 NOT_VALIDATED = """\
 No measurement of a whirling string stands behind this run: onset, whirl frequency and radii are what the model gives \
 for this scene. The scene's provenance says which of its numbers are measured, published or estimated; the estimated \
@@ -74,11 +74,8 @@ def findings(summary: Summary) -> Iterator[Row]:
     if not summary["whirl_observable"]:
         yield "whirl", "not observable: no positions of marks"
         yield "rotation", rotation(summary, units_of(summary))
-        yield from load_rows(summary)
-        yield from surface_rows(summary)
-        yield from severity_rows(summary)
-        yield from fatigue_rows(summary)
-        yield from bit_rows(summary)
+        for rows in (load_rows, surface_rows, severity_rows, fatigue_rows, bit_rows):
+            yield from rows(summary)
         return
     yield "motion that lasts", f"{lasting(summary)}{_weak(summary)}"
     yield "onset of whirl", _onset(summary)
@@ -89,11 +86,8 @@ def findings(summary: Summary) -> Iterator[Row]:
     yield "rotation", rotation(summary, units_of(summary))
     for mark, value in summary["max_radius_m"].items():
         yield f"largest radius, {mark}", radius_text(value, summary["clearance_m"].get(mark), units_of(summary))
-    yield from _states(summary)
-    yield from _wall(summary)
-    yield from load_rows(summary)
-    yield from severity_rows(summary)
-    yield from fatigue_rows(summary)
+    for rows in (_states, _wall, load_rows, severity_rows, fatigue_rows):
+        yield from rows(summary)
     yield "motion at the end", summary["motion"][-1]["state"] if summary["motion"] else "unknown"
     yield from bit_rows(summary)
     yield from sub_rows(summary)
@@ -171,7 +165,7 @@ def limitations(summary: Summary) -> list[str]:
 
 
 def transient(summary: Summary) -> bool:
-    """True where the string whirled and does so no more."""
+    """True where the string whirled and whirls no more at the end."""
     return summary["onset_s"] is not None and summary["whirl_end_s"] is not None
 
 
@@ -192,7 +186,7 @@ def lasting(summary: Summary) -> str:
 
 
 def _weak(summary: Summary) -> str:
-    """Remark on whirl of a well too weak for the levels of downhole tools; in units of a laboratory there is none."""
+    """Remark on whirl that is too weak for the levels of downhole tools; empty for a summary in laboratory units."""
     levels = [found["lateral_level"] for found in summary["acceleration"].values()]
     weak = summary["onset_s"] is not None and levels and max(levels) == 0 and summary["units"] != LAB
     return "; its lateral acceleration is of level 0, which a downhole tool does not report" if weak else ""
