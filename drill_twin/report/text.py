@@ -124,10 +124,8 @@ def timeline_rows(periods: Sequence[Mapping[str, Any]]) -> list[tuple[str, str, 
 
 def provenance(summary: Summary) -> Iterator[Row]:
     """Rows on the run: scene, resolution, speed, version; of a recording that is no run, only the known ones."""
-    is_run, steps = (
-        bool(summary["version"]),
-        "{steps}, {cut_steps} of them halved, {steps_above_tolerance} not converged",
-    )
+    is_run = bool(summary["version"])
+    steps = "{steps}, halved {cut_steps} times, {steps_above_tolerance} above the tolerance"
     rows = {
         "scene": _text(summary["scene"]),
         f"{'simulated' if is_run else 'recorded'} time": "{duration_s:.2f} s, {samples} samples".format_map(summary),
@@ -135,14 +133,15 @@ def provenance(summary: Summary) -> Iterator[Row]:
         "speed of the physics alone": number_text(summary["physics_speed"], "{:.3g} x real time"),
         "elements": _text(summary["elements"]),
         "time step": number_text(summary["step_s"], "{:.3g} s"),
-        "steps": "" if summary["steps"] is None else steps.format_map(summary).replace("None", "unknown"),
+        "steps": steps.format_map(summary).replace("None", "unknown"),
         "effects": ", ".join(summary["effects"]),
         **{key: _text(summary[key]) for key in ("seed", "pace", "started")},
         "drill_twin": _text(summary["version"]),
         "live analysis": _live(summary["live"]),
     }
-    left_out = ("",) if is_run else ("", "unknown", "none recorded")
-    yield from (row for row in rows.items() if row[1] not in left_out)
+    if summary["steps"] is None:
+        del rows["steps"]
+    yield from (row for row in rows.items() if is_run or row[1] not in {"", "unknown", "none recorded"})
 
 
 def limitations(summary: Summary) -> list[str]:
