@@ -131,7 +131,8 @@ def analyze(
     analyzer = Analyzer([MarkInfo(name, float(k), on, outer, free) for k, name in enumerate(labels)])
     found = analyzer.push_block(np.rint(times * NANOSECONDS).astype(np.int64), position, angle, speed)
     summary = analyzer.summary()
-    return Whirl(times, labels, *np.moveaxis(found.values, -1, 0), summary, (*summary.notes, *notes))
+    radii, precession, ratio, confidence = np.moveaxis(found.values, -1, 0)
+    return Whirl(times, labels, radii, precession, ratio, confidence, summary, (*summary.notes, *notes))
 
 
 def _times(time: ArrayLike) -> Array:

@@ -89,7 +89,7 @@ def rig_channels(rig: RigSeries) -> list[Channel]:
 def csv_text(channels: Sequence[Channel]) -> str:
     """A header of names and units, a line a sample; empty where a channel has none."""
     rows = zip(*(channel.values.tolist() for channel in channels), strict=True)
-    shown = ((f"{value:.10g}" if math.isfinite(value) else "" for value in row) for row in rows)
+    shown = ([f"{value:.10g}" if math.isfinite(value) else "" for value in row] for row in rows)
     return Table([Column(channel.name, channel.unit) for channel in channels], shown).csv()
 
 

@@ -10,6 +10,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
+from typing import Any
 
 import numpy as np
 from scipy import stats
@@ -107,8 +108,8 @@ def spread(replicas: Sequence[Motion], reference: Motion) -> MotionErrors:
         for name, error in asdict(compare(replica, reference)).items():
             if error is not None:
                 found.setdefault(name, []).append(error)
-    rms = {name: float(np.sqrt(np.mean(np.square(errors)))) for name, errors in found.items()}
-    return MotionErrors(**{"path": None, "onset": None, "frequency": None, "radius": 0.0, "contact": 0.0, **rms})
+    rms: dict[str, Any] = {"path": None, "onset": None, "frequency": None, "radius": 0.0, "contact": 0.0}
+    return MotionErrors(**rms | {name: float(np.sqrt(np.mean(np.square(errors)))) for name, errors in found.items()})
 
 
 def _relative(value: float, true: float) -> float | None:
