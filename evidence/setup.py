@@ -6,11 +6,9 @@ from setuptools import find_packages, setup
 PACKAGE = "drill_twin_evidence"
 COMMANDS = {
     "analyzer-score": "analyzer_score:analyzer_score",
-    "calibrate": "paper:calibrate",
     "estimator-score": "estimator_score:estimator_score",
     "hard": "hard:hard",
     "paper": "paper:paper",
-    "paper-search": "paper_search:paper_search",
     "validate": "validate:validate",
     "verify": "verify:verify",
     "whirl-compare": "whirl_compare:whirl_compare",

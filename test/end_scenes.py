@@ -4,6 +4,9 @@
 from typing import Any
 
 from drill_twin.scene import Scene, load_scene
+from drill_twin_evidence.verify.scenes import steel
+
+__all__ = ["steel", "two_mass", "with_rig"]
 
 
 def with_rig(scene: Scene, **parts: Any) -> Scene:
@@ -16,28 +19,3 @@ def with_rig(scene: Scene, **parts: Any) -> Scene:
 def two_mass(weight_on_bit: float) -> Scene:
     """The installed two-mass scene under a weight on bit [N]."""
     return load_scene("two_mass", overrides={"wob": f"{weight_on_bit} N"})
-
-
-def steel(effects: dict[str, Any], *, at: str = "bit", weight_on_bit: float = 0.0, step: float = 1e-3) -> Scene:
-    """A short stiff steel pipe above a drill bit, turned at a constant rate."""
-    return Scene.model_validate({
-        "name": "steel",
-        "string": {
-            "sections": [{
-                "length": 10.0, "outer_diameter": 0.2, "inner_diameter": 0.1,
-                "youngs_modulus": 210e9, "poisson_ratio": 0.3, "density": 7850.0,
-            }],
-            "bit_end": "guided",
-        },
-        "hole": {"radius": 0.2},
-        "rig": {
-            "weight_on_bit": {"shape": "step", "initial": weight_on_bit, "value": weight_on_bit, "at": at},
-            "rotation": {"value": 10.0},
-            "duration": 10.0,
-        },
-        "effects": {
-            "stretch": {}, "torsion": {},
-            "internal_damping": {"bending_time": 1e-3, "stretch_time": 2e-3, "torsion_time": 2e-3}, **effects,
-        },
-        "numerics": {"elements": 8, "step": step},
-    })  # fmt: skip

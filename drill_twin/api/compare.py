@@ -3,13 +3,11 @@
 
 from __future__ import annotations
 
-import base64
 import math
 import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from html import escape
-from importlib.resources import files
 from pathlib import Path
 from typing import NamedTuple
 
@@ -27,6 +25,7 @@ from drill_twin.core.table import Column, Table
 from drill_twin.core.units.system import UnitSystem
 from drill_twin.dynamics.rotordynamics.modes import LATERAL
 from drill_twin.dynamics.torque_drag.analysis import OperationLoads
+from drill_twin.report.page import html_page, picture
 from drill_twin.report.string_forces import bending_stress_at
 from drill_twin.scene import Scene
 
@@ -35,12 +34,12 @@ _CHANGE = re.compile(r",\s*(?=[A-Za-z_][\w.]*=)")
 
 @dataclass(frozen=True, eq=False)
 class Case:
-    """Case: its run, and its loads without a run."""
+    """A case: its run, and its loads in a balance of forces."""
 
     name: str
     result: Result
     loads: OperationLoads | None
-    """Of the last operation of its rig, drilling or what there is of it; None if there is no balance."""
+    """Loads of the last operation of the rig, which is drilling where the scene drills; None if there is no balance."""
     critical: float = math.nan
     """Distance of the final rotation from the nearest critical speed (of a long string: of its collars), as a share of
     it; NaN where it is not known."""
@@ -151,7 +150,7 @@ def quantities(cases: Sequence[Case]) -> list[ComparedQuantity]:
         known = next(row[name, unit] for row in rows if (name, unit) in row)
         missing: float | str = "" if isinstance(known, str) else math.nan
         found.append(ComparedQuantity(name, unit, tuple(row.get((name, unit), missing) for row in rows)))
-    return [of for of in found if any(value == value and value != "" for value in of.values)]  # noqa: PLR0124  NaN
+    return [row for row in found if any(value == value and value != "" for value in row.values)]  # noqa: PLR0124  NaN
 
 
 def _of(case: Case) -> Iterator[tuple[tuple[str, str], float | str]]:
@@ -185,9 +184,10 @@ def _run(case: Case) -> Iterator[tuple[tuple[str, str], float | str]]:
     yield ("bit at the end", ""), summary["bit"] or ""
     yield ("stick-slip index", "-"), number_or_nan(summary["stick_slip_index"])
     for way in ("lateral", "axial"):
-        found = [of[f"{way}_rms_m_s2"] for of in summary["acceleration"].values()]
+        found = [sizes[f"{way}_rms_m_s2"] for sizes in summary["acceleration"].values()]
         yield (f"{way} acceleration, rms", "m/s^2"), max(found, default=math.nan)
-    yield ("fatigue damage", "-"), max((of["damage"] for of in (summary["fatigue"] or {}).values()), default=math.nan)
+    damage = [section["damage"] for section in (summary["fatigue"] or {}).values()]
+    yield ("fatigue damage", "-"), max(damage, default=math.nan)
     yield ("rate of penetration", "m/s"), number_or_nan(summary["rate_of_penetration_m_s"])
     yield ("specific energy", "Pa"), number_or_nan(summary["specific_energy_pa"])
     if half.any():
@@ -235,35 +235,28 @@ def page(
         verdict: Sentences above all.
         costs: Table below them.
     """
-    ordered = sorted(found, key=lambda of: not of.differs(tolerance))
-    differing = sum(of.differs(tolerance) for of in ordered)
+    ordered = sorted(found, key=lambda row: not row.differs(tolerance))
+    differing = sum(row.differs(tolerance) for row in ordered)
     parts = (("What differs", ordered[:differing]), ("What does not", ordered[differing:]))
     tables = "".join(
         f"<h2>{title}</h2><section>{_table(len(names), rows, units)}</section>" for title, rows in parts if rows
     )
     legend = "<br>".join(escape(f"{chr(ord('A') + case)}: {name}") for case, name in enumerate(names))
-    picture = base64.b64encode(figure.read_bytes()).decode()
-    style = files("drill_twin.report").joinpath("assets", "page.css").read_text("utf-8")
-    return (
-        '<!DOCTYPE html>\n<html lang="en"><head><meta charset="utf-8">'
-        '<meta name="viewport" content="width=device-width, initial-scale=1"><title>drill_twin: comparison</title>'
-        f'<link rel="icon" href="data:,"><style>{style}</style></head>\n<body><main>'
+    return html_page(
+        "drill_twin: comparison",
         f"<h1>Comparison</h1><p>{legend}</p>"
         f'<p class="lead">Differences of more than {100.0 * tolerance:g} % first; numbers of runs are of their second '
         "half.</p>"
         f"{''.join(f'<p>{escape(note)}</p>' for note in notes)}"
         f"<h2>Verdict</h2><section>{''.join(f'<p><b>{escape(said)}</b></p>' for said in verdict)}"
         f"<p>{escape(costs.title)}</p>{costs.html()}</section>"
-        f"{tables}"
-        '<h2>Over time</h2><section><div class="picture">'
-        f'<img alt="the runs over time" src="data:image/png;base64,{picture}"></div>'
-        "</section></main></body></html>\n"
+        f"{tables}<h2>Over time</h2><section>{picture(figure, 'the runs over time')}</section>",
     )
 
 
 def _table(cases: int, rows: Sequence[ComparedQuantity], units: UnitSystem) -> str:
     cells = (
-        (Column(of.name, units.in_unit(of.unit)[1]).title, *(of.text(case, units) for case in range(cases)))
-        for of in rows
+        (Column(row.name, units.in_unit(row.unit)[1]).title, *(row.text(case, units) for case in range(cases)))
+        for row in rows
     )
     return Table(("", *(chr(ord("A") + case) for case in range(cases))), cells, right=range(1, 1 + cases)).html()

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from drill_twin.api.rotordynamics import modes, steady_scene
+from drill_twin.api.rotordynamics import held_at, modes, steady_scene
 from drill_twin.core.units.system import UnitSystem
 from drill_twin.dynamics.rotordynamics.campbell import growth_map
 from drill_twin.dynamics.rotordynamics.equations import TIME_DEPENDENT, EquationsOfMotion
@@ -69,10 +69,5 @@ def rate(growth: float) -> str:
 
 def _held(scene: Scene, command: Command) -> Scene:
     """The scene under constant set-points, without effects that depend on time."""
-    points = {"weight_on_bit": command.weight_on_bit, "rotation": command.rotation}
-    held = {
-        key: getattr(scene.rig, key).model_copy(update={"shape": "constant", "initial": value, "value": value})
-        for key, value in points.items()
-    }
-    constant = scene.model_copy(update={"rig": scene.rig.model_copy(update=held)})
-    return steady_scene(constant, None, [key for key in scene.effect_names if key in TIME_DEPENDENT])
+    left_out = [key for key in scene.effect_names if key in TIME_DEPENDENT]
+    return steady_scene(held_at(scene, command), None, left_out)

@@ -31,13 +31,13 @@ AFTER_ONSET = 30.0
 BEFORE = 1.0
 """Time before the onset over which weight and speed there are averaged [s]."""
 LESS = (0.7, 0.5)
-"""Shares of weight, speed or wall friction in repeats with less of it; the second where the first does not end it."""
+"""Shares of weight, speed or wall friction in repeats; the second is tried where the first does not end the whirl."""
 BESIDE = (0.98, 1.02)
-"""Shares of the speed in further repeats of a change that ends the whirl: one run may end it by chance."""
+"""Shares of the speed in further repeats of a change that ends the whirl: in one run it may end by chance."""
 LEFT = 0.5
 """Share of the run's lateral motion above which a repeat without whirl still moves as the run does."""
 SWINGS = 0.5
-"""Stick-slip index of the run from which that of the repeats is told: friction at the wall turns with the string."""
+"""Stick-slip index of the run from which the repeats tell theirs: friction at the wall brakes the rotation too."""
 SMALL = 0.1
 """Share of bow and eccentricity that is left. Not zero: a perfect string never leaves the axis of a vertical hole."""
 
@@ -67,18 +67,18 @@ class Trial(NamedTuple):
     of_effects: bool
     """An effect was taken back, not a set-point."""
     ends_whirl: bool
-    """It does not whirl, or not backward where the run does, and would not later: no mode grows, and its lateral motion
-    is small. So too in the repeats at other speeds where the run itself whirls."""
+    """The repeat does not whirl, or not backward where the run does, and would not whirl later: no mode grows, and its
+    lateral motion is small. The same holds at the other speeds at which the run itself whirls."""
     outcome: str
     """Result in words."""
     motion: str
-    """Motion that lasts; empty where the repeat could not be followed to its end."""
+    """Motion of the repeat that lasts; empty where the repeat could not be followed to its end."""
     frequency_hz: float | None
-    """Frequency of its whirl."""
+    """Frequency of the repeat's whirl; None without one."""
     growth_per_s: float | None
-    """Growth of the lateral mode that grows fastest, with this change; None: not known, or the repeat whirls."""
+    """Growth of the fastest lateral mode with this change; None where it is not known or the repeat whirls."""
     moves: bool = False
-    """It does not whirl, nor would it later, but more than `LEFT` of the run's lateral motion is left."""
+    """The repeat does not whirl and would not later, but more than `LEFT` of the run's lateral motion is left."""
 
 
 class Repeats:
@@ -111,7 +111,7 @@ class Repeats:
             return self.command
         last = min(max(round(self.onset / self.period), 1), len(self.commands))
         before = self.commands[max(0, last - round(BEFORE / self.period)) : last]
-        weight, speed = np.mean([(of.weight_on_bit, of.rotation) for of in before], axis=0).tolist()
+        weight, speed = np.mean([(command.weight_on_bit, command.rotation) for command in before], axis=0).tolist()
         return Command(weight, speed)
 
     @property
@@ -119,8 +119,8 @@ class Repeats:
         """Weight on the bit and speed of the top drive at the onset, means of `BEFORE`."""
         time, last = self.rig.time, self.onset or 0.0
         before = (time > last - BEFORE) & (time <= last)
-        weight, speed = (float(np.nanmean(of[before])) for of in (self.rig.bit_force, self.rig.top_drive_speed))
-        return self.units.set_point(weight, speed)
+        weight, speed = self.rig.bit_force[before], self.rig.top_drive_speed[before]
+        return self.units.set_point(float(np.nanmean(weight)), float(np.nanmean(speed)))
 
     def modes(self, scene: Scene, command: Command) -> ModeTable | None:
         """Modes under a command; None where they cannot be computed, and `unknown_modes` says why."""
@@ -131,12 +131,16 @@ class Repeats:
             return None
 
     def plans(self) -> list[tuple[str, str, Scene, float, float]]:
-        """Repeats: what has less (empty for an effect), the change in words, scene, shares of weight and of speed."""
-        found = [("", change, scene, 1.0, 1.0) for change, of in _EFFECTS.items() if (scene := self.scaled(of))]
+        """Repeats, each as five values.
+
+        They are the quantity that is lowered (empty where an effect is taken back), the change in words, the scene,
+        and the shares of the recorded weight and speed.
+        """
+        found = [("", change, scene, 1.0, 1.0) for change, shares in _EFFECTS.items() if (scene := self.scaled(shares))]
         for name in ("weight", "speed", "wall friction"):
             held = {"weight": self.command.weight_on_bit, "speed": self.command.rotation}.get(name, 1.0)
             for less in LESS if held else ():
-                weight, speed = (less if name == of else 1.0 for of in ("weight", "speed"))
+                weight, speed = (less if name == part else 1.0 for part in ("weight", "speed"))
                 of_friction = name == "wall friction"
                 scene = self.scaled(dict.fromkeys(_FRICTION, less)) if of_friction else self.scene
                 told = self.units.set_point(weight * self.command.weight_on_bit, speed * self.command.rotation)
@@ -195,7 +199,7 @@ class Repeats:
             RunError: It stops early.
         """
         simulation = Simulation(scene)
-        simulation.play([Command(weight * of.weight_on_bit, speed * of.rotation, of.block) for of in self.commands])
+        simulation.play([Command(weight * one.weight_on_bit, speed * one.rotation, one.block) for one in self.commands])
         return simulation.result()
 
     @cached_property

@@ -28,7 +28,7 @@ def _plot(name: str, what: str) -> Callable[[Plots], Figure]:
     """Method that draws the figure of this name (`drill_twin.report.figures`)."""
 
     def draw_it(plots: Plots) -> Figure:
-        from drill_twin.report.build import draw
+        from drill_twin.report import draw
 
         return draw(name, plots.recording)
 
@@ -159,8 +159,6 @@ def table(data: xarray.Dataset) -> pd.DataFrame:
         for column, label in zip(whole.T, labels, strict=True):
             heading = "/".join([*label[:1], short, *label[1:]])
             columns.setdefault(str(at), {})[f"{heading} [{unit}]"] = column
-    groups = [
-        pandas.DataFrame(of, index=pandas.Index(data[at].to_numpy(), name="time [s]")) for at, of in columns.items()
-    ]
-    joined: pd.DataFrame = pandas.concat(groups, axis=1)
+    times = {at: pandas.Index(data[at].to_numpy(), name="time [s]") for at in columns}
+    joined: pd.DataFrame = pandas.concat([pandas.DataFrame(columns[at], index=times[at]) for at in columns], axis=1)
     return joined

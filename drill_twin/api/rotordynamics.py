@@ -68,19 +68,21 @@ def final_command(scene: Scene) -> Command:
 
 def resting_in(equations: EquationsOfMotion) -> Resting:
     """Function from a command to a balance under it, to start from: that of `rig.start: equilibrium`."""
-    scene = equations.scene
 
     def resting(command: Command) -> Array:
         from drill_twin.dynamics.twin.dynamics import Dynamics
 
-        rig = scene.rig
-        load = rig.weight_on_bit.model_copy(update={"initial": command.weight_on_bit, "value": command.weight_on_bit})
-        turn = rig.rotation.model_copy(update={"initial": command.rotation, "value": command.rotation})
-        held = rig.model_copy(update={"weight_on_bit": load, "rotation": turn, "start": "equilibrium"})
-        u, _ = Dynamics(scene.model_copy(update={"rig": held}), equations.model.rod).unknowns
-        return u.copy()
+        held = held_at(equations.scene, command, start="equilibrium")
+        return Dynamics(held, equations.model.rod).unknowns[0].copy()
 
     return resting
+
+
+def held_at(scene: Scene, command: Command, **rig: object) -> Scene:
+    """The scene under constant weight on bit and rotation, with other fields of its rig."""
+    for key, value in (("weight_on_bit", command.weight_on_bit), ("rotation", command.rotation)):
+        rig[key] = getattr(scene.rig, key).model_copy(update={"shape": "constant", "initial": value, "value": value})
+    return scene.model_copy(update={"rig": scene.rig.model_copy(update=rig)})
 
 
 def fastest_of(command: Command) -> float:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Verdict between cases: what costs bits and joints, with its spread over seeds, and what the runs can show of it."""
+"""Verdict between cases: quantities that cost bits and joints, their spread over seeds, and what the runs can show."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from drill_twin.core.table import Column, Table
 from drill_twin.core.units.system import UnitSystem
 from drill_twin.scene import Scene
 from drill_twin.scene.load import override
-from drill_twin.studies.accuracy.trial import CONFIDENCE, chance_difference
+from drill_twin.studies.accuracy.errors import CONFIDENCE, chance_difference
 
 COSTS = {
     "stick-slip index": 1.0, "lateral acceleration, rms": 1.0, "axial acceleration, rms": 1.0,
@@ -51,7 +51,7 @@ class ComparedCost(NamedTuple):
 def again(
     first: Sequence[Case], what: Sequence[Scene | Result], seed: int, progress: Callable[[str], None] | None = None
 ) -> list[Case]:
-    """Cases in runs of another seed, a drawn push and a change of the speed apart; a bag stays what it is.
+    """Run the cases with another seed, which draws a push and a change of the speed; a bag is not run again.
 
     Args:
         first: Cases in their first runs, whose balance is that of all seeds.
@@ -63,19 +63,19 @@ def again(
         RunError: A run stops early.
     """
     found = []
-    for case, of in zip(first, what, strict=True):
-        if not isinstance(of, Scene):
+    for case, source in zip(first, what, strict=True):
+        if not isinstance(source, Scene):
             found.append(case)
             continue
         if progress is not None:
             progress(case.name)
-        kick = of.effects.lateral_kick
-        number = of.numerics.seed + seed
+        kick = source.effects.lateral_kick
+        number = source.numerics.seed + seed
         push, nudge = (PUSH, NUDGE) * np.random.default_rng(number).standard_normal(2)
         changes = {"effects.lateral_kick.velocity": push + (kick.velocity if kick else 0.0)}
-        if of.rig.rotation.value:  # a recorded speed stays
-            changes["rig.rotation.value"] = (1.0 + nudge) * of.rig.rotation.value
-        own = override(of, {key: float(value) for key, value in changes.items()} | {"numerics.seed": number})
+        if source.rig.rotation.value:  # a recorded speed stays
+            changes["rig.rotation.value"] = (1.0 + nudge) * source.rig.rotation.value
+        own = override(source, {key: float(value) for key, value in changes.items()} | {"numerics.seed": number})
         found.append(replace(case, result=Simulation(own).run()))
     return found
 
@@ -135,11 +135,11 @@ def cost_table(found: Sequence[ComparedCost], units: UnitSystem) -> Table:
     """Mean and standard deviation of each cost, and which case is better where the runs show it."""
     letters = [chr(ord("A") + k) for k in range(len(found[0].values))] if found else ["A"]
     rows = []
-    for of in found:
-        size, unit = units.in_unit(of.unit)
-        cells = [_mean_text(size, row) for row in of.values]
-        rows.append((Column(of.name, unit.strip("-")).title, *cells, ", ".join(one or "-" for one in of.better)))
-    count = max((len(row) for of in found for row in of.values), default=0)
+    for cost in found:
+        size, unit = units.in_unit(cost.unit)
+        cells = [_mean_text(size, row) for row in cost.values]
+        rows.append((Column(cost.name, unit.strip("-")).title, *cells, ", ".join(one or "-" for one in cost.better)))
+    count = max((len(row) for cost in found for row in cost.values), default=0)
     title = f"what costs bits and joints: mean +- standard deviation of {count} runs; ?: it may be chance"
     return Table(("cost", *letters, "better"), rows, title=title, right=range(1, 1 + len(letters)))
 
@@ -152,29 +152,29 @@ def _mean_text(size: float, row: Sequence[float]) -> str:
 
 def verdicts(found: Sequence[ComparedCost], units: UnitSystem) -> list[str]:
     """Sentence on each case but the first."""
-    if any(len(row) < 2 for of in found for row in of.values):
+    if any(len(row) < 2 for cost in found for row in cost.values):
         return ["no verdict: one run of a case shows no spread; --seeds 3 repeats those that are scenes"]
     return [_verdict(found, k, units) for k in range(len(found[0].better))] if found else [NONE]
 
 
 def _verdict(found: Sequence[ComparedCost], case: int, units: UnitSystem) -> str:
     letter = chr(ord("B") + case)
-    wins = {who: [of for of in found if of.better[case] == who] for who in ("A", letter)}
-    told = {who: ", ".join(_told(of, case, units) for of in costs) for who, costs in wins.items()}
+    wins = {who: [cost for cost in found if cost.better[case] == who] for who in ("A", letter)}
+    told = {who: ", ".join(_told(cost, case, units) for cost in costs) for who, costs in wins.items()}
     if all(wins.values()):
         return f"neither is better in all: A in {told['A']}; {letter} in {told[letter]}"
     for who, costs in wins.items():
         if costs:
             return f"{who} is better than {letter if who == 'A' else 'A'}: {told[who]}"
-    unsure = [of for of in found if of.better[case] == CHANCE]
-    runs = min((len(row) for of in unsure for row in (of.values[0], of.values[case + 1])), default=0)
-    names = ", ".join(of.name for of in unsure)
+    unsure = [cost for cost in found if cost.better[case] == CHANCE]
+    runs = min((len(row) for cost in unsure for row in (cost.values[0], cost.values[case + 1])), default=0)
+    names = ", ".join(cost.name for cost in unsure)
     more = f"; {names}: the means differ, which {runs} runs do not tell from chance (more --seeds)" if unsure else ""
     return f"A and {letter}: {NONE}{more}"
 
 
-def _told(of: ComparedCost, case: int, units: UnitSystem) -> str:
-    size, unit = units.in_unit(of.unit)
-    means = [size * float(np.mean(row)) for row in (of.values[0], of.values[case + 1])]
-    lower, higher = (means[0], means[1]) if of.better[case] == "A" else (means[1], means[0])
-    return f"{of.name} {lower:.3g} against {higher:.3g}{'' if unit == '-' else f' {unit}'}"
+def _told(cost: ComparedCost, case: int, units: UnitSystem) -> str:
+    size, unit = units.in_unit(cost.unit)
+    means = [size * float(np.mean(row)) for row in (cost.values[0], cost.values[case + 1])]
+    lower, higher = (means[0], means[1]) if cost.better[case] == "A" else (means[1], means[0])
+    return f"{cost.name} {lower:.3g} against {higher:.3g}{'' if unit == '-' else f' {unit}'}"

@@ -16,12 +16,17 @@ from drill_twin.core.units.dimension import ANGULAR_SPEED, LENGTH
 from drill_twin.io.messages.stamps import NANOSECONDS
 from drill_twin.report.summary import timeline
 from drill_twin.whirl import AnalysisError, Analyzer, MarkInfo, MotionPeriod, Onset, Summary
+from drill_twin.whirl.analyzer import LARGEST_STAMP
 
 CLEARANCE_TAKEN = (
     "no clearance was given: the largest distance from the axis is taken for it, so radii count as shares of the "
     "largest motion in this record, and a record without whirl may seem to whirl; give clearance="
 )
 """Note on an analysis without a clearance."""
+
+
+LATEST = LARGEST_STAMP / NANOSECONDS
+"""Latest time that a stamp can hold [s]: 146 years."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -124,12 +129,9 @@ def analyze(
     if len(labels) != marks:
         raise AnalysisError(f"names: expected {marks}, one for each column of x, found {len(labels)}")
     analyzer = Analyzer([MarkInfo(name, float(k), on, outer, free) for k, name in enumerate(labels)])
-    rows = []
-    for k, stamp in enumerate(np.rint(times * NANOSECONDS).astype(np.int64)):
-        of = analyzer.push(int(stamp), position[k], None if angle is None else angle[k], float(speed[k]))
-        rows.append((of.orbit_radius.copy(), of.precession, of.ratio, of.confidence))
+    found = analyzer.push_block(np.rint(times * NANOSECONDS).astype(np.int64), position, angle, speed)
     summary = analyzer.summary()
-    radii, precession, ratio, confidence = np.moveaxis(np.array(rows), 1, 0)
+    radii, precession, ratio, confidence = np.moveaxis(found.values, -1, 0)
     return Whirl(times, labels, radii, precession, ratio, confidence, summary, (*summary.notes, *notes))
 
 
@@ -137,7 +139,7 @@ def _times(time: ArrayLike) -> Array:
     times = _numbers("time", time)
     if times.ndim != 1 or times.size < 2:
         raise AnalysisError(f"time: expected at least two times, shape (T,), found an array of shape {times.shape}")
-    wrong = ~np.isfinite(times)
+    wrong = ~(np.abs(times) <= LATEST)
     wrong[1:] |= ~(np.diff(times) > 0.0)
     if wrong.any():
         place = int(np.argmax(wrong))

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The tree of commands. Each imports its modules when it is called, so that --help is fast."""
+"""The tree of commands. A command imports its modules when it is called, so that --help is fast."""
 
 from __future__ import annotations
 

@@ -87,7 +87,7 @@ def compare(
     differing = [row for row in rows if row.differs(tolerance)]
     content = {
         "cases": cases, "tolerance": tolerance, "differing": [row.name for row in differing], "notes": notes,
-        "verdict": said, "costs": [of._asdict() for of in ranked],
+        "verdict": said, "costs": [cost._asdict() for cost in ranked],
         "quantities": [{**row._asdict(), "differs": row.differs(tolerance)} for row in rows],
     }  # fmt: skip
     picture = draw_runs([(case.name, case.result.recording) for case in found], "Runs over time", units=shown)

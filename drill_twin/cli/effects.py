@@ -17,7 +17,7 @@ from drill_twin.core.table import Table
 
 if TYPE_CHECKING:
     from drill_twin.studies.accuracy.ablation import Ablation, Change
-    from drill_twin.studies.accuracy.trial import AblationQuantity
+    from drill_twin.studies.accuracy.errors import AblationQuantity
 
 
 def effects(
@@ -71,7 +71,7 @@ def effects(
 
 
 def _table(ablation: Ablation) -> Table:
-    from drill_twin.studies.accuracy.trial import NAMES
+    from drill_twin.studies.accuracy.errors import NAMES
 
     known = next(change.quantities for change in (*ablation.changes, ablation.reduced) if change.quantities)
     runs = ablation.replicas
@@ -83,7 +83,7 @@ def _table(ablation: Ablation) -> Table:
 
 
 def _row(change: Change, runs: int) -> tuple[str, ...]:
-    from drill_twin.studies.accuracy.trial import NAMES
+    from drill_twin.studies.accuracy.errors import NAMES
 
     name = " + ".join(change.left_out)
     if change.failure:

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""End of a command: its files in a folder, an existing result moved aside or replaced only with `--replace`, and JSON
-or what people read on stdout.
+"""Output of a command: files in a folder, and on stdout JSON or a text for people.
+
+An existing result is moved aside or replaced with `--replace` only.
 """
 
 from __future__ import annotations
@@ -21,7 +22,7 @@ if TYPE_CHECKING:
     from rich.text import Text
 
 Shown = Iterable["Table | Text | str"]
-"""Tables and lines for people; computed only where they are printed, if it is a generator."""
+"""Tables and lines for people; a generator computes them only where they are printed."""
 
 
 def emit(
@@ -99,8 +100,6 @@ def new_folder(folder: Path, *, replace: bool) -> Path | None:
     """Make an empty folder, as `output.new_folder`; says on stderr where an older result is now."""
     moved = output.new_folder(folder, replace=replace)
     if moved:
-        from drill_twin.cli.show import remark
-
         remark(f"the older result is now {moved}")
     return moved
 

@@ -12,7 +12,7 @@ beside those of the core, installed or not.
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from difflib import get_close_matches
 from importlib.metadata import EntryPoint
 from typing import Any
@@ -114,17 +114,20 @@ def _of_companion(whole: str) -> Any:
     package, panel = _OF_COMPANIONS.get(whole, ("", ""))
     name, entry = whole.rpartition(" ")[2], entry_of(ENTRY_POINTS, whole)
     if entry is None:
-        return _of_function(name, panel, _refusing(whole, package), ANY_ARGUMENTS)
+        error = not_installed(f"`drill-twin {whole}`", package)
+        return _refused(name, panel, error, f"Not installed; it is in the package {package}.")
     return _command(entry, name, panel)
 
 
-def _refusing(whole: str, package: str) -> Callable[..., object]:
+def _refused(name: str, panel: str, error: ArgumentError, help_text: str) -> Any:
+    """Command that takes any arguments and raises an error."""
+
     def command(context: typer.Context) -> None:
         del context
-        raise not_installed(f"`drill-twin {whole}`", package)
+        raise error
 
-    command.__doc__ = f"Not installed; it is in the package {package}."
-    return command
+    command.__doc__ = help_text
+    return _of_function(name, panel, command, ANY_ARGUMENTS)
 
 
 def _command(entry: EntryPoint, name: str, panel: str) -> Any:
@@ -136,20 +139,10 @@ def _command(entry: EntryPoint, name: str, panel: str) -> Any:
             f'expected the command "{entry.name}" of the package {package_of(entry)} in {entry.value}, found '
             f"{type(error).__name__}: {error}; reinstall the package, or remove it"
         )
-        return _of_function(name, panel, _broken(trouble))
+        return _refused(name, panel, ArgumentError(trouble), f"Cannot be loaded: {trouble}.")
 
 
-def _of_function(
-    name: str, panel: str, function: Callable[..., object], settings: Mapping[str, Any] | None = None
-) -> Any:
+def _of_function(name: str, panel: str, function: Callable[..., object], settings: dict[str, Any] | None = None) -> Any:
     alone = typer.Typer(add_completion=False, rich_markup_mode="rich")
-    alone.command(name, rich_help_panel=panel or None, context_settings=dict(settings or {}))(function)
+    alone.command(name, rich_help_panel=panel or None, context_settings=settings or {})(function)
     return get_command(alone)
-
-
-def _broken(trouble: str) -> Callable[..., object]:
-    def command() -> None:
-        raise ArgumentError(trouble)
-
-    command.__doc__ = f"Cannot be loaded: {trouble}."
-    return command

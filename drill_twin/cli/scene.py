@@ -108,8 +108,8 @@ def _lines(scene: Scene) -> Iterator[tuple[str, str]]:
     yield "string", f"{units.text(scene.length, 'length')}, {len(string.sections)} sections, bit end {string.bit_end}"
     heavy = [section for section in string.sections if section.adjusted_mass is not None]
     if heavy:
-        weights = (units.text(of.mass_per_length * GRAVITY, "force_per_length") for of in heavy)
-        yield "weight in air", ", ".join(f"{of.name} {weight}" for of, weight in zip(heavy, weights, strict=True))
+        weights = {one.name: units.text(one.mass_per_length * GRAVITY, "force_per_length") for one in heavy}
+        yield "weight in air", ", ".join(f"{name} {weight}" for name, weight in weights.items())
     yield "marks", ", ".join(f"{mark.name} ({units.text(mark.distance_from_bit, 'length')})" for mark in string.marks)
     tilt = math.degrees(scene.hole.top_inclination)
     yield "hole", f"radius {units.text(scene.hole.radius, 'offset')}, inclined by {tilt:g} degrees at the top"

@@ -22,7 +22,7 @@ from drill_twin.core.table import Table
 
 
 class PrintableConsole(Console):
-    """Console that writes control characters out, whichever name of a bag they come from."""
+    """Console that spells control characters out, such as those in the name of a bag."""
 
     def say(self, text: str | Text, style: str = "") -> None:
         """Print a text: in a terminal its lines are broken between words, elsewhere it is as it is."""
@@ -44,7 +44,7 @@ def out() -> PrintableConsole:
 
 @cache
 def err() -> PrintableConsole:
-    """Console for progress and remarks, on stderr: the same one for all, so that remarks stay above a bar."""
+    """Console for progress and remarks, on stderr: one console for both, so that remarks stay above a bar."""
     return PrintableConsole(stderr=True, highlight=False, emoji=False)
 
 
@@ -60,7 +60,7 @@ def remark(text: str, style: str = "") -> None:
 
 def findings_shown(summary: Mapping[str, Any]) -> Iterator[Table]:
     """Tables of a summary: findings, marks and timeline; what limits the findings goes to stderr."""
-    from drill_twin.report.text import findings, limitations, provenance
+    from drill_twin.report.text import findings, limitations, provenance, timeline_rows
 
     rows = [row for row in findings(summary) if not row[0].startswith("largest radius")]
     yield Table((), [*rows, *provenance(summary)])
@@ -68,7 +68,7 @@ def findings_shown(summary: Mapping[str, Any]) -> Iterator[Table]:
         yield Table(("mark", "largest radius", "over the threshold", "motion at the end"), marks, right=(2,))
     if found := summary["acceleration"]:
         yield _accelerations(found, summary)
-    if periods := [_period(period) for period in summary["motion"]]:
+    if periods := timeline_rows(summary["motion"]):
         yield Table(("from", "to", "motion of the string", "what decided it"), periods, right=(0, 1))
     for trouble in limitations(summary):
         remark(f"note: {trouble}", "yellow")
@@ -76,13 +76,10 @@ def findings_shown(summary: Mapping[str, Any]) -> Iterator[Table]:
 
 def marks_shown(summary: Mapping[str, Any]) -> Iterator[Table]:
     """Timeline of every mark."""
-    motion = summary["mark_motion"].items()
-    if rows := [(mark, *_period(period)) for mark, periods in motion for period in periods]:
+    from drill_twin.report.text import timeline_rows
+
+    if rows := [(mark, *row) for mark, periods in summary["mark_motion"].items() for row in timeline_rows(periods)]:
         yield Table(("mark", "from", "to", "motion", "what decided it"), rows, right=(1, 2))
-
-
-def _period(period: Mapping[str, Any]) -> tuple[str, str, str, str]:
-    return f"{period['start_s']:.2f} s", f"{period['end_s']:.2f} s", period["state"], period["criterion"]
 
 
 def _marks(summary: Mapping[str, Any]) -> Iterable[tuple[str, str, str, str]]:
@@ -103,10 +100,10 @@ def _accelerations(found: Mapping[str, Any], summary: Mapping[str, Any]) -> Tabl
     """Acceleration of the marks in g, and the level of each."""
     from drill_twin.core.units.dimension import GRAVITY
 
-    keys = [f"{way}_{of}" for way in ("lateral", "axial") for of in ("rms_m_s2", "peak_m_s2", "level")]
+    keys = [f"{way}_{size}" for way in ("lateral", "axial") for size in ("rms_m_s2", "peak_m_s2", "level")]
     rows = [
-        (mark, *(f"{of[key]}" if key.endswith("level") else f"{of[key] / GRAVITY:.2g}" for key in keys))
-        for mark, of in found.items()
+        (mark, *(f"{sizes[key]}" if key.endswith("level") else f"{sizes[key] / GRAVITY:.2g}" for key in keys))
+        for mark, sizes in found.items()
     ]
     since, shortest = summary["settled_s"], 2e3 / summary["acceleration_rate_hz"]
     title = (
@@ -117,7 +114,8 @@ def _accelerations(found: Mapping[str, Any], summary: Mapping[str, Any]) -> Tabl
     )
 
 
-_LINE_PERIOD = 10.0  # s between two lines outside a terminal
+_LINE_PERIOD = 10.0
+"""Time between two lines of progress outside a terminal [s]."""
 
 
 def _amount(task: Task) -> str:
@@ -160,7 +158,7 @@ class Bar:
             remark(", ".join(told))
 
     def step(self, text: str) -> None:
-        """Show what was done, and that it is one more."""
+        """Show what was done, and count it."""
         self.show(text, self._task.completed + 1)
 
 
@@ -174,10 +172,10 @@ def shown_progress(
 
     Args:
         text: What is in progress.
-        total: Amount at the end, of seconds, runs or the like; None: not known, or not known yet.
+        total: Seconds, runs or the like at the end; None: not known, or not known yet.
         unit: Unit of the amounts; with one there is a bar even if the total is not known yet.
         kept: Sentence on what is kept after Ctrl-C, and how to go on.
-        most: The total is a bound: it may end before.
+        most: The total is a bound, before which the block may end.
     """
     words = TextColumn("{task.description}", markup=False)
     columns: tuple[ProgressColumn, ...] = (SpinnerColumn(), words)

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Iterator
+from operator import attrgetter
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -23,6 +24,11 @@ if TYPE_CHECKING:
 
 _NOTHING, _LARGEST_MARGIN = 1e-4, 1e3
 """Share of the largest number of a column below which it is the residual of a balance; largest margin that is shown."""
+_COLUMNS = (
+    *(("hookload", "force"), ("soft.hookload", "force"), ("surface_torque", "torque")),
+    *(("soft.surface_torque", "torque"), ("neutral_point", "length"), ("stretch", "length")),
+)
+"""Quantities of an operation in the first table, and their kinds of units."""
 SHAPES = ("straight", "sinusoidal", "sinusoidal, helix", "helix")
 """Words for `BucklingState`, those of the columns."""
 
@@ -136,14 +142,9 @@ def _shown(found: Statics, units: UnitSystem) -> Iterator[Table | str]:
     yield Table(
         ("operation", "hookload", "soft", "torque", "soft", "neutral", "stretch", "turns"),
         zip(
-            [of.operation.name for of in operations],
-            column((of.hookload for of in operations), "force"),
-            column((of.soft.hookload for of in operations), "force"),
-            column((of.surface_torque for of in operations), "torque"),
-            column((of.soft.surface_torque for of in operations), "torque"),
-            column((of.neutral_point for of in operations), "length"),
-            column((of.stretch for of in operations), "length"), column(of.twist / math.tau for of in operations),
-            strict=True,
+            [loads.operation.name for loads in operations],
+            *(column(map(attrgetter(name), operations), quantity) for name, quantity in _COLUMNS),
+            column(loads.twist / math.tau for loads in operations), strict=True,
         ),
         title=f"{found.scene.name}: {_set_point(found, u)}; in {u.force}, {u.torque}, {u.length}; neutral point from "
         "the bit; soft: string without bending stiffness",
@@ -153,29 +154,29 @@ def _shown(found: Statics, units: UnitSystem) -> Iterator[Table | str]:
         ("operation", "sinusoidal", "helix", "lock-up", "yield", "make-up", "stress", "shape"),
         [
             (
-                of.operation.name, *(_ratio(margin) for margin in of.margins),
-                _ratio(of.lock_up / of.operation.weight_on_bit if of.operation.is_on_bottom else math.nan),
-                _ratio(of.yield_margin), _ratio(of.make_up_margin),
-                f"{u.show(float(of.along.stress.max()), 'stress'):.4g}", SHAPES[of.worst_state],
+                loads.operation.name, *(_ratio(margin) for margin in loads.margins),
+                _ratio(loads.lock_up / loads.operation.weight_on_bit if loads.operation.is_on_bottom else math.nan),
+                _ratio(loads.yield_margin), _ratio(loads.make_up_margin),
+                f"{u.show(float(loads.along.stress.max()), 'stress'):.4g}", SHAPES[loads.worst_state],
             )
-            for of in operations
+            for loads in operations
         ],
         title=f"margins: limit over load where least, below 1 it is passed; largest stress in {u.stress}",
         right=range(1, 8),
     )  # fmt: skip
-    if bent := [of.operation.name for of in operations if of.worst_state and of.along.side_force.max() < 1e-6]:
+    if bent := [loads for loads in operations if loads.worst_state and loads.along.side_force.max() < 1e-6]:
         yield (
-            f"{', '.join(bent)}: past a buckling load, but in balance on the axis: hookload, stress and yield are "
-            "those of straight pipe, without its bend and the friction of a helix"
+            f"{', '.join(loads.operation.name for loads in bent)}: past a buckling load, but in balance on the axis: "
+            "hookload, stress and yield are those of straight pipe, without its bend and the friction of a helix"
         )
     yield Table(
         ("operation", *(contact.name for contact in operations[0].contacts)),
         [
             (
-                of.operation.name,
-                *(f"{u.show(c.force, 'force'):.3g}, {math.degrees(c.tilt):.2f}" for c in of.contacts),
+                loads.operation.name,
+                *(f"{u.show(c.force, 'force'):.3g}, {math.degrees(c.tilt):.2f}" for c in loads.contacts),
             )
-            for of in operations
+            for loads in operations
         ],
         title=f"force of the wall on bit and stabilisers in {u.force}, tilt against the hole in deg",
         right=range(1, 1 + len(operations[0].contacts)),

@@ -5,8 +5,95 @@
 >>> summarise("out/run/bag_0")["onset_s"]
 """
 
-from drill_twin.report.build import ReportFiles, build_report
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from drill_twin.core.errors import BagError
+from drill_twin.core.files.output import write_whole
+from drill_twin.core.files.plain_json import json_text
+from drill_twin.report.figures import FIGURES, drawing, left_out
 from drill_twin.report.recording import Recording, read_recording
 from drill_twin.report.summary import summarise
 
-__all__ = ["Recording", "ReportFiles", "build_report", "read_recording", "summarise"]
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+__all__ = ["Recording", "ReportFiles", "build_report", "draw", "read_recording", "summarise"]
+
+
+@dataclass(frozen=True)
+class ReportFiles:
+    """Paths of the files of a report."""
+
+    page: Path
+    """`report.html`, which is complete without the other files."""
+    summary: Path
+    """`summary.json`."""
+    figures: dict[str, Path]
+    """PNG files by name; without those that the recording cannot fill."""
+
+
+def build_report(
+    bag: Recording | str | Path,
+    out_dir: str | Path,
+    *,
+    states: bool = False,
+    progress: Callable[[str], None] = lambda _: None,
+) -> ReportFiles:
+    """Write `report.html`, `summary.json` and the figures; older files of these names are replaced.
+
+    Args:
+        bag: A recording, or the path of a bag.
+        out_dir: Folder of the report; created if needed.
+        states: Name the steady whirl that each finding is near (`drill_twin.report.near_states`).
+        progress: Called with the name of each part before it is made.
+
+    Raises:
+        BagError: The bag cannot be analysed, or the folder cannot be written.
+    """
+    progress("analysis")
+    recording = bag if isinstance(bag, Recording) else read_recording(bag)
+    summary = summarise(recording)
+    if states:
+        from drill_twin.report.near_states import near_states
+
+        progress("whirl states")
+        summary["whirl_states"] = near_states(recording, summary)
+    folder = Path(out_dir)
+    files = ReportFiles(
+        folder / "report.html",
+        folder / "summary.json",
+        {name: folder / f"{name}.png" for name in FIGURES if name not in left_out(recording)},
+    )
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        write_whole(files.summary, json_text(summary))
+        from drill_twin.report.charts import CHARTS, chart
+        from drill_twin.report.figures.style import save
+        from drill_twin.report.page import build_page
+
+        charts = {}
+        for name, path in files.figures.items():
+            progress(name)
+            save(figure := draw(name, recording), path)
+            if name in CHARTS:
+                charts[name] = chart(figure)
+        progress("page")
+        write_whole(files.page, build_page(recording, summary, files.figures, charts))
+    except OSError as error:
+        raise BagError(
+            f"{folder}: expected a place to write the report, found {error.strerror or error}; choose another folder"
+        ) from error
+    return files
+
+
+def draw(name: str, recording: Recording) -> Figure:
+    """One of `FIGURES`."""
+    from drill_twin.report.figures.style import styled
+
+    with styled():
+        return drawing(name)(recording)

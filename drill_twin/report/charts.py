@@ -191,7 +191,7 @@ def view_data(recording: Recording) -> str:
     names = [name.replace("[m]", f"[{units.length}]").replace("[mm]", f"[{units.offset}]") for name in well["names"]]
     data: dict[str, Any] = {
         "full": _FULL,
-        "units": {of: [units.show(1.0, of), getattr(units, of)] for of in ("length", "offset")},
+        "units": {quantity: [units.show(1.0, quantity), getattr(units, quantity)] for quantity in ("length", "offset")},
         "radius": radius,
         "length": length,
         "top": assembly_top(recording.scene),

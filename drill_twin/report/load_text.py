@@ -28,7 +28,7 @@ def load_rows(summary: Summary) -> Iterator[Row]:
         ("torque on the bit", "bit_torque_nm", "torque", -1.0),  # in the summary that of the rock on the bit
     ):
         if found := summary["loads"].get(key):
-            mean, *ends = (sign * found[of] + 0.0 for of in ("mean", "min", "max"))  # never -0
+            mean, *ends = (sign * found[kind] + 0.0 for kind in ("mean", "min", "max"))  # never -0
             over = units.span(min(ends), max(ends), quantity)
             yield name, f"{units.text(mean, quantity)} on average from {summary['settled_s']:.1f} s on, {over} in all"
 
@@ -39,9 +39,12 @@ def severity_rows(summary: Summary) -> Iterator[Row]:
     for name in ("lateral", "axial"):
         if found:
             mark = max(found, key=lambda mark: found[mark][f"{name}_rms_m_s2"])
-            rms, peak = (units.text(found[mark][f"{name}_{of}_m_s2"], "acceleration", ".2g") for of in ("rms", "peak"))
-            at = level_text(found[mark][f"{name}_level"])
-            yield f"{name} acceleration", f"{rms} rms, {peak} peak at {mark}: {at}"
+            sizes = (found[mark][f"{name}_{size}_m_s2"] for size in ("rms", "peak"))
+            rms, peak = (units.text(size, "acceleration", ".2g") for size in sizes)
+            yield (
+                f"{name} acceleration",
+                f"{rms} rms, {peak} peak at {mark}: {level_text(found[mark][f'{name}_level'])}",
+            )
     if (at := summary["stick_slip_level"]) is not None:
         yield "stick-slip severity", level_text(at)
     assumed = ", of the rock that the scene assumes" if summary["version"] else ""

@@ -29,6 +29,7 @@ from drill_twin.report.text import (
     irregular,
     limitations,
     provenance,
+    timeline_rows,
     transient,
 )
 from drill_twin.scene import Scene
@@ -83,13 +84,22 @@ def build_page(
         _scene(scene) if scene else "",
         f"<footer>drawn by drill_twin {escape(__version__)} from {escape(recording.path.name)}</footer>",
     ]  # fmt: skip
-    scripts = _scripts(charts, recording)
+    return html_page(f"{name}: drill_twin report", "".join(body), _scripts(charts, recording))
+
+
+def html_page(title: str, body: str, scripts: str = "") -> str:
+    """Text of a page in the style of the report.
+
+    Args:
+        title: Title of the window.
+        body: Elements of the page.
+        scripts: Elements `script` after them.
+    """
     return (
         '<!DOCTYPE html>\n<html lang="en"><head><meta charset="utf-8">'
         '<meta name="viewport" content="width=device-width, initial-scale=1">'
-        f'<title>{escape(name)}: drill_twin report</title><link rel="icon" href="data:,">'
-        f"<style>{_asset('page.css')}</style></head>\n"
-        f"<body><main>{''.join(body)}</main>\n{scripts}</body></html>\n"
+        f'<title>{escape(title)}</title><link rel="icon" href="data:,"><style>{_asset("page.css")}</style></head>\n'
+        f"<body><main>{body}</main>\n{scripts}</body></html>\n"
     )
 
 
@@ -114,6 +124,10 @@ def _not_drawn(recording: Recording) -> list[str]:
     return [f"not drawn: {', '.join(names)} (the recording holds {why})" for why, names in reasons.items()]
 
 
+def _row(*cards: str) -> str:
+    return f'<div class="cards">{"".join(cards)}</div>'
+
+
 def card(value: float | str | None, form: str, name: str, none: str = "none") -> str:
     """Number in a box with its name."""
     return f"<div><b>{none if value is None else form.format(value)}</b><span>{escape(name)}</span></div>"
@@ -128,13 +142,10 @@ def _first_cards(summary: Mapping[str, Any]) -> str:
     ended = transient(summary)
     onset = f"onset of a transient, ended at {summary['whirl_end_s']:.2f} s" if ended else "onset of whirl"
     index = "stick-slip index of the bit, last 20 s" + ("" if at is None else f", {level_text(at)}")
-    return (
-        '<div class="cards">'
-        + card(summary["onset_s"], "{:.2f} s", onset)
-        + card(summary["stick_slip_index"], "{:.2f}", index, "unknown")
-        + card(rms, "{}", f"lateral acceleration{level}", "unknown")
-        + "</div>"
-    )
+    return _row(
+        card(summary["onset_s"], "{:.2f} s", onset), card(summary["stick_slip_index"], "{:.2f}", index, "unknown"),
+        card(rms, "{}", f"lateral acceleration{level}", "unknown"),
+    )  # fmt: skip
 
 
 def _cards(summary: Mapping[str, Any]) -> str:
@@ -147,15 +158,13 @@ def _cards(summary: Mapping[str, Any]) -> str:
         swings = card(swing.get("last"), "{:.2f}", "swing of the torque over its mean, last 20 s", "unknown")
         if (by_torque := found.get("stick_slip_index_by_torque")) is not None:
             index = card(by_torque, "{:.2f}", "stick-slip index by the torque, at most")
-        return f'<div class="cards">{"".join(means)}{swings}{index}</div>'
+        return _row(*means, swings, index)
     radii = {mark: radius for mark, radius in summary["max_radius_m"].items() if radius is not None}
     widest = max(radii, key=lambda mark: radii[mark], default=None)
-    return (
-        '<div class="cards">'
-        + _motion_cards(summary)
-        + card(units_of(summary).text(radii[widest], "offset") if widest else None, "{}", f"largest radius, {widest}")
-        + card(summary["realtime_factor"], "{:.2g}", "real-time factor", "unknown")
-        + "</div>"
+    return _row(
+        _motion_cards(summary),
+        card(units_of(summary).text(radii[widest], "offset") if widest else None, "{}", f"largest radius, {widest}"),
+        card(summary["realtime_factor"], "{:.2g}", "real-time factor", "unknown"),
     )
 
 
@@ -164,11 +173,11 @@ def _motion_cards(summary: Mapping[str, Any]) -> str:
     ended, cards = transient(summary), card(summary["lasting_motion"], "{}", "motion that lasts", "unknown")
     if irregular(summary):
         return cards + card(interval(summary) or None, "{}", "irregular whirl, over windows", "irregular")
-    of = " of the transient" if ended else ""
+    whose = " of the transient" if ended else ""
     return (
         cards
-        + card(summary["whirl_frequency_hz"], "{:+.2f} Hz", f"whirl{of}, positive = forward")
-        + card(summary["whirl_ratio"], "{:+.2f}", f"whirl ratio{of}, most frequent")
+        + card(summary["whirl_frequency_hz"], "{:+.2f} Hz", f"whirl{whose}, positive = forward")
+        + card(summary["whirl_ratio"], "{:+.2f}", f"whirl ratio{whose}, most frequent")
     )
 
 
@@ -182,11 +191,7 @@ def _timeline(summary: Mapping[str, Any]) -> str:
     columns = (
         Column("from", right=True), Column("to", right=True), Column("state", whole=True), Column("what decided it")
     )  # fmt: skip
-    rows = (
-        (f"{period['start_s']:.2f} s", f"{period['end_s']:.2f} s", period["state"], period["criterion"])
-        for period in summary["motion"]
-    )
-    table = Table(columns, rows).html(named=False)
+    table = Table(columns, timeline_rows(summary["motion"])).html(named=False)
     return f'<h2>Motion of the string</h2><section class="timeline">{table}</section>'
 
 
@@ -198,14 +203,14 @@ def _figure(name: str, figures: Mapping[str, Path]) -> str:
 def _both(path: Path, name: str) -> str:
     """Picture, and the place of the chart that takes its place."""
     return (
-        f'<div class="both"><div class="chart" data-name="{name}"></div>'
-        f'<div class="picture">{_image(path, name)}</div></div>'
+        f'<div class="both"><div class="chart" data-name="{name}"></div>{picture(path, name.replace("_", " "))}</div>'
     )
 
 
-def _image(path: Path, name: str) -> str:
+def picture(path: Path, name: str) -> str:
+    """Element of a PNG file, with its bytes."""
     data = base64.b64encode(path.read_bytes()).decode()
-    return f'<img alt="{escape(name.replace("_", " "))}" src="data:image/png;base64,{data}">'
+    return f'<div class="picture"><img alt="{escape(name)}" src="data:image/png;base64,{data}"></div>'
 
 
 def _view(scene: Scene) -> str:

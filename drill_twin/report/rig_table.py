@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import csv
 import io
 import math
 from collections.abc import Sequence
@@ -16,13 +15,13 @@ from drill_twin.core.arrays import Array
 from drill_twin.core.errors import BagError, MessageError, import_extra
 from drill_twin.core.files.yaml_reader import YamlError, plain_yaml
 from drill_twin.core.rig_channels import RIG_CHANNELS
+from drill_twin.core.table import Column, Table
 from drill_twin.core.units.dimension import ANGULAR_SPEED, FORCE, LENGTH, TORQUE
 from drill_twin.io.bag.series import RigSeries
-from drill_twin.io.bag.skipped import stray_stamps
+from drill_twin.io.bag.skipped import SkippedMessages
 from drill_twin.io.messages.decode import read_string
-from drill_twin.io.messages.stamps import raw_header_stamp
 from drill_twin.io.messages.topics import RIG_STATE, TWIN_SCENE
-from drill_twin.report.selection import Selection, open_bag
+from drill_twin.report.selection import SelectedMessages, Selection, open_bag
 
 _COLUMNS = (
     "bit_force", "hookload", "top_drive_speed", "top_drive_torque", "bit_speed", "bit_torque", "block_position",
@@ -53,18 +52,15 @@ def read_rig(path: str | Path, selection: Selection) -> tuple[RigSeries, str]:
         TableError: It is a record that cannot be read.
     """
     bag = open_bag(path, selection)
-    rig, scene, place = RigSeries(), "", -1
-    stray = stray_stamps([raw_header_stamp(raw) for _, _, raw in bag.messages((RIG_STATE,))])
-    for topic, _, raw in bag.messages((TWIN_SCENE, RIG_STATE)):
-        if topic == TWIN_SCENE:
-            if scene not in {"", text := read_string(raw)}:
-                rig = RigSeries()
-            scene = text
-            continue
-        place += 1
-        if place not in stray and selection.holds(raw_header_stamp(raw)):
+    rig, scene = RigSeries(), ""
+    for topic, raw, _ in SelectedMessages(bag, selection, set()).read((TWIN_SCENE, RIG_STATE), SkippedMessages()):
+        if topic == RIG_STATE:
             with suppress(MessageError):
                 rig.add_message(raw)
+            continue
+        if scene not in {"", text := read_string(raw)}:
+            rig = RigSeries()
+        scene = text
     if not len(rig):
         raise BagError(
             f"{path}: expected messages on {RIG_STATE} in this time, found none; choose another --from, --to"
@@ -92,12 +88,9 @@ def rig_channels(rig: RigSeries) -> list[Channel]:
 
 def csv_text(channels: Sequence[Channel]) -> str:
     """A header of names and units, a line a sample; empty where a channel has none."""
-    text = io.StringIO()
-    writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(f"{channel.name} [{channel.unit}]" for channel in channels)
-    for row in zip(*(channel.values.tolist() for channel in channels), strict=True):
-        writer.writerow(f"{value:.10g}" if math.isfinite(value) else "" for value in row)
-    return text.getvalue()
+    rows = zip(*(channel.values.tolist() for channel in channels), strict=True)
+    shown = ([f"{value:.10g}" if math.isfinite(value) else "" for value in row] for row in rows)
+    return Table([Column(channel.name, channel.unit) for channel in channels], shown).csv()
 
 
 def las_text(channels: Sequence[Channel], well: str) -> str:

@@ -21,8 +21,13 @@ from drill_twin.whirl import AnalysisError, MotionPeriod, two_sided_spectrum
 
 SLOWEST = 0.1
 """Lowest frequency of oscillations of the bit's speed [Hz]."""
+_OF_THE_ONSET = ("mark", "confidence", "criterion", "uncertainty_s", "dated", "at_start")
+_OF_THE_WHIRL = (
+    "mark_onset_s", "whirl_frequency_hz", "whirl_ratio", "frequency_mark", "lasting_motion", "whirl_end_s",
+)  # fmt: skip
+"""Fields of the onset and of the findings that the summary has under their own names."""
 NOTICED = 0.01
-"""Least amplitude of such an oscillation, over the mean speed."""
+"""Least height of its line in the two-sided spectrum, which is half of its amplitude, over the mean speed."""
 
 
 def summarise(bag: Recording | Bag | str | Path) -> dict[str, Any]:
@@ -91,27 +96,15 @@ def summarise(bag: Recording | Bag | str | Path) -> dict[str, Any]:
         "units": bag.units.name,
         "whirl_observable": found.observable,
         "onset_s": found.onset_s,
-        "onset_mark": onset.mark if onset else None,
-        "onset_confidence": onset.confidence if onset else None,
-        "onset_criterion": onset.criterion if onset else None,
-        "onset_uncertainty_s": onset.uncertainty_s if onset else None,
-        "onset_dated": onset.dated if onset else None,
-        "onset_at_start": onset.at_start if onset else None,
-        "mark_onset_s": found.mark_onset_s,
-        "whirl_frequency_hz": found.whirl_frequency_hz,
-        "whirl_ratio": found.whirl_ratio,
-        "frequency_mark": found.frequency_mark,
-        "lasting_motion": found.lasting_motion,
-        "whirl_end_s": found.whirl_end_s,
+        **{f"onset_{key}": getattr(onset, key, None) for key in _OF_THE_ONSET},
+        **{key: getattr(found, key) for key in _OF_THE_WHIRL},
         **precession(bag),
         "rotation_rev_s": found.rotation_rev_s,
         "max_radius_m": found.max_radius_m,
         "clearance_m": {mark.name: mark.clearance for mark in bag.places},
         "motion": timeline(found.motion, bag.duration),
         "mark_motion": {mark: timeline(periods, bag.duration) for mark, periods in found.mark_motion.items()},
-        "bit": found.bit,
-        "stick_slip_index": found.stick_slip_index,
-        "largest_stick_slip_index": found.largest_stick_slip_index,
+        **{key: getattr(found, key) for key in ("bit", "stick_slip_index", "largest_stick_slip_index")},
         "stick_slip": [{**asdict(period), "frequency_hz": period.frequency_hz} for period in found.stick_slip],
         "bit_spectral_peak_hz": bit_peak(bag),
         "sub": None if found.sub is None else asdict(found.sub),
@@ -132,9 +125,7 @@ def summarise(bag: Recording | Bag | str | Path) -> dict[str, Any]:
         "step_s": run.get("step_s"),
         "effects": list(run.get("effects", bag.scene.effect_names if bag.scene_known else ())),
         "seed": run.get("seed", bag.scene.numerics.seed if bag.scene_known else None),
-        "version": run.get("version"),
-        "pace": run.get("pace"),
-        "started": run.get("started"),
+        **{key: run.get(key) for key in ("version", "pace", "started")},
         "duration_s": bag.duration,
         "samples": found.quality.accepted,
         "quality": found.quality._asdict(),

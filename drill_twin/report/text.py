@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 from drill_twin.core.units.system import UnitSystem
@@ -23,17 +23,17 @@ from drill_twin.report.load_text import (
 from drill_twin.whirl import Criteria, MotionState
 
 _OF_THE_STRING = {MotionState.SPIRAL.value, MotionState.SECOND_BENDING.value}
-"""States that only the string has, by its shape."""
+"""States of the string's shape, which no single mark can have."""
 FIELD_NAMES = {
     MotionState.ROLLING.value: "backward whirl", MotionState.IRREGULAR.value: "chaotic whirl",
 }  # fmt: skip
-"""Names of states in the field, where they are others (vocabulary of D-WIS)."""
+"""Field names of states that have another name here (vocabulary of D-WIS)."""
 LAB = "lab"
-"""System of units of a bench, where the levels of downhole tools say nothing."""
+"""System of units of a bench, for which the levels of downhole tools are not meant."""
 ON_THE_WALL = 1.005
-"""Share of the clearance from which the penetration of the wall is told."""
+"""Radius over the clearance from which a row tells how deep in the wall a mark was; not measured."""
 _VARIES = 0.05
-"""Range of a set-point, over its mean, from which it is given."""
+"""Range of a set-point, over its mean, from which a sentence gives the range."""
 NOT_VALIDATED = """\
 No measurement of a whirling string stands behind this run: onset, whirl frequency and radii are what the model gives \
 for this scene. The scene's provenance says which of its numbers are measured, published or estimated; the estimated \
@@ -74,11 +74,8 @@ def findings(summary: Summary) -> Iterator[Row]:
     if not summary["whirl_observable"]:
         yield "whirl", "not observable: no positions of marks"
         yield "rotation", rotation(summary, units_of(summary))
-        yield from load_rows(summary)
-        yield from surface_rows(summary)
-        yield from severity_rows(summary)
-        yield from fatigue_rows(summary)
-        yield from bit_rows(summary)
+        for rows in (load_rows, surface_rows, severity_rows, fatigue_rows, bit_rows):
+            yield from rows(summary)
         return
     yield "motion that lasts", f"{lasting(summary)}{_weak(summary)}"
     yield "onset of whirl", _onset(summary)
@@ -89,11 +86,8 @@ def findings(summary: Summary) -> Iterator[Row]:
     yield "rotation", rotation(summary, units_of(summary))
     for mark, value in summary["max_radius_m"].items():
         yield f"largest radius, {mark}", radius_text(value, summary["clearance_m"].get(mark), units_of(summary))
-    yield from _states(summary)
-    yield from _wall(summary)
-    yield from load_rows(summary)
-    yield from severity_rows(summary)
-    yield from fatigue_rows(summary)
+    for rows in (_states, _wall, load_rows, severity_rows, fatigue_rows):
+        yield from rows(summary)
     yield "motion at the end", summary["motion"][-1]["state"] if summary["motion"] else "unknown"
     yield from bit_rows(summary)
     yield from sub_rows(summary)
@@ -123,29 +117,31 @@ def _wall(summary: Summary) -> Iterator[Row]:
         yield "deepest in the wall", f"{units.text(found['deepest_m'], 'offset')} ({share}), {place}{at_rest}"
 
 
+def timeline_rows(periods: Sequence[Mapping[str, Any]]) -> list[tuple[str, str, str, str]]:
+    """Rows of start, end, state and criterion of motion states."""
+    return [(f"{one['start_s']:.2f} s", f"{one['end_s']:.2f} s", one["state"], one["criterion"]) for one in periods]
+
+
 def provenance(summary: Summary) -> Iterator[Row]:
-    """Rows on the run: scene, resolution, speed, version; of a recording that is no run, those that are known."""
-    unknown = () if summary["version"] else ("unknown", "none recorded", "")
-    yield from (row for row in _of_the_run(summary) if row[1] not in unknown)
-
-
-def _of_the_run(summary: Summary) -> Iterator[Row]:
-    yield "scene", _text(summary["scene"])
-    time = "simulated time" if summary["version"] else "recorded time"
-    yield time, f"{summary['duration_s']:.2f} s, {summary['samples']} samples"
-    yield "real-time factor", number_text(summary["realtime_factor"], "{:.3g}")
-    yield "speed of the physics alone", number_text(summary["physics_speed"], "{:.3g} x real time")
-    yield "elements", _text(summary["elements"])
-    yield "time step", number_text(summary["step_s"], "{:.3g} s")
-    if summary["steps"] is not None:
-        cut, loose = _text(summary["cut_steps"]), _text(summary["steps_above_tolerance"])
-        yield "steps", f"{summary['steps']}, {cut} cut steps, {loose} loose steps"
-    yield "effects", ", ".join(summary["effects"])
-    yield "seed", _text(summary["seed"])
-    yield "pace", _text(summary["pace"])
-    yield "started", _text(summary["started"])
-    yield "drill_twin", _text(summary["version"])
-    yield "live analysis", _live(summary["live"])
+    """Rows on the run: scene, resolution, speed, version; of a recording that is no run, only the known ones."""
+    is_run = bool(summary["version"])
+    steps = "{steps}, halved {cut_steps} times, {steps_above_tolerance} above the tolerance"
+    rows = {
+        "scene": _text(summary["scene"]),
+        f"{'simulated' if is_run else 'recorded'} time": "{duration_s:.2f} s, {samples} samples".format_map(summary),
+        "real-time factor": number_text(summary["realtime_factor"], "{:.3g}"),
+        "speed of the physics alone": number_text(summary["physics_speed"], "{:.3g} x real time"),
+        "elements": _text(summary["elements"]),
+        "time step": number_text(summary["step_s"], "{:.3g} s"),
+        "steps": steps.format_map(summary).replace("None", "unknown"),
+        "effects": ", ".join(summary["effects"]),
+        **{key: _text(summary[key]) for key in ("seed", "pace", "started")},
+        "drill_twin": _text(summary["version"]),
+        "live analysis": _live(summary["live"]),
+    }
+    if summary["steps"] is None:
+        del rows["steps"]
+    yield from (row for row in rows.items() if is_run or row[1] not in {"", "unknown", "none recorded"})
 
 
 def limitations(summary: Summary) -> list[str]:
@@ -168,7 +164,7 @@ def limitations(summary: Summary) -> list[str]:
 
 
 def transient(summary: Summary) -> bool:
-    """True where the string whirled and does so no more."""
+    """True where the string whirled and whirls no more at the end."""
     return summary["onset_s"] is not None and summary["whirl_end_s"] is not None
 
 
@@ -189,7 +185,7 @@ def lasting(summary: Summary) -> str:
 
 
 def _weak(summary: Summary) -> str:
-    """Remark on whirl of a well too weak for the levels of downhole tools; in units of a laboratory there is none."""
+    """Remark on whirl that is too weak for the levels of downhole tools; empty for a summary in laboratory units."""
     levels = [found["lateral_level"] for found in summary["acceleration"].values()]
     weak = summary["onset_s"] is not None and levels and max(levels) == 0 and summary["units"] != LAB
     return "; its lateral acceleration is of level 0, which a downhole tool does not report" if weak else ""

@@ -27,8 +27,8 @@ class Line(TypedDict):
     result: int
 
 
-def opened(file, setup=SETUP, *, ordered=False):
-    lines = JsonLines(file, Line, "study", setup, ordered=ordered)
+def opened(file, setup=SETUP):
+    lines = JsonLines(file, Line, "study", setup)
     return lines, [line["result"] for line in lines.results]
 
 
@@ -58,14 +58,6 @@ def test_a_damaged_line_costs_its_own_result_only(tmp_path, damage):
     assert lines.bad == 1
     lines.add({"result": 1})
     assert opened(file)[1] == [0, 2, 3, 1]
-
-
-def test_where_each_depends_on_those_before_the_rest_is_taken_off(tmp_path):
-    file = tmp_path / "a.jsonl"
-    head, *rows = written(file, 4)
-    file.write_bytes(head + rows[0] + b"\0\n" + b"".join(rows[2:]))
-    assert opened(file, ordered=True)[1] == [0]
-    assert file.read_bytes() == head + rows[0]
 
 
 @pytest.mark.parametrize("cut", range(0, 70, 7))

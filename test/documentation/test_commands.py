@@ -41,7 +41,7 @@ ELSEWHERE = {
     r"--enclave": "needs keys that `ros2 security` makes: test/ros/test_security.py",
     r"rig_url:=opc.tcp": "needs the OPC UA server of a rig: companions/drill_twin_rig/test",
     r"--dask": "needs a scheduler and its workers: test/runs/ensemble",
-    r"^drill-twin study (verify|hard|validate|paper|paper-search|analyzer-score|whirl-compare)( --page \S+)?$":
+    r"^drill-twin study (verify|hard|validate|paper|analyzer-score|whirl-compare)( --page \S+)?$":
         "minutes to hours of processor time; `make evidence` runs them, the tests of evidence/ their cases",
     r"study verify --only (?!buckling)": "minutes each; evidence/test runs every case",
     r"study analyzer-score --downhole|study estimator-score|foreign_rigs|two_depths|drill_twin_evidence\.pictures":

@@ -15,8 +15,7 @@ from drill_twin.io.messages.diagnostics import Level, Status, encode_diagnostics
 from drill_twin.io.messages.drawing.transforms import orientation
 from drill_twin.io.messages.encode import MARK_AXES, encode_string
 from drill_twin.io.messages.topics import DIAGNOSTICS, MARKS_STATE, RIG_STATE, STRING_POSES, TWIN_SCENE
-from drill_twin.report import build_report
-from drill_twin.report.build import ReportFiles
+from drill_twin.report import ReportFiles, build_report
 from drill_twin.scene import Scene, load_scene
 
 ROTATION, WHIRL = 2.0, -0.6  # rev/s, Hz

@@ -9,8 +9,7 @@ import numpy as np
 import pytest
 from matplotlib.figure import Figure
 
-from drill_twin.report import read_recording
-from drill_twin.report.build import draw
+from drill_twin.report import draw, read_recording
 from drill_twin.report.charts import CHARTS, chart
 
 

@@ -135,7 +135,7 @@ def test_says_what_was_run(summary):
     assert summary["pace"] == "realtime"
     assert (summary["realtime_factor"], summary["physics_speed"]) == (0.998, 12.5)
     assert (summary["steps"], summary["cut_steps"], summary["steps_above_tolerance"]) == (6000, 21, 7)
-    assert dict(provenance(summary))["steps"] == "6000, 21 cut steps, 7 loose steps"
+    assert dict(provenance(summary))["steps"] == "6000, halved 21 times, 7 above the tolerance"
     assert summary["live"] == {"onset_s": None, "messages": 0, "differing": 0}
 
 

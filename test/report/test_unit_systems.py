@@ -4,8 +4,7 @@
 import pytest
 
 from drill_twin.core.units.system import SYSTEMS
-from drill_twin.report import read_recording, summarise
-from drill_twin.report.build import draw
+from drill_twin.report import draw, read_recording, summarise
 from drill_twin.report.charts import view_data
 from drill_twin.report.selection import Selection
 from drill_twin.report.text import applied, findings

@@ -4,12 +4,12 @@
 import math
 
 import pytest
-from drilling_scenes import rig
 
 from drill_twin.ros.simulator.command_arbiter import CommandArbiter, CommandLimits, Silence
 from drill_twin.ros.simulator.command_limits import limits_for
 from drill_twin.scene import load_scene
 from drill_twin.scene.set_points import Command
+from drill_twin_evidence.verify.statics.block import rig
 
 TURN = 2.0 * math.pi
 LIMITS = CommandLimits(weight_on_bit=(0.0, 400.0), rotation=(0.0, 20.0 * TURN))

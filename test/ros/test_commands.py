@@ -5,7 +5,6 @@ import math
 import re
 
 import pytest
-from drilling_scenes import rig
 from rclpy.qos import qos_profile_sensor_data
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Float32, Float64
@@ -17,6 +16,7 @@ from drill_twin.io.messages.rig_messages import COMMAND_JOINTS, DRIVER, CommandE
 from drill_twin.io.messages.topics import COMMANDER, RIG_COMMAND, RIG_STATE, RPS_COMMAND, WOB_COMMAND
 from drill_twin.ros.simulator.command_input import PublisherCheck
 from drill_twin.scene.set_points import Command
+from drill_twin_evidence.verify.statics.block import rig
 
 TURN = 2.0 * math.pi
 

@@ -64,9 +64,8 @@ class JsonLines(Generic[T]):
     """
 
     def __init__(
-        self, file: Path, of: type[T], study: str, setup: Mapping[str, Any], *,
-        remedy: str = "choose another file", ordered: bool = False,
-    ) -> None:  # fmt: skip
+        self, file: Path, of: type[T], study: str, setup: Mapping[str, Any], *, remedy: str = "choose another file"
+    ) -> None:
         """Open a file, begin it if it is new or empty, and read what it has.
 
         Args:
@@ -75,7 +74,6 @@ class JsonLines(Generic[T]):
             study: Name of what the results are of, which stands in the first line.
             setup: All that the results depend on, in plain types.
             remedy: What to do about a file of something else, for its message.
-            ordered: Each result depends on those before: those behind a bad line are taken off with it.
 
         Raises:
             ArgumentError: The file is of another setup, or none of these files.
@@ -95,8 +93,7 @@ class JsonLines(Generic[T]):
                     stream.write(head[len(text) :])
                     return
                 self._check(first, study, setup)
-                kept = len(first) + 1 + self._read_lines(rest, ordered=ordered)
-                stream.truncate(kept)
+                stream.truncate(len(first) + 1 + self._read_lines(rest))
             if self.bad:
                 lines = "1 line that is no result is" if self.bad == 1 else f"{self.bad} lines that are no results are"
                 _LOG.warning("%s: %s left out; what it was of is computed again", file, lines)
@@ -123,11 +120,10 @@ class JsonLines(Generic[T]):
             raise self._unusable(error) from error
         self.results.append(result)
 
-    def _read_lines(self, text: bytes, *, ordered: bool) -> int:
-        """Read the results; returns the length of the text that stays."""
+    def _read_lines(self, text: bytes) -> int:
+        """Read the results; returns the length of the text without a last line that is cut."""
         *lines, cut = text.split(b"\n")
         self.bad = int(cut != b"")
-        kept = 0
         for line in lines:
             try:
                 if len(line) > LONGEST_LINE:
@@ -135,10 +131,7 @@ class JsonLines(Generic[T]):
                 self.results.append(self._type.validate_json(line, strict=True))
             except ODD_DATA:
                 self.bad += 1
-                if ordered:
-                    break
-            kept += len(line) + 1
-        return kept
+        return len(text) - len(cut)
 
     def _check(self, line: bytes, study: str, setup: Mapping[str, Any]) -> None:
         try:

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Figures of a report: each takes a recording and returns a matplotlib figure.
 
-Those over time have the same width and margins, so that one below the other they share their time axis.
+Figures over time have the same width and margins, so that they share a time axis where they stand below one another.
 """
 
 from __future__ import annotations
@@ -39,7 +39,7 @@ _FILES = {
     "spectrum_over_time": "spectrum",
     "string_shapes": "orbits",
 }
-"""Modules of the functions that draw them; those of the others have their name."""
+"""Module of each drawing function that is not in a module of its own name."""
 
 
 def drawing(name: str) -> Callable[[Recording], Figure]:

@@ -17,6 +17,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
 from drill_twin.core.arrays import Array
+from drill_twin.report.figures.orbits import by_depth
 from drill_twin.report.figures.style import (
     BLUE,
     GREY,
@@ -87,18 +88,16 @@ def displacement(recording: Recording) -> Figure:
     """One panel a place with marks, all with one scale, with the limits of the centre line."""
     units, lines = recording.units, recording.centre_lines()
     time, centre = recording.marks.time, units.show(lines, "offset")
-    at: dict[float, list[int]] = {}
-    for number, place in enumerate(recording.places):
-        at.setdefault(place.distance_from_bit, []).append(number)
-    numbers = [group[0] for group in at.values()]
-    places = [recording.places[number] for number in numbers]
+    groups = [[recording.places[number] for number in numbers] for numbers in by_depth(recording)]
+    places = [group[0] for group in groups]
     largest = float(np.nanmax(np.abs(centre), initial=0.0))
     nearest = units.show(min(place.clearance for place in places), "offset")
     limit = 1.12 * max(largest, nearest if largest > 0.4 * nearest else 1e-3)
     figure, panels = over_time(
         recording.duration, [1.25] * len(places), title="Displacement of the centre line at the marks", headed=True
     )
-    for number, panel, place in zip(numbers, panels, places, strict=True):
+    for panel, group in zip(panels, groups, strict=True):
+        place, number = group[0], recording.places.index(group[0])
         z = centre[:, number]
         radius = np.abs(z)
         panel.fill_between(time, -radius, radius, color=INK, alpha=0.10, linewidth=0, label="distance from axis")
@@ -108,10 +107,8 @@ def displacement(recording: Recording) -> Figure:
             panel.axhline(side * units.show(place.clearance, "offset"), color=GREY, linewidth=1.0, linestyle=":")
         panel.set_ylim(-max(limit, 1e-6), max(limit, 1e-6))
         panel.set_ylabel(f"[{units.offset}]")
-        name = mark_label(units, *(recording.places[mark] for mark in at[place.distance_from_bit]))
-        panel.set_title(
-            f"{name}: at most {units.text(float(np.nanmax(np.abs(lines[:, number]))), 'offset')}", fontsize=10.5, pad=3
-        )
+        widest = units.text(float(np.nanmax(np.abs(lines[:, number]))), "offset")
+        panel.set_title(f"{mark_label(units, *group)}: at most {widest}", fontsize=10.5, pad=3)
     draw_onset(recording.summary.onset, recording.duration, panels)
     handles, labels = panels[0].get_legend_handles_labels()
     if limit > nearest:

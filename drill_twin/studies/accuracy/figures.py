@@ -14,7 +14,7 @@ from drill_twin.core.arrays import Array
 from drill_twin.report.figures.style import BLUE, GREY, INK, VERMILION, laid_out, styled
 from drill_twin.studies.accuracy.ablation import Ablation, Change
 from drill_twin.studies.accuracy.convergence import Curve, MeasuredRun, pareto_front
-from drill_twin.studies.accuracy.trial import NAMES
+from drill_twin.studies.accuracy.errors import NAMES
 
 NEEDED, NOT_NEEDED = VERMILION, GREY
 SMALLEST, LARGEST = 1e-2, 1e2  # tolerances shown
@@ -96,10 +96,10 @@ def cost_figure(curve: Curve) -> Figure:
 def _panel(axis: Axes, curve: Curve, quantity: str, title: str) -> None:
     runs = [run for run in curve.runs if run.resolution.tolerance is None]
     for form, colour in COLOURS.items():
-        of = [run for run in runs if run.resolution.form == form]
-        if of:
+        chosen = [run for run in runs if run.resolution.form == form]
+        if chosen:
             axis.loglog(
-                [1e3 * run.cost for run in of], [_error(run, quantity) for run in of],
+                [1e3 * run.cost for run in chosen], [_error(run, quantity) for run in chosen],
                 "o", color=colour, markersize=4, alpha=0.6, label=FORMULATION_NAMES[form],
             )  # fmt: skip
     front = pareto_front(runs, lambda run: _error(run, quantity))

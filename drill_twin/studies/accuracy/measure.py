@@ -34,7 +34,7 @@ BUDGET, RUNS = 60.0, 10.0
 """Most processor time of a measurement: this [s], or so many times that of the run, whichever is more."""
 
 KNOWN_FROM = 0.1
-"""Share done from which the time left is told; before, it is that of a start (289 s were told of 0.7 s)."""
+"""Share done from which the time left is told: before, the rate misleads (289 s were told where 0.7 s were left)."""
 Report = Callable[[str, float], None]
 """Takes a line and the share done."""
 
@@ -111,7 +111,7 @@ class Measurement:
         return ladder, "finest"
 
     def _coarsen(self, reference: Motion, ladder: list[Motion]) -> tuple[list[Motion], bool]:
-        """Runs of at most half the elements and twice the step of the converged run; whether all were made."""
+        """Runs of at most half the elements and twice the step of the converged run, and True where all were made."""
         motions: list[Motion] = []
         hopeless: list[tuple[int, int]] = []
         resolutions = list(self._coarser(reference))

@@ -35,7 +35,7 @@ COARSE: dict[str, float | str] = {
 _WHIRLS = frozenset(code.state.value for code in MotionCode if code.whirls)
 DURATION = 10.0
 """Simulated time of a run of the map [s]."""
-LONGEST, CHANGE, CALM = 120.0, 2.5, 2.0
+GIVEN_UP, CHANGE, CALM = 120.0, 2.5, 2.0
 """Simulated time after which a driver gives up, time of a change of set-points, time without whirl at its end [s]."""
 LEFT, STAYED, NO_WHIRL = "left whirl", "whirls on", "no whirl at first"
 TOLD, NOT_TOLD = "told that it cannot", "not told"
@@ -119,7 +119,7 @@ def follow(simulation: dt.Simulation, adviser: Adviser) -> tuple[str, list[str]]
     tracker, said = Tracker(), list[str]()
     begin = end = Command(rig.weight_on_bit.value, rig.rotation.value)
     changed, calm_since, first = -math.inf, math.inf, simulation.time
-    while simulation.time < first + LONGEST:
+    while simulation.time < first + GIVEN_UP:
         share = min((simulation.time - changed) / CHANGE, 1.0)
         weight = begin.weight_on_bit + share * (end.weight_on_bit - begin.weight_on_bit)
         state = simulation.follow(Command(weight, begin.rotation + share * (end.rotation - begin.rotation)))

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Commands `drill-twin study paper` and `drill-twin study calibrate`: reproduction of the paper, and calibration."""
+"""Command `drill-twin study paper`: reproduction of the paper."""
 
 from __future__ import annotations
 
@@ -12,7 +12,6 @@ from drill_twin.cli.options import JsonOption, ReplaceOption, WorkersOption
 
 BENCH = "pa6_calibrated"
 RESULT = ("paper.json", "paper.md")
-CALIBRATION = "calibration.json"
 
 
 def paper(
@@ -41,33 +40,3 @@ def paper(
     files: dict[str, Any] = {f"{name}.png": figure for name, figure in figures.items()}
     files |= dict(zip(RESULT, (done.to_dict(), page(done, figures)), strict=True))
     emit(done.to_dict(), (lead(done), *tables(done)), json=json, folder=out, files=files)
-
-
-def calibrate(
-    scene: Annotated[str, typer.Option("--scene", metavar="SCENE", help="Bench to start from.")] = BENCH,
-    out: Annotated[Path, typer.Option("--out", metavar="DIR", help="Folder of the result.")] = Path("out/calibration"),
-    seed: Annotated[int, typer.Option("--seed", min=0, help="Seed of the search.")] = 1,
-    population: Annotated[int, typer.Option("--population", min=5, max=512, help="Members of a generation.")] = 16,
-    generations: Annotated[
-        int, typer.Option("--generations", min=0, help="Generations after the first; 0: only the scene as it is.")
-    ] = 30,
-    workers: WorkersOption = 0,
-    replace: ReplaceOption = False,
-    json: JsonOption = False,
-) -> None:
-    """Calibrate the parameters that the paper does not give (ramps, imperfections, damping, friction).
-
-    Prints values, bounds and residuals. The fit starts from the scene and uses a part of the table; the rest
-    validates it (`drill-twin study paper`). The search is differential evolution; the same seed gives the same result.
-    """
-    from drill_twin.cli.emit import check_new, emit
-    from drill_twin.cli.show import shown_progress
-    from drill_twin_evidence.paper.runs.reproduction import bench
-    from drill_twin_evidence.paper.search import calibrate as search
-
-    described = bench(scene)
-    check_new(out / CALIBRATION, replace=replace)
-    with shown_progress("calibration", unit="runs") as bar:
-        on = search.fit_bench(described, workers, ended=lambda: bar.step("calibration"))
-        done = search.calibrate(on, seed=seed, population=population, generations=generations)
-    emit(done.to_dict(), done.shown(), json=json, folder=out, files={CALIBRATION: done.to_dict()})

@@ -321,7 +321,7 @@ def _advance(one: EstimatorMembers, commands: Array, fine: int, sensors: list[di
     sensors.append(
         {name: float(values[0]) for name, values in prediction.sensors.items()}
         | {name: float(values[0]) for name, values in one.places.items()}
-        | {name: float(prediction.channels[of][0, -fine:].mean()) for name, of in _MEANS.items()}
+        | {name: float(prediction.channels[channel][0, -fine:].mean()) for name, channel in _MEANS.items()}
     )
     return prediction
 

@@ -66,9 +66,11 @@ def _jumps(runs: Sequence[TruthRow]) -> dict[str, Any]:
         return {}
     told = [[time - JUMP for time in run["alarms"] if time > JUMP] for run in runs]
     return {
-        "followed_s": {key: {"median": float(np.median(of)), "longest": max(of)} for key, of in followed.items()},
-        "dragged_at_the_end": {key: float(of[:, 1].max()) for key, of in dragged.items()},
-        "dragged_most": {key: float(of[:, 0].max()) for key, of in dragged.items()},
+        "followed_s": {
+            key: {"median": float(np.median(times)), "longest": max(times)} for key, times in followed.items()
+        },
+        "dragged_at_the_end": {key: float(rows[:, 1].max()) for key, rows in dragged.items()},
+        "dragged_most": {key: float(rows[:, 0].max()) for key, rows in dragged.items()},
         "told": sum(map(bool, told)),
         "held_or_told_at_the_end": sum(run["told"] or all(run["held"].values()) for run in runs),
         "told_within_s": max((times[0] for times in told if times), default=math.nan),
@@ -134,7 +136,8 @@ def _jump_lines(found: Mapping[str, Any]) -> list[str]:
     if not found:
         return []
     rows = [
-        (key, f"{of['median']:.0f} s, at most {of['longest']:.0f} s", "") for key, of in found["followed_s"].items()
+        (key, f"{time['median']:.0f} s, at most {time['longest']:.0f} s", "")
+        for key, time in found["followed_s"].items()
     ]
     rows += [
         (key, "", f"{end:.1%}, on the way {found['dragged_most'][key]:.1%}")

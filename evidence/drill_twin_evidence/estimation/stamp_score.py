@@ -44,7 +44,7 @@ def rows_of(stamps: Stamps, truths: int, first: int) -> list[TruthRow]:
 
 def cells(name: str, rows: Sequence[TruthRow]) -> tuple[str, ...]:
     """Line of the table: shares of windows in which bands hold the truth, and are shown; bands of numbers; alarms."""
-    held = [bool(of) for row in rows for of in row["held"].values()]
+    held = [bool(held) for row in rows for held in row["held"].values()]
     return (
         name,
         *(

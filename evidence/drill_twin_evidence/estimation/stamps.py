@@ -72,8 +72,8 @@ class SampledRecord:
             if end - length >= 0.0 and stamp > 0.0 and self._draw.uniform() >= self._of.lost:
                 places = np.array([end - length, end])
                 means = {
-                    name: float(np.diff(np.interp(places, self._times, of))[0]) / length
-                    for name, of in self._sums.items()
+                    name: float(np.diff(np.interp(places, self._times, values))[0]) / length
+                    for name, values in self._sums.items()
                 }
                 self._waiting.append((stamp, means))
             self._next += 1

@@ -45,26 +45,26 @@ class Row(TypedDict):
 
 def fitted(name: str, seed: int) -> Row:
     """Fit of the scene to a rig; widths are over those of a fit with the rig's own law."""
-    of = trial(name, seed)
+    rig_run = trial(name, seed)
     ranges = dict(RANGES) | {"wob": (LOADS[0] * INDICATED, LOADS[1] * INDICATED)}
     found = dt.fit(
-        of.record, SCENE, ranges, overrides=_overrides(name), begin=1.0, end=SECONDS - 0.2, rate=10.0, members=32,
+        rig_run.record, SCENE, ranges, overrides=_overrides(name), begin=1.0, end=SECONDS - 0.2, rate=10.0, members=32,
         rounds=28, seed=seed,
     )  # fmt: skip
     bands = dict(found.intervals)
     low, high = bands.pop("wob")
     bands[LOAD] = low / INDICATED, high / INDICATED
-    own = own_widths(RIGS[name], of)
+    own = own_widths(RIGS[name], rig_run)
     return Row(
         rig=name,
         seed=seed,
         way="fit",
-        held={key: bands[key][0] <= value <= bands[key][1] for key, value in of.truth.items()},
-        wide={key: (bands[key][1] - bands[key][0]) / own[key] for key in of.truth},
+        held={key: bands[key][0] <= value <= bands[key][1] for key, value in rig_run.truth.items()},
+        wide={key: (bands[key][1] - bands[key][0]) / own[key] for key in rig_run.truth},
         told=found.unexplained,
         of_number={
             key: said
-            for key in of.truth
+            for key in rig_run.truth
             for said in (*found.undetermined, *found.of_law)
             if key in said or (key == LOAD and "wob" in said)
         },
@@ -73,21 +73,21 @@ def fitted(name: str, seed: int) -> Row:
 
 def followed(name: str, seed: int) -> Row:
     """Estimates over the record of a rig; widths are shares of the ranges."""
-    of = trial(name, seed)
+    rig_run = trial(name, seed)
     ranges = dict(RANGES) | {LOAD: LOADS}
     options = dt.EstimatorOptions(members=32, horizon=0.0, seed=seed)
     channels = [f"{channel}{'' if RIGS[name].averaged else INSTANT}" for channel in ("torque", "hookload")]
     estimator = dt.Estimator(SCENE, ranges, channels=channels, overrides=_overrides(name), options=options)
-    found = list(estimator.follow(of.record))
+    found = list(estimator.follow(rig_run.record))
     bands = {key: (band.low, band.high) for key, band in found[-1].numbers.items()}
     late = [one for one in found if one.time > _SETTLED]
-    true = np.interp([one.time for one in late], *of.bit)
+    true = np.interp([one.time for one in late], *rig_run.bit)
     low, high = (np.array([getattr(one.sensors[BIT], end) for one in late]) for end in ("low", "high"))
-    margin = _MARGIN * float(np.abs(of.bit[1]).max())
-    held = {key: bands[key][0] <= value <= bands[key][1] for key, value in of.truth.items()}
+    margin = _MARGIN * float(np.abs(rig_run.bit[1]).max())
+    held = {key: bands[key][0] <= value <= bands[key][1] for key, value in rig_run.truth.items()}
     within = (low - margin <= true) & (true <= high + margin)
     held[BIT] = bool(np.mean(within | np.isnan(low)) >= 0.8)  # a band that is withheld misses nothing
-    wide = {key: (bands[key][1] - bands[key][0]) / (ranges[key][1] - ranges[key][0]) for key in of.truth}
+    wide = {key: (bands[key][1] - bands[key][0]) / (ranges[key][1] - ranges[key][0]) for key in rig_run.truth}
     of_number = {key: said for key in ranges for said in of_law(ranges, estimator.scene) if key in said}
     of_number |= {key: f"its band covers {share:.0%} of its range" for key, share in found[-1].untold.items()}
     return Row(rig=name, seed=seed, way="estimate", held=held, wide=wide, told=found[-1].alarm, of_number=of_number)
@@ -140,15 +140,15 @@ def _cell(row: Mapping[str, Any], key: str) -> str:
 def main(seeds: list[int], journal: Path, words: Sequence[str] = ()) -> None:
     """Do what the journal lacks, of the ways and rigs that the words name, and print the tables."""
     ways = {"estimate": followed, "fit": fitted}
-    wanted = {way: of for way, of in ways.items() if way in words} or ways
+    wanted = {way: score for way, score in ways.items() if way in words} or ways
     rigs = [name for name, rig in RIGS.items() if ("development" if rig.kept else "kept") not in words]
     file = JsonLines(journal, Row, "foreign rigs", {"ranges": RANGES})
     done = {(row["rig"], row["seed"], row["way"]) for row in file.results}
-    for way, of in wanted.items():
+    for way, score in wanted.items():
         for seed in seeds:
             for name in rigs:
                 if (name, seed, way) not in done:
-                    file.add(of(name, seed))
+                    file.add(score(name, seed))
     print("\n".join(lines(file.results)))
 
 

@@ -132,9 +132,9 @@ def refitted(folder: Path, fit: Fit) -> dict[str, float]:
 def row(name: str, run: Channels, rows: Sequence[Comparison]) -> tuple[str, ...]:
     """Cells of a run: its error over the record's deviation, and features, computed for measured."""
     error, torque, period, speed = rows
-    pairs = [(f"{scale * of.computed:.3g} for {scale * (of.measured or 0.0):.3g}")
-             for of, scale in ((torque, 1e-3), (period, 1.0), (speed, 1.0))]  # fmt: skip
-    met = sum(of.met for of in (torque, period, speed))
+    pairs = [(f"{scale * one.computed:.3g} for {scale * (one.measured or 0.0):.3g}")
+             for one, scale in ((torque, 1e-3), (period, 1.0), (speed, 1.0))]  # fmt: skip
+    met = sum(one.met for one in (torque, period, speed))
     return (name, f"{run.depth:,.0f} m, {error.kind}", f"{error.computed:.0%}", *pairs, f"{met} of 3")
 
 

@@ -152,7 +152,7 @@ def misfit(folder: Path, run: Channels) -> float:
     if not np.isfinite(run.torque).all():
         return math.inf
     error, *features = comparisons(folder, run)
-    return error.computed + sum(max(0.0, abs(of.difference) / of.aim - 2.0 / 3.0) for of in features)
+    return error.computed + sum(max(0.0, abs(feature.difference) / feature.aim - 2.0 / 3.0) for feature in features)
 
 
 def search(folder: Path, scenes: Sequence[Scene], free: Mapping[str, tuple[float, float]] = FREE) -> dict[str, float]:

@@ -64,7 +64,9 @@ def run_cases(
             results[case] = CaseResult(case, *result)
             progress(results[case])
 
-    run_jobs(_run, {kernel: ([case.name for case in of],) for kernel, of in groups.items()}, workers, done=ended)
+    run_jobs(
+        _run, {kernel: ([case.name for case in members],) for kernel, members in groups.items()}, workers, done=ended
+    )
     return [results[case] for case in cases]
 
 

@@ -55,7 +55,7 @@ LAST = 1.0 / 3.0
 """Share of a run, at its end, that is compared."""
 RESOLVED = 0.4
 """Highest harmonic of a first guess over the sampling rate."""
-SETTLING, LONGEST = 8.0, 6.0
+SETTLING, LONGER = 8.0, 6.0
 """Decay times of a stable state that a run is given to settle on it, and longest run over the duration asked for."""
 
 
@@ -128,7 +128,7 @@ def _row(
         point = _explained(equations, states, axis, command, first, duration)
         settling = max((-SETTLING / state.growth for state in states if state.growth < 0.0), default=0.0)
         if not point.agrees and states and settling > duration * (1.0 - LAST):
-            longer = min(max(2.0 * duration, settling / (1.0 - LAST)), LONGEST * duration)
+            longer = min(max(2.0 * duration, settling / (1.0 - LAST)), LONGER * duration)
             (again,) = _runs(scene, weight, [speed], longer, workers)
             point = _explained(equations, states, axis, command, again, longer)
         own = point.ratio if point.verdict in ON_A_STATE else np.inf

@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 
 import drill_twin as dt
-from drill_twin_evidence.benchmarks.many_runs_error import boundary_error
 from drill_twin_evidence.benchmarks.map_boundary import error
 from drill_twin_studies.maps.runs import Key
 
@@ -38,12 +37,3 @@ def test_the_distance_to_a_dense_patch_is_that_of_the_boundaries(found, tmp_path
     moved |= {Key(0, j): found.records[Key(0, j)] for j in range(found.plane.steps + 1) if Key(0, j) in found.records}
     shifted = replace(found, records=moved)
     assert error(scene, shifted, 1, 2, tmp_path / "shifted", 2).max() > distances.max()
-
-
-def test_a_search_with_fewer_runs_has_a_larger_error(found):
-    plain = replace(found, records={key: run for key, run in found.records.items() if not (key.draw or key.origin)})
-    whole, distances = boundary_error(plain, 1000)
-    assert distances.max() == 0.0
-    fewer, distances = boundary_error(plain, 25)
-    assert fewer == 25 < whole
-    assert distances.max() > 0.0

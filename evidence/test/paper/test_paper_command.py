@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""`drill-twin study paper` and `drill-twin study calibrate` write what they say."""
+"""`drill-twin study paper` writes what it says."""
 
 import json
 
@@ -44,29 +44,6 @@ def test_paper_writes_table_page_and_figures(quick_file, tmp_path):
     assert "--replace" in str(again.exception)
 
 
-def test_calibrate_examines_a_scene(quick_file, tmp_path):
-    out = tmp_path / "calibration"
-    done = command("study", "calibrate", "--scene", quick_file, "--generations", "0", "--out", out)
-    assert done.exit_code == 0, done.output
-    for words in ("Values found", "retardation time", "Residuals", "loss factor 0.006 to 0.4 at 1 Hz"):
-        assert words in done.output
-    data = json.loads((out / "calibration.json").read_text())
-    assert data["evaluations"] == 1
-    assert data["loss"] == data["loss_at_start"] > 0.0
-    assert data["changes"]["effects.internal_damping.torsion_time"] == pytest.approx(48e-3, rel=0.01)  # as of bending
-    assert len(data["deviations"]) + len(data["judged"]) == 15
-
-
-def test_a_scene_without_what_is_sought_is_one_clear_error(quick_file, tmp_path):
-    bare = tmp_path / "bare.yaml"
-    bare.write_text(f"base: {quick_file}\nname: bare\neffects: {{bow: off}}\n", "utf-8")
-    done = command("study", "calibrate", "--scene", bare, "--generations", "0", "--out", tmp_path / "x")
-    assert isinstance(done.exception, SceneError)
-    assert str(done.exception) == "bare: expected `effects.bow`, whose bow is varied, found none"
-    assert not (tmp_path / "x").exists()
-
-
-@pytest.mark.parametrize("name", ["paper", "calibrate"])
 @pytest.mark.parametrize(
     ("scene", "words"),
     [
@@ -74,8 +51,8 @@ def test_a_scene_without_what_is_sought_is_one_clear_error(quick_file, tmp_path)
         ("two_mass", "expected the paper's marks mark_1, mark_2, mark_3 in string.marks, found"),
     ],
 )
-def test_a_scene_that_is_no_bench_is_one_clear_error(name, scene, words, tmp_path):
-    done = command("study", name, "--scene", scene, "--out", tmp_path / "x")
+def test_a_scene_that_is_no_bench_is_one_clear_error(scene, words, tmp_path):
+    done = command("study", "paper", "--scene", scene, "--out", tmp_path / "x")
     assert isinstance(done.exception, SceneError)
     assert words in str(done.exception)
     assert not (tmp_path / "x").exists()

@@ -13,7 +13,6 @@ from drill_twin_evidence.paper.runs.published import Published, published
 from drill_twin_evidence.paper.runs.run import Measured
 from drill_twin_evidence.paper.runs.similarity import similarity
 from drill_twin_evidence.paper.runs.table import rows, surge_speed, trends
-from drill_twin_evidence.paper.search.calibrate import FITTED, HELD_OUT, deviation
 
 # The paper's text: sections 3.2.1 and 3.2.2.2, conclusions 2 and 3.
 BENCH = {
@@ -111,12 +110,6 @@ def test_backward_whirl_counts_as_a_frequency_but_not_as_a_forward_ratio():
     assert found["whirl frequency, 20 N, 2 rev/s"].near
     assert not found["whirl ratio, 40 N, 2 rev/s"].near
     assert found["whirl ratio, 40 N, 6 rev/s"].ours is None
-
-
-def test_fitted_and_judged_numbers_are_all_of_them_and_none_twice():
-    names = [number.name for number in (*FITTED, *HELD_OUT)]
-    assert sorted(names) == sorted(BENCH)
-    assert (deviation(0.6, 0.5), deviation(math.nan, 1.0), deviation(-0.5, 0.5)) == (pytest.approx(1.0), 8.0, 8.0)
 
 
 def test_the_scene_of_a_case_changes_what_it_says_and_nothing_else():

@@ -20,7 +20,7 @@ def cases_of(*topics: str) -> pytest.MarkDecorator:
     for case in chosen:
         variants.setdefault(case.function, []).append(case)
     turns = zip(variants.values(), cycle(FORMS), strict=False)
-    first = {next((case for case in of if case.form == form), of[0]).name for of, form in turns}
+    first = {next((case for case in same if case.form == form), same[0]).name for same, form in turns}
     marks = {case.name: [pytest.mark.long] if case.long or case.name not in first else [] for case in chosen}
     return pytest.mark.parametrize(
         "case", [pytest.param(case, id=case.name, marks=marks[case.name]) for case in chosen]

@@ -5,7 +5,6 @@ import math
 
 import numpy as np
 import pytest
-from drilling_scenes import AXIAL, BLADES, DEPTH, drilling, scene
 from pydantic import ValidationError
 
 from drill_twin.dynamics.torque_drag.analysis import steady
@@ -14,6 +13,7 @@ from drill_twin.dynamics.twin.twin import Twin
 from drill_twin.physics.effects.bit_regenerative import CELLS, NEWEST
 from drill_twin.scene import Scene
 from drill_twin.scene.set_points.command import Command
+from drill_twin_evidence.verify.contact.regenerative import AXIAL, BLADES, DEPTH, drilling, scene
 
 SPEED, STEP = 20.0, 1e-3
 

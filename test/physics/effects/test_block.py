@@ -5,7 +5,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from drilling_scenes import rig
 from pydantic import ValidationError
 
 import drill_twin as dt
@@ -24,6 +23,7 @@ from drill_twin.runs.recorded_commands import recorded_commands
 from drill_twin.scene import Scene, load_scene
 from drill_twin.scene.set_points import Schedule
 from drill_twin.scene.set_points.command import Command
+from drill_twin_evidence.verify.statics.block import rig
 
 RATE, WEIGHT = 0.02, 20e3
 

@@ -20,11 +20,11 @@ from drill_twin.runs.ensemble.parts import parts_of, planned
 from drill_twin.scene import Scene, load_scene
 from drill_twin.scene.paths import config_dir, presets
 from drill_twin.studies.accuracy import AccuracyPlan, error_model, resolve
-from drill_twin.studies.accuracy.check import interval
 from drill_twin.studies.accuracy.error_model import OVERHEAD, ErrorModel, MeasuredPoint, content_key, load_model
 from drill_twin.studies.accuracy.errors import compare, errors_before
 from drill_twin.studies.accuracy.measure import AFTER_ONSET, TIGHT, Measurement, at, in_words
 from drill_twin.studies.accuracy.motion_run import run_motion
+from drill_twin.studies.accuracy.plan import interval
 
 SWING = {
     "effects.stretch": "off", "effects.torsion": "off", "effects.gravity": "off", "effects.eccentricity": "off",

@@ -8,7 +8,7 @@ from typer.testing import CliRunner
 
 from drill_twin.cli.app import app
 from drill_twin.studies.accuracy.ablation import Change, groups
-from drill_twin.studies.accuracy.trial import Trial, differences
+from drill_twin.studies.accuracy.errors import Trial, differences
 
 SWING = {
     "effects.stretch": "off", "effects.torsion": "off", "effects.gravity": "off", "effects.eccentricity": "off",

@@ -33,7 +33,7 @@ COPIED = (
     "setup.py",
     "README.md",
 )
-LONGEST = 900.0
+TIMEOUT = 900.0
 """Time after which tests have not caught a fault [s]."""
 _FAILED = re.compile(r"^(?:FAILED|ERROR) ([^\s\[]+)", re.MULTILINE)
 
@@ -112,7 +112,7 @@ def _tests(copy: Path, fault: Fault) -> tuple[int, str]:
     }
     try:
         ended = subprocess.run(
-            [*command, *fault.command], cwd=copy, env=environment, capture_output=True, text=True, timeout=LONGEST,
+            [*command, *fault.command], cwd=copy, env=environment, capture_output=True, text=True, timeout=TIMEOUT,
             check=False,
         )  # fmt: skip
     except subprocess.TimeoutExpired:

@@ -64,8 +64,8 @@ def note(result: Mapping[str, Any]) -> str:
         return "mean rise: of the bottom, over the second half of what was run"
     until = f" up to first contact at {result['contact_s']:.2f} s" if result["contact_s"] else ""
     apart = f"; {result['check']} is {result['apart']:.0e} from it" if result["apart"] is not None else ""
-    of = f"{result['reference']}{until}"
-    return f"error: largest distance of the mid-span path from {of}, over its largest value{apart}"
+    reference = f"{result['reference']}{until}"
+    return f"error: largest distance of the mid-span path from {reference}, over its largest value{apart}"
 
 
 def markdown(result: Mapping[str, Any]) -> str:

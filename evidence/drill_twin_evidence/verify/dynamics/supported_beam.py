@@ -200,13 +200,13 @@ def modes_near(beam: Beam, near: list[float], count: int = 12) -> list[Found]:
     Raises:
         ValueError: The beam has no balance.
     """
-    of = matrices(beam)
-    size = of.weight.size
+    terms = matrices(beam)
+    size = terms.weight.size
     one = np.setdiff1d(np.arange(size), [0, size - 2, size - 1])
     free = np.append(one, one + size)
-    stiffness = at_rest(beam, of, free)
+    stiffness = at_rest(beam, terms, free)
     mass, damping = (
-        csc_array(block_array([[part, None], [None, part]]))[free][:, free] for part in (of.mass, of.absorption)
+        csc_array(block_array([[part, None], [None, part]]))[free][:, free] for part in (terms.mass, terms.absorption)
     )
     found: list[Found] = []
     for shift in (1j * frequency for frequency in near):
@@ -221,5 +221,5 @@ def modes_near(beam: Beam, near: list[float], count: int = 12) -> list[Found]:
             shape = np.zeros(2 * size, complex)
             shape[free] = vector[: free.size]
             x, y = abs(shape[0:size:2]) ** 2, abs(shape[size::2]) ** 2
-            found.append(Found(complex(value), float(of.arc[np.argmax(x + y)]), float(x.sum() / (x + y).sum())))
+            found.append(Found(complex(value), float(terms.arc[np.argmax(x + y)]), float(x.sum() / (x + y).sum())))
     return sorted(found, key=lambda mode: mode.eigenvalue.imag)

@@ -7,8 +7,8 @@ from collections.abc import Iterator
 
 from drill_twin.core.arrays import number_or_nan
 from drill_twin.scene import load_scene
+from drill_twin.studies.accuracy.errors import Trial, trial_of
 from drill_twin.studies.accuracy.motion_run import run_motion
-from drill_twin.studies.accuracy.trial import Trial, trial_of
 from drill_twin_evidence.verify.case import case
 from drill_twin_evidence.verify.row import TWIN, Row
 
