@@ -1,17 +1,18 @@
 # SPDX-License-Identifier: Apache-2.0
 """Scene: the complete input of a run, validated as a whole."""
 
-from typing import Annotated, Literal, NamedTuple, Self
+from collections.abc import Iterator
+from typing import Annotated, Literal, NamedTuple
 
 import numpy as np
-from pydantic import Field, model_validator
+from pydantic import Field
 
 from drill_twin.core.numerals import whole_number
 from drill_twin.core.units.system import UnitSystem, unit_system
 from drill_twin.scene.blocks.effects import Effects
 from drill_twin.scene.blocks.hole import Hole
 from drill_twin.scene.blocks.numerics import Numerics
-from drill_twin.scene.blocks.part import Label, Part, refuse_all
+from drill_twin.scene.blocks.part import Label, Part, Problem
 from drill_twin.scene.blocks.rig import Rig
 from drill_twin.scene.blocks.sensors import Sensors
 from drill_twin.scene.blocks.string import String
@@ -63,11 +64,9 @@ class Scene(Part):
     sensors: Sensors | None = None
     """Simulated measurements of a rig; left out: none."""
 
-    @model_validator(mode="after")
-    def _fits_together(self) -> Self:
-        if found := list(contradictions(self)):
-            raise refuse_all(found)
-        return self
+    def problems(self) -> Iterator[Problem]:
+        """Contradictions between the parts."""
+        yield from contradictions(self)
 
     @property
     def unit_system(self) -> UnitSystem:

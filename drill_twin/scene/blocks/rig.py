@@ -1,13 +1,14 @@
 # SPDX-License-Identifier: Apache-2.0
 """The `rig:` part of a scene: weight on bit and rotation over time, top drive, recorded table."""
 
+from collections.abc import Iterator
 from importlib import metadata
-from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from pydantic import Field, model_validator
 
-from drill_twin.core.units import AngularSpeed, Force, Length, Speed, Stiffness, Time, Torque, Within, refuse
-from drill_twin.scene.blocks.part import Part, refuse_all, refuse_at
+from drill_twin.core.units import AngularSpeed, Force, Length, Speed, Stiffness, Time, Torque, Within
+from drill_twin.scene.blocks.part import Part, Problem, refuse_all
 from drill_twin.scene.blocks.top_drive import TopDrive
 
 GROUP = "drill_twin.schedules"
@@ -50,22 +51,16 @@ class SetPoint(Part):
         if isinstance(data, dict) and not rests and "value" not in data:
             field = cls.model_fields["value"]
             expected = next(part.dimension.expected for part in field.metadata if hasattr(part, "dimension"))
-            raise refuse_at(("value",), f"expected {expected}, found nothing (the key is required)")
+            raise refuse_all([(("value",), f"expected {expected}, found nothing (the key is required)")])
         return data
 
-    @model_validator(mode="after")
-    def _has_no_unused_keys(self) -> Self:
-        unused = {
-            "constant": ("initial", "start", "duration"),
-            "table": ("value", "initial", "start", "duration"),
-        }.get(self.shape, ())
-        if found := [key for key in unused if getattr(self, key) != 0.0]:
-            others = 'shapes "step" and "ramp" take it; `{}: ~` takes away that of a base'
-            raise refuse_all(
-                ((key,), f'expected no `{key}` with shape "{self.shape}", found one; {others.format(key)}')
-                for key in found
-            )
-        return self
+    def problems(self) -> Iterator[Problem]:
+        """Keys that the shape does not use."""
+        changes = ("initial", "start", "duration")
+        for key in {"constant": changes, "table": ("value", *changes)}.get(self.shape, ()):
+            if getattr(self, key) != 0.0:
+                others = f'shapes "step" and "ramp" take it; `{key}: ~` takes away that of a base'
+                yield (key,), f'expected no `{key}` with shape "{self.shape}", found one; {others}'
 
 
 class WeightOnBit(SetPoint):
@@ -122,11 +117,11 @@ class Block(SetPoint):
     def _has_a_value(cls, data: Any) -> Any:
         return data  # a block rests unless told
 
-    @model_validator(mode="after")
-    def _is_moved_by_one(self) -> Self:
+    def problems(self) -> Iterator[Problem]:
+        """As of every set-point, and a speed beside an auto-driller."""
+        yield from super().problems()
         if self.auto_driller is not None and (self.value != 0.0 or self.initial != 0.0):
-            raise refuse("expected either a speed or `auto_driller`, which moves the block itself, found both")
-        return self
+            yield (), "expected either a speed or `auto_driller`, which moves the block itself, found both"
 
 
 class Column(Part):
@@ -178,30 +173,22 @@ class Rig(Part):
     table: RecordedTable | None = None
     """Recorded table of the set-points of shape `table`."""
 
-    @model_validator(mode="after")
-    def _has_the_columns(self) -> Self:
+    def problems(self) -> Iterator[Problem]:
+        """A shape `table` without a table, a start that does not fit, and what contradicts the block."""
         for key in ("weight_on_bit", "rotation"):
-            shape = getattr(self, key).shape
-            if shape == "table" and self.table is None:
-                raise refuse_at((key, "shape"), 'expected `rig.table` with shape "table", found none')
-            if shape == "table" and self.start != "axis":
-                raise refuse_at(
-                    ("start",),
-                    f'expected "axis" with a recorded `{key}`, found "{self.start}": a record has no final value',
-                )
-        return self
-
-    @model_validator(mode="after")
-    def _moves_what_it_has(self) -> Self:
+            is_recorded = getattr(self, key).shape == "table"
+            if is_recorded and self.table is None:
+                yield (key, "shape"), 'expected `rig.table` with shape "table", found none'
+            if is_recorded and self.start != "axis":
+                text = f'expected "axis" with a recorded `{key}`, found "{self.start}": a record has no final value'
+                yield ("start",), text
         weight, block = self.weight_on_bit, self.block
         if (weight.at == "block") != (block is not None):
             found = "no `rig.block`" if block is None else f"`at: {weight.at}`"
-            raise refuse_at(
-                ("weight_on_bit", "at"),
-                f"expected `rig.weight_on_bit.at: block` and `rig.block` together, found {found}",
-            )
-        if block is None:
-            return self
+            text = f"expected `rig.weight_on_bit.at: block` and `rig.block` together, found {found}"
+            yield ("weight_on_bit", "at"), text
+        if block is None or weight.at != "block":
+            return
         driller = block.auto_driller
         checks = (
             (block.shape == "table", ("block", "shape"), 'expected "constant", "step" or "ramp", found "table"'),
@@ -216,8 +203,7 @@ class Rig(Part):
         )  # fmt: skip
         for wrong, place, text in checks:
             if wrong:
-                raise refuse_at(place, text)
-        return self
+                yield place, text
 
     @property
     def moves_block(self) -> bool:

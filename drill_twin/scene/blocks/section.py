@@ -3,12 +3,10 @@
 
 import math
 from collections.abc import Iterator
-from typing import Annotated, NamedTuple, Self
-
-from pydantic import model_validator
+from typing import Annotated, NamedTuple
 
 from drill_twin.core.units import Density, Dimensionless, Length, LinearMass, Pressure, Torque, Within
-from drill_twin.scene.blocks.part import Label, Part, refuse_at
+from drill_twin.scene.blocks.part import Label, Part, Problem
 
 MOST_JOINTS = 2000
 """Most tool joints of a section; each needs an element or two."""
@@ -68,62 +66,29 @@ class Section(Part):
     make_up_torque: Annotated[Torque, Within(above="0 N m", at_most="1e7 N m")] | None = None
     """Make-up torque of its connections, for margins [N m]."""
 
-    @model_validator(mode="after")
-    def _is_a_tube(self) -> Self:
+    def problems(self) -> Iterator[Problem]:
+        """A bore, blades or tool joints that do not fit the tube, and a mass that is given twice or is too small."""
+        outer, joints = f"the outer diameter ({self.outer_diameter:.6g} m)", self.joints
         if self.inner_diameter >= self.outer_diameter:
-            raise refuse_at(
-                ("inner_diameter",),
-                f"expected less than the outer diameter ({self.outer_diameter:.6g} m), "
-                f"found {self.inner_diameter:.6g} m",
-            )
-        return self
-
-    @model_validator(mode="after")
-    def _blades_stand_out(self) -> Self:
+            yield ("inner_diameter",), f"expected less than {outer}, found {self.inner_diameter:.6g} m"
         if self.blade_diameter is not None and self.blade_diameter < self.outer_diameter:
-            raise refuse_at(
-                ("blade_diameter",),
-                f"expected at least the outer diameter ({self.outer_diameter:.6g} m), "
-                f"found {self.blade_diameter:.6g} m",
-            )
-        return self
-
-    @model_validator(mode="after")
-    def _joints_fit(self) -> Self:
-        joints = self.joints
-        if joints is None:
-            return self
-        if joints.diameter < self.outer_diameter:
-            raise refuse_at(
-                ("joints", "diameter"),
-                f"expected at least the outer diameter ({self.outer_diameter:.6g} m), found {joints.diameter:.6g} m",
-            )
-        if joints.length >= joints.spacing:
-            raise refuse_at(
-                ("joints", "length"),
-                f"expected less than the spacing ({joints.spacing:.6g} m), found {joints.length:.6g} m",
-            )
-        if not 1.0 <= self.length / joints.spacing <= MOST_JOINTS:
-            raise refuse_at(
+            yield ("blade_diameter",), f"expected at least {outer}, found {self.blade_diameter:.6g} m"
+        if joints is not None and joints.diameter < self.outer_diameter:
+            yield ("joints", "diameter"), f"expected at least {outer}, found {joints.diameter:.6g} m"
+        if joints is not None and joints.length >= joints.spacing:
+            text = f"expected less than the spacing ({joints.spacing:.6g} m), found {joints.length:.6g} m"
+            yield ("joints", "length"), text
+        if joints is not None and not 1.0 <= self.length / joints.spacing <= MOST_JOINTS:
+            yield (
                 ("joints", "spacing"),
                 f"expected between 1 and {MOST_JOINTS} joints in the section ({self.length:.6g} m long), "
                 f"found {joints.spacing:.6g} m",
             )
-        return self
-
-    @model_validator(mode="after")
-    def _weighs_one_way(self) -> Self:
-        if self.adjusted_mass is None:
-            return self
-        if self.joints is not None:
-            raise refuse_at(("adjusted_mass",), "expected either `joints` or `adjusted_mass`, found both")
-        if self.adjusted_mass < self.density * self.area * (1.0 - 1e-9):
-            raise refuse_at(
-                ("adjusted_mass",),
-                f"expected at least that of the tube ({self.density * self.area:.6g} kg/m), "
-                f"found {self.adjusted_mass:.6g} kg/m",
-            )
-        return self
+        if self.adjusted_mass is not None and joints is not None:
+            yield ("adjusted_mass",), "expected either `joints` or `adjusted_mass`, found both"
+        elif self.adjusted_mass is not None and self.adjusted_mass < (tube := self.density * self.area) * (1.0 - 1e-9):
+            text = f"expected at least that of the tube ({tube:.6g} kg/m), found {self.adjusted_mass:.6g} kg/m"
+            yield ("adjusted_mass",), text
 
     @property
     def contact_diameter(self) -> float:

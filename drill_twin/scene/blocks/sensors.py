@@ -4,9 +4,10 @@
 Noise and bias are drawn from `numerics.seed`.
 """
 
-from typing import TYPE_CHECKING, Annotated, Any, Self
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, Annotated, Any
 
-from pydantic import Field, create_model, model_validator
+from pydantic import Field, create_model
 
 from drill_twin.core.units import (
     Acceleration,
@@ -20,8 +21,8 @@ from drill_twin.core.units import (
     Torque,
     Within,
 )
-from drill_twin.scene.blocks.part import Part, refuse_at
-from drill_twin.scene.blocks.string import Name
+from drill_twin.scene.blocks.part import Part, Problem
+from drill_twin.scene.blocks.string import Name, repeated_names
 
 _Rate = Annotated[Frequency, Within(above="0 Hz", at_most="10 kHz")]
 _Delay = Annotated[Time, Within(at_least="0 s", at_most="1e4 s")]
@@ -35,12 +36,11 @@ class Channel(Part):
     range: float = 0.0
     resolution: float = 0.0
 
-    @model_validator(mode="after")
-    def _is_not_negative(self) -> Self:
+    def problems(self) -> Iterator[Problem]:
+        """Negative values."""
         for key in _MEANINGS:
             if getattr(self, key) < 0.0:
-                raise refuse_at((key,), f"expected 0 or more, found {getattr(self, key):g}")
-        return self
+                yield (key,), f"expected 0 or more, found {getattr(self, key):g}"
 
 
 _MEANINGS = {
@@ -122,10 +122,6 @@ class Sensors(Part):
     surface: Surface | None = None
     """Surface channels; left out: none."""
 
-    @model_validator(mode="after")
-    def _have_names_of_their_own(self) -> Self:
-        names = [sub.name for sub in self.subs]
-        for index, name in enumerate(names):
-            if name in names[:index]:
-                raise refuse_at(("subs", index, "name"), f'expected a name of its own, found "{name}" again')
-        return self
+    def problems(self) -> Iterator[Problem]:
+        """Names that two subs have."""
+        yield from repeated_names("subs", self.subs)

@@ -2,12 +2,13 @@
 """The `string:` part of a scene: sections from the bit up, marks, and the constraint of the bit."""
 
 import math
-from typing import Annotated, Literal, Self
+from collections.abc import Iterator, Sequence
+from typing import Annotated, Any, Literal
 
-from pydantic import Field, model_validator
+from pydantic import Field
 
 from drill_twin.core.units import Length, Within
-from drill_twin.scene.blocks.part import Part, refuse_at
+from drill_twin.scene.blocks.part import Part, Problem
 from drill_twin.scene.blocks.section import Piece, Section
 
 Name = Annotated[str, Field(pattern=r"^[A-Za-z][A-Za-z0-9_]*$", max_length=60)]
@@ -30,6 +31,25 @@ class Mark(Part):
     """`wall`: on the outer surface (on a blade, if any), rotating with the spin; `centre`: on the centre line."""
 
 
+def repeated_names(key: str, parts: Sequence[Any]) -> Iterator[Problem]:
+    """Problems of parts under a key whose name an earlier part has."""
+    names = [part.name for part in parts]
+    for index, name in enumerate(names):
+        if name in names[:index]:
+            yield (key, index, "name"), f'expected a name of its own, found "{name}" again'
+
+
+def places_off_string(key: str, parts: Sequence[Any], length: float) -> Iterator[Problem]:
+    """Problems of parts under a key whose distance from the bit is beyond the length of the string [m]."""
+    for index, part in enumerate(parts):
+        if part.distance_from_bit > length * (1.0 + 1e-12):
+            yield (
+                (key, index, "distance_from_bit"),
+                f'expected "{part.name}" on the string ({length:.6g} m long), '
+                f"found {part.distance_from_bit:.6g} m from the bit",
+            )
+
+
 class String(Part):
     """The drillstring, from the bit (arc length 0) to the clamp at the top."""
 
@@ -44,27 +64,14 @@ class String(Part):
     top_end: Literal["clamped", "hinged"] = "clamped"
     """Constraint of the top across the hole. `clamped`: on the axis, no tilt; `hinged`: on the axis, tilt free."""
 
-    @model_validator(mode="after")
-    def _is_not_too_long(self) -> Self:
-        if self.length > LONGEST_STRING:
-            raise refuse_at(
-                ("sections",),
-                f"expected at most {LONGEST_STRING / 1000.0:g} km in all, found {self.length / 1000.0:.6g} km",
-            )
-        return self
-
-    @model_validator(mode="after")
-    def _marks_are_on_it(self) -> Self:
-        for index, mark in enumerate(self.marks):
-            if mark.distance_from_bit > self.length * (1.0 + 1e-12):
-                raise refuse_at(
-                    ("marks", index, "distance_from_bit"),
-                    f'expected "{mark.name}" on the string ({self.length:.6g} m long), '
-                    f"found {mark.distance_from_bit:.6g} m from the bit",
-                )
-            if mark.name in [other.name for other in self.marks[:index]]:
-                raise refuse_at(("marks", index, "name"), f'expected a name of its own, found "{mark.name}" again')
-        return self
+    def problems(self) -> Iterator[Problem]:
+        """A string that is too long, marks beyond its end, and names that two marks have."""
+        length = self.length
+        if length > LONGEST_STRING:
+            text = f"expected at most {LONGEST_STRING / 1000.0:g} km in all, found {length / 1000.0:.6g} km"
+            yield ("sections",), text
+        yield from places_off_string("marks", self.marks, length)
+        yield from repeated_names("marks", self.marks)
 
     @property
     def length(self) -> float:
