@@ -20,7 +20,7 @@ from drill_twin.scene.blocks.hole import Hole
 from drill_twin.scene.blocks.part import refuse_all
 from drill_twin.scene.blocks.rig import Rig
 from drill_twin.scene.blocks.string import String
-from drill_twin.scene.check import UnknownPart, UnknownPartError, contradictions
+from drill_twin.scene.check import UnknownPart, contradictions
 from drill_twin.scene.lines import Lines, copy_plain, read_lines
 from drill_twin.scene.overrides import apply_overrides
 from drill_twin.scene.paths import scene_path
@@ -179,14 +179,4 @@ def _valid_effects(data: Any, text: bool) -> Any:
     valid = Effects.model_validate(
         {key: block for key, block in known.items() if key not in invalid}, context={"text": text}
     )
-    return _ValidEffects(valid, invalid)
-
-
-class _ValidEffects:
-    def __init__(self, valid: Effects, invalid: set[str]) -> None:
-        self._valid, self._invalid = valid, invalid
-
-    def __getattr__(self, name: str) -> Any:
-        if name in self._invalid:
-            raise UnknownPartError(name)
-        return getattr(self._valid, name)
+    return UnknownPart(valid, invalid)

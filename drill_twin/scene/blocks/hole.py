@@ -73,8 +73,10 @@ class Hole(Part):
         if self.inclination != 0.0:
             yield (
                 ("inclination",),
-                f"expected no `inclination` beside a `survey`, found {math.degrees(self.inclination):.6g} deg; "
-                "the survey defines it",
+                (
+                    f"expected no `inclination` beside a `survey`, found {math.degrees(self.inclination):.6g} deg; "
+                    "the survey defines it"
+                ),
             )
         if depth[0] != 0.0:
             text = f"expected 0 m, the top clamp, at the first station, found {depth[0]:.6g} m"
@@ -82,7 +84,7 @@ class Hole(Part):
         runs = np.diff(depth)
         if not runs.size:
             yield ("survey",), "expected at least two stations, found one"
-        elif (upwards := np.flatnonzero(runs <= 0.0).tolist()):
+        elif upwards := np.flatnonzero(runs <= 0.0).tolist():
             above = upwards[0]
             text = f"expected more than the station above it ({depth[above]:.6g} m), found {depth[above + 1]:.6g} m"
             yield ("survey", above + 1, "depth"), text
@@ -98,8 +100,10 @@ class Hole(Part):
                 most = min(0.5 * math.pi, run / sharpest)
                 yield (
                     ("survey", index),
-                    f"expected a turn of at most {math.degrees(most):.4g} deg since the station above (90 deg, and a "
-                    f"bend of {SHARPEST_BEND:g} radii of the hole), found {math.degrees(turn):.4g} deg in {run:.6g} m",
+                    (
+                        f"expected a turn of at most {math.degrees(most):.4g} deg since the station above (90 deg, and a "
+                        f"bend of {SHARPEST_BEND:g} radii of the hole), found {math.degrees(turn):.4g} deg in {run:.6g} m"
+                    ),
                 )
                 return
         ways = survey(depth, inclination, azimuth).down
@@ -107,8 +111,10 @@ class Hole(Part):
         if total.max() > LARGEST_TURN:
             yield (
                 ("survey", int(total.argmax())),
-                f"expected a direction within {math.degrees(LARGEST_TURN):g} deg of that at the top, "
-                f"found {math.degrees(total.max()):.4g} deg",
+                (
+                    f"expected a direction within {math.degrees(LARGEST_TURN):g} deg of that at the top, "
+                    f"found {math.degrees(total.max()):.4g} deg"
+                ),
             )
 
     @property

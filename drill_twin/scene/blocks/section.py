@@ -81,8 +81,10 @@ class Section(Part):
         if joints is not None and not 1.0 <= self.length / joints.spacing <= MOST_JOINTS:
             yield (
                 ("joints", "spacing"),
-                f"expected between 1 and {MOST_JOINTS} joints in the section ({self.length:.6g} m long), "
-                f"found {joints.spacing:.6g} m",
+                (
+                    f"expected between 1 and {MOST_JOINTS} joints in the section ({self.length:.6g} m long), "
+                    f"found {joints.spacing:.6g} m"
+                ),
             )
         if self.adjusted_mass is not None and joints is not None:
             yield ("adjusted_mass",), "expected either `joints` or `adjusted_mass`, found both"

@@ -45,8 +45,10 @@ def places_off_string(key: str, parts: Sequence[Any], length: float) -> Iterator
         if part.distance_from_bit > length * (1.0 + 1e-12):
             yield (
                 (key, index, "distance_from_bit"),
-                f'expected "{part.name}" on the string ({length:.6g} m long), '
-                f"found {part.distance_from_bit:.6g} m from the bit",
+                (
+                    f'expected "{part.name}" on the string ({length:.6g} m long), '
+                    f"found {part.distance_from_bit:.6g} m from the bit"
+                ),
             )
 
 
