@@ -13,7 +13,7 @@ from functools import partial
 from itertools import permutations
 from typing import TYPE_CHECKING, Any, get_args
 
-from drill_twin.physics.effects.config import BitReaction, EffectConfig
+from drill_twin.physics.effects.config import BitReaction, EffectConfig, Incompatibility
 from drill_twin.scene.blocks.part import Problem
 from drill_twin.scene.blocks.sensors import Sub, Surface
 from drill_twin.scene.blocks.string import places_off_string
@@ -79,12 +79,10 @@ def _may_follow_the_hole(scene: Scene) -> Iterator[Problem]:
     if depth == 0.0:
         return
     if depth != "auto" and depth >= scene.string.length:
-        yield (
+        yield Incompatibility(
             ("numerics", "lateral_from"),
-            (
-                f"expected a depth above the bit ({scene.unit_system.text(scene.string.length, 'length')}), found "
-                f"{scene.unit_system.text(depth, 'length')}"
-            ),
+            f"expected a depth above the bit ({scene.unit_system.text(scene.string.length, 'length')}), found "
+            f"{scene.unit_system.text(depth, 'length')}",
         )
     found = [f"effects.{key}" for key in NEED_LATERAL if key in effects.blocks]
     found += ["effects.lateral_kick.offset"] if effects.lateral_kick is not None and effects.lateral_kick.offset else []
@@ -92,12 +90,10 @@ def _may_follow_the_hole(scene: Scene) -> Iterator[Problem]:
     found += ["numerics.accuracy"] if numerics.accuracy is not None else []
     found += [f"rig.start: {scene.rig.start}"] if scene.rig.start != "axis" else []
     if found:
-        yield (
+        yield Incompatibility(
             ("numerics", "lateral_from"),
-            (
-                f"expected 0 m, the whole string, as a string that follows the hole has no lateral motion for them, found "
-                f"{', '.join(found)}"
-            ),
+            f"expected 0 m, the whole string, as a string that follows the hole has no lateral motion for them, found "
+            f"{', '.join(found)}",
         )
 
 
@@ -125,33 +121,27 @@ def _hole_holds_the_string(scene: Scene) -> Iterator[Problem]:
     if not hole.survey:
         return
     if hole.survey[-1].depth < string.length * (1.0 - 1e-12):
-        yield (
+        yield Incompatibility(
             ("hole", "survey", len(hole.survey) - 1, "depth"),
-            (
-                f"expected the last station at or below the bit ({string.length:.6g} m), "
-                f"found {hole.survey[-1].depth:.6g} m"
-            ),
+            f"expected the last station at or below the bit ({string.length:.6g} m), "
+            f"found {hole.survey[-1].depth:.6g} m",
         )
     if effects.stretch is None and effects.torsion is None:
-        yield (
+        yield Incompatibility(
             ("hole", "survey"),
-            (
-                "expected `stretch` and `torsion` to be listed with a survey, found neither: "
-                "the motion across the hole alone is computed in a straight hole only (`hole.inclination`)"
-            ),
+            "expected `stretch` and `torsion` to be listed with a survey, found neither: "
+            "the motion across the hole alone is computed in a straight hole only (`hole.inclination`)",
         )
 
 
 def _formulation_is_whole(scene: Scene) -> Iterator[Problem]:
     for listed, missing in permutations(TOGETHER):
         if getattr(scene.effects, listed) is not None and getattr(scene.effects, missing) is None:
-            yield (
+            yield Incompatibility(
                 ("effects", listed),
-                (
-                    f"expected both or neither of `{TOGETHER[0]}` and `{TOGETHER[1]}`, found no `{missing}`: list it too, "
-                    "or take both out for lateral motion only, with the axial force in balance and the spin of the top "
-                    "drive"
-                ),
+                f"expected both or neither of `{TOGETHER[0]}` and `{TOGETHER[1]}`, found no `{missing}`: list it too, "
+                "or take both out for lateral motion only, with the axial force in balance and the spin of the top "
+                "drive",
             )
 
 
@@ -171,12 +161,10 @@ def _one_law_at_the_bit(scene: Scene) -> Iterator[Problem]:
 
 def _bit_is_held(scene: Scene) -> Iterator[Problem]:
     if scene.string.bit_end == "stabilised" and scene.effects.bit_stabiliser is None:
-        yield (
+        yield Incompatibility(
             ("string", "bit_end"),
-            (
-                "expected `string.bit_end: stabilised` and `effects.bit_stabiliser` together, "
-                "found bit_end stabilised without a bit_stabiliser"
-            ),
+            "expected `string.bit_end: stabilised` and `effects.bit_stabiliser` together, "
+            "found bit_end stabilised without a bit_stabiliser",
         )
 
 
@@ -188,13 +176,11 @@ def _string_carries_the_load(scene: Scene) -> Iterator[Problem]:
     for key in ("value", "initial"):
         load = abs(getattr(scene.rig.weight_on_bit, key))
         if load + weight > LARGEST_STRAIN * stiffness and load > 0.0:
-            yield (
+            yield Incompatibility(
                 ("rig", "weight_on_bit", key),
-                (
-                    f"expected at most {max(LARGEST_STRAIN * stiffness - weight, 0.0):.4g} N, found {load:.4g} N: with the "
-                    f"string's own {weight:.4g} N it strains section {number + 1} (E A = {stiffness:.4g} N) by "
-                    f"{100.0 * (load + weight) / stiffness:.3g} %, where nothing that strings are made of stays elastic"
-                ),
+                f"expected at most {max(LARGEST_STRAIN * stiffness - weight, 0.0):.4g} N, found {load:.4g} N: with the "
+                f"string's own {weight:.4g} N it strains section {number + 1} (E A = {stiffness:.4g} N) by "
+                f"{100.0 * (load + weight) / stiffness:.3g} %, where nothing that strings are made of stays elastic",
             )
 
 
@@ -248,10 +234,8 @@ def _block_can_move(scene: Scene) -> Iterator[Problem]:
     if effects.stretch is None:
         yield ("rig", "block"), "expected `stretch` and `torsion` to be listed, found neither"
     if (block.off_bottom > 0.0 or block.auto_driller is not None) and not effects.providing("weight"):
-        yield (
+        yield Incompatibility(
             ("rig", "block"),
-            (
-                "expected rock for the bit to come down on, found none: list `rock_floor`, `bit_cutting` with a "
-                "`rock_stiffness`, or `bit_regenerative`"
-            ),
+            "expected rock for the bit to come down on, found none: list `rock_floor`, `bit_cutting` with a "
+            "`rock_stiffness`, or `bit_regenerative`",
         )

@@ -9,6 +9,7 @@ import numpy as np
 from pydantic import Field
 
 from drill_twin.core.units import Angle, Length, Within
+from drill_twin.physics.effects.config import Incompatibility
 from drill_twin.physics.model.survey import dogleg, survey
 from drill_twin.scene.blocks.part import Part, Problem
 
@@ -71,12 +72,10 @@ class Hole(Part):
     def _problems_of_survey(self) -> Iterator[Problem]:
         depth = self.stations[0]
         if self.inclination != 0.0:
-            yield (
+            yield Incompatibility(
                 ("inclination",),
-                (
-                    f"expected no `inclination` beside a `survey`, found {math.degrees(self.inclination):.6g} deg; "
-                    "the survey defines it"
-                ),
+                f"expected no `inclination` beside a `survey`, found {math.degrees(self.inclination):.6g} deg; "
+                "the survey defines it",
             )
         if depth[0] != 0.0:
             text = f"expected 0 m, the top clamp, at the first station, found {depth[0]:.6g} m"
@@ -98,23 +97,19 @@ class Hole(Part):
         for index, (turn, run) in enumerate(zip(dogleg(inclination, azimuth), runs, strict=True), start=1):
             if turn > 0.5 * math.pi or turn * sharpest > run:
                 most = min(0.5 * math.pi, run / sharpest)
-                yield (
+                yield Incompatibility(
                     ("survey", index),
-                    (
-                        f"expected a turn of at most {math.degrees(most):.4g} deg since the station above (90 deg, and a "
-                        f"bend of {SHARPEST_BEND:g} radii of the hole), found {math.degrees(turn):.4g} deg in {run:.6g} m"
-                    ),
+                    f"expected a turn of at most {math.degrees(most):.4g} deg since the station above (90 deg, and a "
+                    f"bend of {SHARPEST_BEND:g} radii of the hole), found {math.degrees(turn):.4g} deg in {run:.6g} m",
                 )
                 return
         ways = survey(depth, inclination, azimuth).down
         total = np.arccos(np.clip(ways @ ways[0], -1.0, 1.0))
         if total.max() > LARGEST_TURN:
-            yield (
+            yield Incompatibility(
                 ("survey", int(total.argmax())),
-                (
-                    f"expected a direction within {math.degrees(LARGEST_TURN):g} deg of that at the top, "
-                    f"found {math.degrees(total.max()):.4g} deg"
-                ),
+                f"expected a direction within {math.degrees(LARGEST_TURN):g} deg of that at the top, "
+                f"found {math.degrees(total.max()):.4g} deg",
             )
 
     @property

@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from typing import Annotated, NamedTuple
 
 from drill_twin.core.units import Density, Dimensionless, Length, LinearMass, Pressure, Torque, Within
+from drill_twin.physics.effects.config import Incompatibility
 from drill_twin.scene.blocks.part import Label, Part, Problem
 
 MOST_JOINTS = 2000
@@ -79,12 +80,10 @@ class Section(Part):
             text = f"expected less than the spacing ({joints.spacing:.6g} m), found {joints.length:.6g} m"
             yield ("joints", "length"), text
         if joints is not None and not 1.0 <= self.length / joints.spacing <= MOST_JOINTS:
-            yield (
+            yield Incompatibility(
                 ("joints", "spacing"),
-                (
-                    f"expected between 1 and {MOST_JOINTS} joints in the section ({self.length:.6g} m long), "
-                    f"found {joints.spacing:.6g} m"
-                ),
+                f"expected between 1 and {MOST_JOINTS} joints in the section ({self.length:.6g} m long), "
+                f"found {joints.spacing:.6g} m",
             )
         if self.adjusted_mass is not None and joints is not None:
             yield ("adjusted_mass",), "expected either `joints` or `adjusted_mass`, found both"

@@ -8,6 +8,7 @@ from typing import Annotated, Any, Literal
 from pydantic import Field
 
 from drill_twin.core.units import Length, Within
+from drill_twin.physics.effects.config import Incompatibility
 from drill_twin.scene.blocks.part import Part, Problem
 from drill_twin.scene.blocks.section import Piece, Section
 
@@ -43,12 +44,10 @@ def places_off_string(key: str, parts: Sequence[Any], length: float) -> Iterator
     """Problems of parts under a key whose distance from the bit is beyond the length of the string [m]."""
     for index, part in enumerate(parts):
         if part.distance_from_bit > length * (1.0 + 1e-12):
-            yield (
+            yield Incompatibility(
                 (key, index, "distance_from_bit"),
-                (
-                    f'expected "{part.name}" on the string ({length:.6g} m long), '
-                    f"found {part.distance_from_bit:.6g} m from the bit"
-                ),
+                f'expected "{part.name}" on the string ({length:.6g} m long), '
+                f"found {part.distance_from_bit:.6g} m from the bit",
             )
 
 
