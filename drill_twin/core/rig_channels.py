@@ -78,24 +78,14 @@ RECORDED: Mapping[str, str] = {
 """Name of each channel of a record, and its field of `RigState`."""
 
 
-def field_of(name: str) -> str:
-    """Field of `RigState` of a channel, by that name or another of its names.
+FIELDS: Mapping[str, str] = {name: field for field, channel in RIG_CHANNELS.items() for name in (*channel.names, field)}
+"""Field of `RigState` of a channel, by each of its names."""
+
+
+def channel_of(name: str) -> RigChannel:
+    """Channel by any of its names.
 
     Raises:
         KeyError: There is no such channel.
     """
-    if name in RIG_CHANNELS:
-        return name
-    for field, channel in RIG_CHANNELS.items():
-        if name in channel.names:
-            return field
-    raise KeyError(name)
-
-
-def channel_of(name: str) -> RigChannel:
-    """The channel of any of its names.
-
-    Raises:
-        KeyError: There is none.
-    """
-    return RIG_CHANNELS[field_of(name)]
+    return RIG_CHANNELS[FIELDS[name]]

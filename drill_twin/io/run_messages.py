@@ -13,8 +13,8 @@ import yaml
 
 from drill_twin.core import __version__
 from drill_twin.core.arrays import Array
+from drill_twin.dynamics.sensors.sampling import SurfaceSampler, SurfaceValues
 from drill_twin.dynamics.sensors.subs import SubSampler
-from drill_twin.dynamics.sensors.surface import SurfaceSampler, SurfaceValues
 from drill_twin.dynamics.twin.frame import RigState
 from drill_twin.dynamics.twin.twin import Twin
 from drill_twin.io.messages.sensor_messages import ImuEncoder, SummaryEncoder, SurfaceEncoder
@@ -27,7 +27,7 @@ def sensor_topics(scene: Scene) -> tuple[str, ...]:
     if scene.sensors is None:
         return ()
     subs = [topic for sub in scene.sensors.subs for topic in (imu_topic(sub.name), summary_topic(sub.name))]
-    return (*subs, SURFACE_STATE) if scene.sensors.surface is not None else tuple(subs)
+    return (*subs, SURFACE_STATE) if scene.sensors.sampling is not None else tuple(subs)
 
 
 class Measurements:
@@ -37,7 +37,7 @@ class Measurements:
         """Begin with the present state of a twin."""
         scene, sensors = twin.scene, twin.scene.sensors
         subs = () if sensors is None else sensors.subs
-        surface = None if sensors is None else sensors.surface
+        surface = None if sensors is None else sensors.sampling
         self._subs = SubSampler(scene, twin.rod, twin.time, *twin.unknowns) if subs else None
         speed = float(twin.unknowns[1][-1, 6])
         self._surface = None if surface is None else SurfaceSampler(scene, surface, twin.time, speed)

@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Messages for pydantic's validation errors: place, expected, found, nearest valid name."""
 
-import difflib
 import inspect
 from typing import Any, get_args, get_origin
 
@@ -9,7 +8,7 @@ from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 from pydantic_core import ErrorDetails
 
-from drill_twin.core.errors import SceneError
+from drill_twin.core.errors import SceneError, nearest
 from drill_twin.core.units import Quantity, show
 from drill_twin.physics.effects import LEFT_OUT
 from drill_twin.scene.lines import Lines, Path
@@ -35,13 +34,6 @@ def path_text(path: Path) -> str:
     """Text of a place in the data: `string.sections[0].length`."""
     parts = (f"[{part}]" if isinstance(part, int) else f".{part}" for part in path)
     return "".join(parts).removeprefix(".")
-
-
-def nearest(name: str, known: "list[str]") -> str:
-    """Suggestion such as `, did you mean "radius"?` if one of the known names is close, else an empty text."""
-    folded = {word.lower(): word for word in known}
-    close = difflib.get_close_matches(name.lower(), folded, n=1, cutoff=0.6)
-    return f', did you mean "{folded[close[0]]}"?' if close else ""
 
 
 def _place(detail: ErrorDetails) -> Path:

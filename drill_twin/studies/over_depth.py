@@ -97,11 +97,11 @@ def read_measured(path: Path) -> dict[str, Points]:
 
 
 def friction_of(found: OverDepth, points: Mapping[str, Points]) -> dict[str, Array]:
-    """Coefficients that the measured points mean, NaN outside of the range."""
+    """Coefficients of friction at which the loads are the measured loads, by load; NaN outside of the range."""
     return {
-        of: found.friction_of_torque(one.depth, one.value) if of == "torque" else found.friction_of(of, *one[:2])
-        for of, one in points.items()
-        if of != "off bottom"  # has no axial friction
+        load: found.friction_of(load, measured.depth, measured.value)
+        for load, measured in points.items()
+        if load != "off bottom"  # has no axial friction
     }
 
 

@@ -36,13 +36,9 @@ def read_json(text: str | bytes, *, largest: int = LARGEST_TEXT) -> Any:
     if len(text) > largest:
         raise JsonError(f"expected JSON of at most {largest} characters, found {len(text)}")
     try:
-        return json.loads(text, parse_int=_integer)
+        return json.loads(text, parse_int=lambda digits: (int if len(digits) <= _LONGEST_INTEGER else float)(digits))
     except (ValueError, RecursionError) as error:
         raise JsonError(f"expected JSON, found {text[:40]!r}") from error
-
-
-def _integer(digits: str) -> int | float:
-    return int(digits) if len(digits) <= _LONGEST_INTEGER else float(digits)
 
 
 _LOG = logging.getLogger(__name__)

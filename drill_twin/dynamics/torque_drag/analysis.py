@@ -37,7 +37,7 @@ from drill_twin.scene.blocks.top_drive import TopDrive
 
 IMPERFECTIONS = ("bow", "eccentricity", "rock_floor", "lateral_kick", *TIME_DEPENDENT)
 """Effects without a place in a steady balance, and the rock, in whose place the weight acts on the bit."""
-SAMPLES = 8
+BEND_PLACES = 8
 """Places in an element at which bend and friction of the hole are taken: they change where no node is."""
 NO_TORQUE = 1e-4
 """Torque over make-up torque below which a connection is not loaded; Newton's residual is of that size."""
@@ -197,10 +197,10 @@ def hole_and_string(scene: Scene, model: DiscreteModel, bit_depth: float | None 
     weight = (np.zeros(middle.size) if gravity is None else line_weight(gravity, model))[:, None] * down
     tangent = np.tile([0.0, 0.0, 1.0], (middle.size, 1)) if axis is None else axis.tangent
     along = -np.sum(weight * tangent, axis=1)
-    within = depth[:, None] + length[:, None] * ((np.arange(SAMPLES) + 0.5) / SAMPLES - 0.5)
+    within = depth[:, None] + length[:, None] * ((np.arange(BEND_PLACES) + 0.5) / BEND_PLACES - 0.5)
     inner = axis_at(scene, within.ravel())
     bends = np.zeros((within.size, 3)) if inner is None else inner.curvature[:, None] * inner.normal
-    bend = bends.reshape(-1, SAMPLES, 3).mean(axis=1)
+    bend = bends.reshape(-1, BEND_PLACES, 3).mean(axis=1)
     contact = contact_radius(scene, 0.5 * (rod.arc[1:] + rod.arc[:-1]))
     hole = contact + model.wellbore.clearance.reshape(-1, 2).mean(axis=1)  # radius, from the bottom up
     own_depth = scene.length - 0.5 * (rod.arc[1:] + rod.arc[:-1])

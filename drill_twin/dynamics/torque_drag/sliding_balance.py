@@ -32,7 +32,7 @@ NODE = 7
 """Unknowns of a node."""
 TOLERANCE = 1e-7
 """Residual force at a node over the largest load; residual torque over the same at the string's radius."""
-FIRST_STEP, SHORTEST, LONGEST = 0.02, 5e-3, 1e3
+FIRST_STEP, SHORTEST_STEP, LONGEST_STEP = 0.02, 5e-3, 1e3
 """Step of the regularisation: the first, and its bounds [s]."""
 GROWTH, SHRINKAGE = 3.0, 0.5
 """Largest and least change of the step."""
@@ -131,11 +131,11 @@ class SlidingBalance:
                 break
             if force < TOLERANCE * load:
                 return BalancedString(operation, u, residual[0].copy(), residual[-1].copy(), count)
-            step = float(np.clip(step * np.clip(last / force, SHRINKAGE, GROWTH), SHORTEST, LONGEST))
+            step = float(np.clip(step * np.clip(last / force, SHRINKAGE, GROWTH), SHORTEST_STEP, LONGEST_STEP))
             last = force
             tangents[MASS, :, SPIN] = 0.0  # torsion is linear while all of the string slides
             change = self._change(free, tangents[STIFFNESS] + tangents[MASS] / step**2)
-            while self._across(change) > LARGEST_MOVE * self.room and step > SHORTEST:
+            while self._across(change) > LARGEST_MOVE * self.room and step > SHORTEST_STEP:
                 step *= 0.5 * SHRINKAGE
                 change = self._change(free, tangents[STIFFNESS] + tangents[MASS] / step**2)
             u = u + change

@@ -11,12 +11,12 @@ import logging
 import pickle
 import platform
 from collections.abc import Generator, Iterator, Mapping, Sequence
+from contextlib import AbstractContextManager
 from functools import cache
 from itertools import islice
 from queue import Empty, SimpleQueue
 from threading import Lock
-from types import TracebackType
-from typing import Any, Self
+from typing import Any
 
 import llvmlite
 import numba
@@ -47,7 +47,7 @@ _PREPARE = Lock()
 _PREPARED: set[tuple[Any, ...]] = set()
 
 
-class DaskWorkers:
+class DaskWorkers(AbstractContextManager["DaskWorkers"]):
     """Workers of a Dask scheduler, as a place where members are run (`drill_twin.runs.ensemble.run.Executor`)."""
 
     def __init__(self, address: str) -> None:
@@ -147,12 +147,7 @@ class DaskWorkers:
         """End the connection; scheduler and workers stay."""
         self._client.close()
 
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         self.close()
 
 

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """Catalogue of pipe: API drill pipe, heavy-weight drill pipe, grades.
 
-Drill pipe after API Spec 5DP and API RP 7G (new pipe): outer and inner diameter of the body; the adjusted weight with
-tool joints and upsets is approximate, it depends on the joint; the make-up torque is that of a usual connection of the
-size, for a plan. A tally may give its own.
+Drill pipe after API Spec 5DP and API RP 7G (new pipe): outer and inner diameter of the body. The adjusted weight with
+tool joints and upsets depends on the joint, and is approximate. The make-up torque is of a usual connection of the
+size, good enough for a plan.
 """
 
 from __future__ import annotations
@@ -12,16 +12,10 @@ from typing import Any, NamedTuple
 
 from drill_twin.core.units import parse
 from drill_twin.core.units.dimension import LENGTH
-from drill_twin.physics.model.steel import COLLAR, GRADES, LARGE_COLLAR
-from drill_twin.physics.model.steel import HEAVY_WEIGHT as HEAVY_WEIGHT_STEEL
 
 INCH, POUND_PER_FOOT, FOOT_POUND = 0.0254, 1.48816394, 1.3558179
-YIELD = {name: steel.yield_strength for name, steel in GRADES.items()}
-"""Yield strength of the grades of drill pipe [Pa]."""
-COLLAR_YIELD, LARGE_COLLAR_YIELD = COLLAR.yield_strength, LARGE_COLLAR.yield_strength
 LARGEST_COLLAR = 7.0 * INCH
 """Outer diameter of collars from which their steel is that of large ones [m]."""
-HEAVY_WEIGHT_YIELD = HEAVY_WEIGHT_STEEL.yield_strength
 DENSITY = 7850.0
 """Density of steel, the default of a scene [kg/m^3]."""
 ALUMINIUM = {"youngs_modulus": "69 GPa", "poisson_ratio": 0.33, "density": "2700 kg/m^3"}

@@ -14,7 +14,7 @@ from drill_twin.core.files.foreign_file import ForeignFile
 from drill_twin.core.units import UnitError, factor_of, parse
 from drill_twin.core.units.dimension import ANGLE, LENGTH, LINEAR_MASS, Dimension
 from drill_twin.core.units.parse import name_and_unit
-from drill_twin.scene.records.csv_file import delimiter_of, used_lines
+from drill_twin.scene.records.rows import delimiter_of, used_lines
 
 MOST_ROWS = 10_000
 TABLE = ForeignFile("a CSV table", 4_000_000, SceneError)

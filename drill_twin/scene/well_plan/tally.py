@@ -11,15 +11,13 @@ from typing import Any, NamedTuple
 from drill_twin.core.errors import SceneError
 from drill_twin.core.units import parse
 from drill_twin.core.units.dimension import LENGTH
+from drill_twin.physics.model.steel import COLLAR, GRADES, HEAVY_WEIGHT, LARGE_COLLAR, Steel
 from drill_twin.scene.well_plan.catalogue import (
-    COLLAR_YIELD,
     DENSITY,
-    HEAVY_WEIGHT_YIELD,
     INCH,
-    LARGE_COLLAR_YIELD,
     LARGEST_COLLAR,
     MATERIALS,
-    YIELD,
+    Pipe,
     drill_pipe,
     heavy_weight,
     named_sizes,
@@ -157,10 +155,7 @@ def _drill_pipe(row: Row, outer: float) -> dict[str, Any]:
             f"{row.place}: expected drill pipe of API 5DP ({named_sizes()}), found od {row.text('od')}, weight "
             f"{row.text('weight')}; the weight is the nominal one. For another pipe edit the scene"
         )
-    return _tube(outer, pipe.inner_diameter, _grade(row)) | {
-        "adjusted_mass": f"{pipe.adjusted_mass:.6g} kg/m", "blade_diameter": f"{pipe.joint_diameter:.10g} m",
-        "make_up_torque": f"{pipe.make_up_torque:.6g} N m",
-    }  # fmt: skip
+    return _jointed(outer, pipe, _grade(row))
 
 
 def _heavy(row: Row, outer: float) -> dict[str, Any]:
@@ -169,28 +164,31 @@ def _heavy(row: Row, outer: float) -> dict[str, Any]:
         raise SceneError(
             f"{row.place}, od: expected heavy-weight pipe of 3 1/2 to 6 5/8 in, found {outer / INCH:.4g} in"
         )
-    return _tube(outer, pipe.inner_diameter, HEAVY_WEIGHT_YIELD) | {
+    return _jointed(outer, pipe, HEAVY_WEIGHT)
+
+
+def _jointed(outer: float, pipe: Pipe, steel: Steel) -> dict[str, Any]:
+    """Pipe of the catalogue, with its tool joints."""
+    return _tube(outer, pipe.inner_diameter, steel) | {
         "adjusted_mass": f"{pipe.adjusted_mass:.6g} kg/m", "blade_diameter": f"{pipe.joint_diameter:.10g} m",
         "make_up_torque": f"{pipe.make_up_torque:.6g} N m",
     }  # fmt: skip
 
 
 def _collar(row: Row, outer: float) -> dict[str, Any]:
-    return _tube(outer, _bore(row, outer), LARGE_COLLAR_YIELD if outer > LARGEST_COLLAR else COLLAR_YIELD)
+    return _tube(outer, _bore(row, outer), LARGE_COLLAR if outer > LARGEST_COLLAR else COLLAR)
 
 
 def _plain(row: Row, outer: float) -> dict[str, Any]:
     """Tube of any size, without tool joints."""
-    return _tube(outer, _bore(row, outer), _grade(row) if row.text("grade") else math.nan)
+    return _tube(outer, _bore(row, outer), _grade(row) if row.text("grade") else None)
 
 
 def _bore(row: Row, outer: float) -> float:
-    """Bore of a row, or that which a steel tube of its weight has, as a motor's is seldom told."""
+    """Bore of a row; without one the bore of a steel tube of its weight, as tables seldom give the bore of a motor."""
     if not row.text("id"):
         if not row.text("weight"):
-            raise SceneError(
-                f"{row.place}, id: expected the bore, or in `weight` that of which it follows, found neither"
-            )
+            raise SceneError(f"{row.place}, id: expected the bore, or a `weight` from which it follows, found neither")
         square = outer**2 - _positive(row, "weight", "mass") / (0.25 * math.pi * DENSITY)
         if not square > 0.0:
             raise SceneError(f"{row.place}, weight: expected less than that of a bar, found {row.text('weight')}")
@@ -211,16 +209,16 @@ def _material(row: Row) -> dict[str, Any]:
     return MATERIALS[word]
 
 
-def _grade(row: Row) -> float:
+def _grade(row: Row) -> Steel:
     grade = row.text("grade").upper().replace("-", "").replace(" ", "")
-    if grade not in YIELD:
+    if grade not in GRADES:
         raise SceneError(
-            f'{row.place}, grade: expected one of {", ".join(YIELD)}, found "{row.text("grade")}"; the weight has a '
+            f'{row.place}, grade: expected one of {", ".join(GRADES)}, found "{row.text("grade")}"; the weight has a '
             "column of its own"
         )
-    return YIELD[grade]
+    return GRADES[grade]
 
 
-def _tube(outer: float, inner: float, strength: float) -> dict[str, Any]:
+def _tube(outer: float, inner: float, steel: Steel | None) -> dict[str, Any]:
     tube = {"outer_diameter": f"{outer:.10g} m", "inner_diameter": f"{inner:.10g} m"}
-    return tube if math.isnan(strength) else tube | {"yield_strength": f"{strength / 1e6:.6g} MPa"}
+    return tube if steel is None else tube | {"yield_strength": f"{steel.yield_strength / 1e6:.6g} MPa"}

@@ -8,9 +8,8 @@ import pytest
 
 from drill_twin.api.result import Result
 from drill_twin.core.errors import ArgumentError
-from drill_twin.dynamics.sensors.sampling import Instrument, ReadingNoise, errors_of, with_errors
+from drill_twin.dynamics.sensors.sampling import Instrument, ReadingNoise, drive_torque, errors_of, with_errors
 from drill_twin.dynamics.sensors.subs import SUMMARY, summary
-from drill_twin.dynamics.sensors.surface import drive_torque
 from drill_twin.io.bag.virtual_bags import MemoryBag
 from drill_twin.io.messages.decode import read_joint_state
 from drill_twin.io.messages.sensor_messages import read_imu, read_summary

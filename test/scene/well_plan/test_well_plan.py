@@ -132,7 +132,7 @@ MISTAKES = {
     "size": ({"tally": TALLY.replace("19.5", "18.0")}, r"tally.csv, line 6: .*5 in 19.5 lb/ft.*weight 18.0"),
     "kind": ({"tally": TALLY.replace("hwdp", "wire")}, r'tally.csv, line 5, kind: .*found "wire"'),
     "bore": ({"tally": TALLY.replace("97.5,8,2 13/16", "97.5,8,9")}, r"tally.csv, line 4, id: .*less than the od"),
-    "no bore": ({"tally": TALLY.replace("97.5,8,2 13/16", "97.5,8,")}, r"line 4, id: .*the bore, or in `weight`"),
+    "no bore": ({"tally": TALLY.replace("97.5,8,2 13/16", "97.5,8,")}, r"line 4, id: .*the bore, or a `weight`"),
     "a bar": ({"tally": TALLY.replace("97.5,8,2 13/16,", "97.5,8,,200")}, r"line 4, weight: .*that of a bar"),
     "depth": ({"depth": "1600 m"}, r"--depth: .*within the survey \(1500 m\), found 1600 m"),
     "bit": ({"bit": "13 in"}, r"--bit: expected at most the hole"),
