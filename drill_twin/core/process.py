@@ -19,7 +19,8 @@ _CALLED_BACK = "llvmlite/binding/executionengine.py"
 def is_unraisable(frame: FrameType | None) -> bool:
     """Return True during an import, a finalizer or a callback of the compiler.
 
-    An exception in an import can leave the lock of all imports locked for ever; the others print it and go on.
+    An exception in an import can leave the lock of all imports locked for ever. A finalizer or a callback prints the
+    exception and goes on.
     """
     while frame is not None:
         code = frame.f_code

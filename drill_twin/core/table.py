@@ -27,7 +27,7 @@ class Column(NamedTuple):
     right: bool = False
     """Aligned to the right, as numbers are."""
     whole: bool = False
-    """Cells are not broken into lines in a narrow terminal; those to the right never are."""
+    """Cells are not broken into lines in a narrow terminal; cells aligned to the right never are."""
 
     @property
     def title(self) -> str:
@@ -39,7 +39,7 @@ class Table:
     """Columns and rows; a console of rich prints it (`__rich_console__`).
 
     Cells are texts, or numbers, of which `str` is shown and None is left empty; a `rich.text.Text` keeps its style in
-    a terminal. A table without columns is one of names and values: two columns, without headings.
+    a terminal. A table without columns has two: names and values, without headings.
     """
 
     def __init__(
@@ -56,7 +56,7 @@ class Table:
             columns: Columns, or their headings.
             rows: Cells by row.
             title: Words above the table in a terminal.
-            right: Numbers of the columns aligned to the right, of those given by their heading.
+            right: Numbers of the columns to be aligned to the right, among columns given by their heading.
         """
         self.columns = [
             one if isinstance(one, Column) else Column(one, right=number in right) for number, one in enumerate(columns)

@@ -69,7 +69,7 @@ def build_scene(
     Args:
         data: Blocks, lists and values; with `base`, only the differences from that scene.
         name: Name of the data in messages.
-        overrides: As for `load_scene`; numbers in SI, those of a short name in its unit.
+        overrides: As for `load_scene`; numbers in SI, under a short name in the unit of that name.
 
     Raises:
         SceneError: As `load_scene`.

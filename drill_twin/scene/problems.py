@@ -9,12 +9,13 @@ from pydantic.fields import FieldInfo
 from pydantic_core import ErrorDetails
 
 from drill_twin.core.errors import SceneError, nearest
+from drill_twin.core.files.yaml_reader import Place
 from drill_twin.core.units import Quantity, show
 from drill_twin.physics.effects import LEFT_OUT
-from drill_twin.scene.lines import Lines, Path
+from drill_twin.scene.lines import Lines
 
 _MOST_EXPLAINED = 100
-"""Problems that are put into words; the others are counted."""
+"""Number of problems that are put into words; further problems are counted."""
 
 
 def scene_error(found: list[ErrorDetails], lines: Lines, model: type[BaseModel]) -> SceneError:
@@ -30,13 +31,13 @@ def scene_error(found: list[ErrorDetails], lines: Lines, model: type[BaseModel])
     return result
 
 
-def path_text(path: Path) -> str:
+def path_text(path: Place) -> str:
     """Text of a place in the data: `string.sections[0].length`."""
     parts = (f"[{part}]" if isinstance(part, int) else f".{part}" for part in path)
     return "".join(parts).removeprefix(".")
 
 
-def _place(detail: ErrorDetails) -> Path:
+def _place(detail: ErrorDetails) -> Place:
     return tuple(detail["loc"])
 
 
@@ -46,7 +47,7 @@ def _message(detail: ErrorDetails, lines: Lines, model: type[BaseModel]) -> str:
     return f"{lines.where(place)}: {path_text(place)}: {_explanation(detail, place, model)}{heir}"
 
 
-def _explanation(detail: ErrorDetails, place: Path, model: type[BaseModel]) -> str:
+def _explanation(detail: ErrorDetails, place: Place, model: type[BaseModel]) -> str:
     kind, found, context = detail["type"], detail["input"], detail.get("ctx", {})
     if kind == "drill_twin":
         return str(context["message"])
@@ -79,7 +80,7 @@ def _explanation(detail: ErrorDetails, place: Path, model: type[BaseModel]) -> s
     return f"expected another value ({detail['msg']}), found {show(found)}"
 
 
-def _expected(model: type[BaseModel], place: Path) -> str:
+def _expected(model: type[BaseModel], place: Place) -> str:
     field = _followed(model, place)[0]
     for part in field.metadata if field else ():
         if isinstance(part, Quantity):
@@ -92,13 +93,13 @@ def _expected(model: type[BaseModel], place: Path) -> str:
     return "text" if annotation is str else "a value"
 
 
-def _keys(model: type[BaseModel], place: Path) -> list[str]:
+def _keys(model: type[BaseModel], place: Place) -> list[str]:
     """Valid keys of the block at a place."""
     inside = _followed(model, place)[1]
     return list(inside.model_fields) if inside else []
 
 
-def _followed(model: type[BaseModel], place: Path) -> tuple[FieldInfo | None, type[BaseModel] | None]:
+def _followed(model: type[BaseModel], place: Place) -> tuple[FieldInfo | None, type[BaseModel] | None]:
     """Field at a place, and the block in it."""
     inside: type[BaseModel] | None = model
     field: FieldInfo | None = None

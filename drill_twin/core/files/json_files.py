@@ -20,7 +20,7 @@ LARGEST_TEXT = 1_000_000
 """Bytes or characters of a text."""
 ODD_DATA = (LookupError, TypeError, ValueError, AttributeError, OverflowError)
 """Errors of a reader whose data are JSON, but not what it expects."""
-_LONGEST_INTEGER = 300  # digits; a longer one is infinite as a float
+_LONGEST_INTEGER = 300  # digits; a longer integer becomes an infinite float
 
 
 class JsonError(DrillTwinError, ValueError):
@@ -43,7 +43,7 @@ def read_json(text: str | bytes, *, largest: int = LARGEST_TEXT) -> Any:
 
 _LOG = logging.getLogger(__name__)
 LONGEST_LINE = 64_000_000
-"""Bytes of a line; a longer one is a bad one."""
+"""Bytes of a line; a longer line counts as a bad line."""
 T = TypeVar("T")
 _OPEN = os.O_RDWR | os.O_CREAT | os.O_APPEND | os.O_CLOEXEC | os.O_NONBLOCK  # a pipe is refused, not waited for
 
@@ -71,10 +71,10 @@ class JsonLines(Generic[T]):
             study: Name of what the results are of, which stands in the first line.
             setup: All that the results depend on, in plain types.
             remedy: What to do about a file of something else, for its message.
-            ordered: Each result depends on those before: those behind a bad line are taken off with it.
+            ordered: Each result depends on the results before it, so results behind a bad line are removed with it.
 
         Raises:
-            ArgumentError: The file is of another setup, or none of these files.
+            ArgumentError: The file is of another setup, or no file of results.
             BagError: It cannot be read or written, or is no regular file.
         """
         self.file, self.results, self.bad = file, list[T](), 0
@@ -147,7 +147,7 @@ class JsonLines(Generic[T]):
         if differing:
             names = " and ".join(differing)
             raise ArgumentError(
-                f"{self.file}: expected results of this `{study}`, found those of another {names}; {self._remedy}"
+                f"{self.file}: expected results of this `{study}`, found results of another {names}; {self._remedy}"
             )
 
     def _unusable(self, error: OSError) -> BagError:

@@ -3,8 +3,8 @@
 
 The midpoint rule makes the work of a force over a step exactly F v dt with the force and the velocity at mid-step, so
 the work of all forces adds up to the change of kinetic energy to round-off. Once a step has converged, the system is
-built once more with effects that record their work in the ledger. The remaining residual of the equations is, at
-constrained unknowns, the reaction that drives them, and at the others the part that Newton's method left unsolved.
+built once more with effects that record their work in the ledger. The remaining residual of the equations is the
+reaction that drives a constrained unknown, and at a free unknown the part that Newton's method left unsolved.
 
 In the lateral form no node moves along the hole as an unknown; the axial velocity follows from the slopes, so that
 gravity and weight on bit do work there too.
@@ -40,7 +40,7 @@ from drill_twin.dynamics.solver.lateral.linear_solver import ADDED, HALF_STEP, N
 from drill_twin.dynamics.solver.state import State
 from drill_twin.physics.model.mesh import SPIN, Rod
 
-OUTSIDE_ITERATION = -5.0  # number of an iteration, matched by no effect that remembers Newton's last one
+OUTSIDE_ITERATION = -5.0  # number of an iteration that no effect remembers as the last iteration of Newton's method
 
 
 @kernel
@@ -162,7 +162,7 @@ def bind_lateral(build: Any) -> Callable[..., None]:
 
 @kernel
 def set_axial_velocity(rod: Rod, state: State, half_step: float, from_top: bool, out: Array) -> float:
-    """Fill in the velocity of the Gauss points along the hole, v_z(s) = int_s^top r'.r'_dot; returns that of the bit.
+    """Fill in the velocity of the Gauss points along the hole, v_z(s) = int_s^top r'.r'_dot; return it at s = 0.
 
     Summed as the axial force is (`drill_twin.dynamics.solver.lateral.assembly`), so that the work of both agrees. Where
     the weight is set at the top the bit is constrained, and the top moves instead.

@@ -2,7 +2,7 @@
 """Sampling at the rate of an instrument: means since the last sample, with errors and delay; the surface channels.
 
 The errors are noise and bias from a seed, range and resolution. The noise of a sample depends on the seed, the
-instrument and the number of the sample only, so a run that is resumed reads as one that was not interrupted.
+instrument and the number of the sample only, so a resumed run has the readings of an uninterrupted run.
 """
 
 from __future__ import annotations

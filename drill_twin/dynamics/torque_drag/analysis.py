@@ -36,9 +36,9 @@ from drill_twin.scene import Scene
 from drill_twin.scene.blocks.top_drive import TopDrive
 
 IMPERFECTIONS = ("bow", "eccentricity", "rock_floor", "lateral_kick", *TIME_DEPENDENT)
-"""Effects without a place in a steady balance, and the rock, in whose place the weight acts on the bit."""
+"""Effects that a steady balance leaves out; the weight on bit takes the place of the rock."""
 BEND_PLACES = 8
-"""Places in an element at which bend and friction of the hole are taken: they change where no node is."""
+"""Places in an element at which bend and friction of the hole are taken, as both may change between nodes."""
 NO_TORQUE = 1e-4
 """Torque over make-up torque below which a connection is not loaded; Newton's residual is of that size."""
 
@@ -262,7 +262,9 @@ def _contacts(
     found, bottom = [ContactLoad("bit", 0.0, balance.bit_side_force, math.asin(min(float(tilts[0]), 1.0)))], 0.0
     for number, section in enumerate(scene.string.sections):
         top = bottom + section.length
-        if section.blade_diameter is not None and section.adjusted_mass is None:  # with one: pipe on its tool joints
+        if (
+            section.blade_diameter is not None and section.adjusted_mass is None
+        ):  # pipe with an adjusted mass lies on its tool joints
             inside = (rod.arc[:-1] >= bottom - 1e-9) & (rod.arc[1:] <= top + 1e-9)
             force = float(np.sum((along.side_force * rod.length)[inside]))
             node = int(np.argmin(np.abs(rod.arc - 0.5 * (bottom + top))))

@@ -32,7 +32,7 @@ class Operation(NamedTuple):
 def operations(
     weight_on_bit: float, rotation: float, trip_speed: float = TRIP_SPEED, feed: float = FEED
 ) -> tuple[Operation, ...]:
-    """The five operations of a well plan; those without rotation or weight only as far as these are not zero.
+    """The five operations of a well plan; without a rotation or a weight on bit only the operations that need none.
 
     Args:
         weight_on_bit: When sliding and drilling [N].

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """Balance of forces of the string while all of it slides along the hole and turns at constant speeds.
 
-The equations are those of the time loop (`drill_twin.dynamics.rotordynamics.equations`), with every effect of the
-scene: rod, wall, mud, friction. The velocity is prescribed, along the axis of the hole and about it, so that friction
-has its full size and the direction of the operation; position is the unknown.
+The equations are the equations of the time loop (`drill_twin.dynamics.rotordynamics.equations`), with every effect of
+the scene: rod, wall, mud, friction. The velocity is prescribed, along the axis of the hole and about it, so that
+friction has its full size and the direction of the operation; position is the unknown.
 
 Newton's method begins where the soft string lies (`soft_string`): on the side of the hole to which weight and tension
 press it. As in `drill_twin.dynamics.equilibrium` the mass over the square of a step holds the first
@@ -111,7 +111,7 @@ class SlidingBalance:
 
         Args:
             operation: The operation.
-            guess: Rows to start from, such as those of another operation; None: where the soft string lies.
+            guess: Rows to start from, such as the balance of another operation; None: where the soft string lies.
 
         Raises:
             RunError: Newton's method does not converge.

@@ -68,7 +68,7 @@ class Channels(Collector):
     """Channels that a rig measures, each the mean since the last sample; `motor_torque` is with the drive's inertia."""
 
     suffix = ""
-    """Ending of the names of the channels; with one the values are instants, else means."""
+    """Ending of the names of the channels: empty where the values are means."""
 
     def begin(self) -> None:
         """Prepare for the first frame."""
@@ -76,7 +76,7 @@ class Channels(Collector):
         self._speeds = self.twin.unknowns[1][[-1, 0], SPIN]
 
     def add(self, rows: FrameSeries, rig: RigSeries) -> None:
-        """Add the frames: means of the forces as they are, of the speeds from those at their ends."""
+        """Add the frames: forces are means over a frame already, speeds are averaged from both ends of a frame."""
         drive = self.twin.scene.rig.top_drive
         speeds = np.column_stack((self._speeds, (rig.top_drive_speed, rig.bit_speed)))
         top, bit = 0.5 * (speeds[:, 1:] + speeds[:, :-1])

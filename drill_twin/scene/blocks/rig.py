@@ -3,7 +3,7 @@
 
 from collections.abc import Iterator
 from importlib import metadata
-from typing import TYPE_CHECKING, Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
 
 from pydantic import Field, model_validator
 
@@ -34,6 +34,8 @@ _SpeedRange = Within(at_least="-100 rev/s", at_most="100 rev/s", reason="no rig 
 class SetPoint(Part):
     """Set-point over time."""
 
+    needs_value: ClassVar[bool] = True
+    """False for a set-point that is zero unless the scene has a `value`."""
     shape: Shape = "constant"
     """`constant`: `value` throughout; `step`: smooth cubic from `initial` to `value` (STEP of ADAMS); `ramp`: straight
     line; `table`: the column in `rig.table`; or a shape of another package (entry points `drill_twin.schedules`)."""
@@ -47,8 +49,8 @@ class SetPoint(Part):
     @model_validator(mode="before")
     @classmethod
     def _has_a_value(cls, data: Any) -> Any:
-        rests = isinstance(data, dict) and (data.get("shape") == "table" or data.get("at") == "block")
-        if isinstance(data, dict) and not rests and "value" not in data:
+        needed = isinstance(data, dict) and cls.needs_value and data.get("shape") != "table"
+        if needed and data.get("at") != "block" and "value" not in data:
             field = cls.model_fields["value"]
             expected = next(part.dimension.expected for part in field.metadata if hasattr(part, "dimension"))
             raise refuse_all([(("value",), f"expected {expected}, found nothing (the key is required)")])
@@ -101,6 +103,7 @@ class AutoDriller(Part):
 class Block(SetPoint):
     """Speed of the travelling block, which carries the string's top on the drilling lines; positive is upwards."""
 
+    needs_value: ClassVar[bool] = False
     value: Annotated[Speed, _BlockRange] = 0.0
     """Final speed [m/s]; none with an auto-driller."""
     initial: Annotated[Speed, _BlockRange] = 0.0
@@ -111,11 +114,6 @@ class Block(SetPoint):
     """Height of the bit above the rock at the start [m]."""
     auto_driller: AutoDriller | None = None
     """Auto-driller, whose set-point is `rig.weight_on_bit`; it moves the block from the start on."""
-
-    @model_validator(mode="before")
-    @classmethod
-    def _has_a_value(cls, data: Any) -> Any:
-        return data  # a block rests unless told
 
     def problems(self) -> Iterator[Problem]:
         """As of every set-point, and a speed beside an auto-driller."""
@@ -212,6 +210,6 @@ class Rig(Part):
 
     @property
     def first(self) -> tuple[float, float]:
-        """Weight on bit [N] and speed of the top drive [rad/s] at the first instant; 0 for recorded ones."""
+        """Weight on bit [N] and speed of the top drive [rad/s] at the first instant; 0 for recorded set-points."""
         load, turn = self.weight_on_bit, self.rotation
         return (load.value, turn.value) if self.start != "axis" else (load.initial, turn.initial)

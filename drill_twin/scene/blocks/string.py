@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
+from itertools import accumulate
 from typing import Annotated, Any, Literal, NamedTuple
 
 from pydantic import Field
@@ -218,9 +219,6 @@ class String(Part):
         return tuple(piece for section in self.sections for piece in section.pieces())
 
     def _piece_at(self, distance_from_bit: float) -> Piece:
-        bottom = 0.0
-        for piece in self.pieces:
-            bottom += piece.length
-            if distance_from_bit < bottom:
-                return piece
-        return self.pieces[-1]
+        pieces = self.pieces
+        tops = accumulate(piece.length for piece in pieces)
+        return next((piece for piece, top in zip(pieces, tops, strict=True) if distance_from_bit < top), pieces[-1])

@@ -22,7 +22,7 @@ from drill_twin.core.units.parse import name_and_unit, record_factor
 
 
 class Channel(NamedTuple):
-    """Channel of a record, and the names of its column, those to be preferred first."""
+    """Channel of a record, and the names of its column in the order of preference."""
 
     dimension: Dimension
     mnemonics: tuple[str, ...]
@@ -45,10 +45,10 @@ CHANNELS: Mapping[str, Channel] = {
 
 
 def null_values(given: str, place: str) -> frozenset[float]:
-    """Numbers that stand for no value: -999.25, and the one that a file gives.
+    """Numbers that stand for no value: -999.25, and the null value that a file gives.
 
     Raises:
-        TableError: The one given is no number.
+        TableError: The null value of the file is no number.
     """
     null = math.nan if given.lower() in {"", "nan"} else numerals.number(given)
     if null is None:
@@ -115,7 +115,7 @@ class Columns(dict[str, Array]):
         return ending
 
     def si(self, name: str, unit: str, dimension: Dimension, meant: str) -> Array:
-        """Values of a column in SI; one that is too large for a double there is missing.
+        """Values of a column in SI; a value that is too large for a double in SI is missing.
 
         Args:
             name: The column.

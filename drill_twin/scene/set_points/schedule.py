@@ -27,7 +27,7 @@ def shape(set_point: SetPoint) -> SetPointAt:
     """Function of time of a set-point that is not recorded.
 
     Raises:
-        SceneError: Its shape is `table`, or one of another package that cannot be loaded.
+        SceneError: The shape is `table`, or a shape of another package that cannot be loaded.
     """
     initial, final, start, duration = set_point.initial, set_point.value, set_point.start, set_point.duration
     if set_point.shape == "constant":

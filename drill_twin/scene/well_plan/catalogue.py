@@ -15,7 +15,7 @@ from drill_twin.core.units.dimension import LENGTH
 
 INCH, POUND_PER_FOOT, FOOT_POUND = 0.0254, 1.48816394, 1.3558179
 LARGEST_COLLAR = 7.0 * INCH
-"""Outer diameter of collars from which their steel is that of large ones [m]."""
+"""Outer diameter above which a collar is of the steel of large collars [m]."""
 DENSITY = 7850.0
 """Density of steel, the default of a scene [kg/m^3]."""
 ALUMINIUM = {"youngs_modulus": "69 GPa", "poisson_ratio": 0.33, "density": "2700 kg/m^3"}
@@ -66,9 +66,9 @@ _CASING = (
     "4 1/2", "5", "5 1/2", "6 5/8", "7", "7 5/8", "7 3/4", "8 5/8", "9 5/8", "10 3/4", "11 3/4", "13 3/8", "16",
     "18 5/8", "20",
 )  # fmt: skip
-"""Outer diameters of API 5CT casing [in]; no bore of it is one of them within `SAME`."""
+"""Outer diameters of API 5CT casing [in]; no bore of such casing is an outer diameter within `SAME`."""
 SAME = 1e-3
-"""Relative difference up to which a size of a tally is one of the catalogue."""
+"""Relative difference up to which a size of a tally counts as a size of the catalogue."""
 
 
 def drill_pipe(outer_diameter: float, mass: float) -> Pipe | None:

@@ -116,7 +116,7 @@ BIT_TORQUE = {"sliding": 0.4, "sticking": 0.5, "decay": "0.9 s/rad", "specific_e
 """Friction of the bit on rock, at a third of its diameter, and specific energy of the rock (25 ksi): stand-ins, to be
 replaced by measured ones."""
 LONG = 200.0
-"""Length from which a string is one of a well and not of a bench, for wall, eccentricity and frame rate [m]."""
+"""Length from which wall, eccentricity and frame rate are chosen for a well and not for a test bench [m]."""
 
 
 class WellPlan(NamedTuple):
@@ -130,14 +130,14 @@ class WellPlan(NamedTuple):
     casing: tuple[str, ...] = ()
     """Inner diameter and shoe of each casing from the top down: `12.415 in to 1500 m`; after `ID` any diameter."""
     bit: str = ""
-    """Diameter of the bit; empty: that of the hole."""
+    """Diameter of the bit; empty: the diameter of the hole."""
     depth: str = ""
     """Measured depth of the bit; empty: the last station."""
     mud: str = "1.2 sg"
     viscosity: str = "20 cP"
     friction: float = 0.25
     cased_friction: float | None = None
-    """Friction coefficient in the casing; None: that of the open hole."""
+    """Friction coefficient in the casing; None: the coefficient of the open hole."""
     weight_on_bit: str = "100 kN"
     rotation: str = "120 rpm"
     units: str = ""

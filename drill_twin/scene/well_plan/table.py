@@ -57,7 +57,7 @@ class Row(NamedTuple):
             kind: `depth`, `diameter`, `mass` or `angle`: what a number without a unit is in.
 
         Raises:
-            SceneError: It is no such number, or its unit is not that of the column.
+            SceneError: The cell is no such number, or has another unit than the column.
         """
         text = self.text(column)
         if not text:

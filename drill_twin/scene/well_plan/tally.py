@@ -71,7 +71,7 @@ def read_tally(file: Path, system: str, bottom: float) -> list[Piece]:
     Args:
         file: Table with the columns kind, length and od; id, weight, grade, gauge and name as far as they apply.
         system: `si` or `field`.
-        bottom: Measured depth of the bit [m]; a length `rest` takes what the others leave of it.
+        bottom: Measured depth of the bit [m]; a row of the length `rest` takes what the other rows leave of that depth.
 
     Raises:
         SceneError: A row that cannot be read, or a tally longer than the well; with file, line and remedy.
@@ -191,7 +191,9 @@ def _bore(row: Row, outer: float) -> float:
             raise SceneError(f"{row.place}, id: expected the bore, or a `weight` from which it follows, found neither")
         square = outer**2 - _positive(row, "weight", "mass") / (0.25 * math.pi * DENSITY)
         if not square > 0.0:
-            raise SceneError(f"{row.place}, weight: expected less than that of a bar, found {row.text('weight')}")
+            raise SceneError(
+                f"{row.place}, weight: expected less than the weight of a bar of that od, found {row.text('weight')}"
+            )
         return math.sqrt(square)
     inner = _positive(row, "id", "diameter")
     if inner >= outer:
