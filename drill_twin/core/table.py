@@ -120,8 +120,12 @@ class Table:
         Args:
             named: The first cell of a row is its name.
         """
-        kinds = [' class="number"' if of.right else ' class="name"' if of.whole else "" for of in self.columns]
-        head = "".join(f"<th{kind}>{escape(of.title)}</th>" for of, kind in zip(self.columns, kinds, strict=True))
+        kinds = [
+            ' class="number"' if column.right else ' class="name"' if column.whole else "" for column in self.columns
+        ]
+        head = "".join(
+            f"<th{kind}>{escape(column.title)}</th>" for column, kind in zip(self.columns, kinds, strict=True)
+        )
         body = "".join(
             "<tr>"
             + "".join(
@@ -168,8 +172,8 @@ def _widths(table: Table, console: Console, options: ConsoleOptions) -> list[int
         heading = Measurement.get(console, options, Text(column.title))
         cells = [Measurement.get(console, options, _in_terminal(row[number])) for row in table.rows]
         whole = column.whole or column.right
-        least.append(max([heading.minimum, *(of.maximum if whole else of.minimum for of in cells)]))
-        widths.append(max(of.maximum for of in (heading, *cells)))
+        least.append(max([heading.minimum, *(cell.maximum if whole else cell.minimum for cell in cells)]))
+        widths.append(max(cell.maximum for cell in (heading, *cells)))
     for _ in range(sum(widths) + 3 * (len(widths) - 1) - options.max_width):
         able = [number for number, width in enumerate(widths) if width > least[number]]
         if not able:

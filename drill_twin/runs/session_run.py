@@ -123,7 +123,7 @@ class SessionRun:
             self.report_diagnostics()
 
     def follow(self, set_points: SetPoints, frames: int) -> None:
-        """As `advance`, under the set-points at the end of each frame [s]; records the frames before a failing set-point."""
+        """As `advance`, under set-points by the end of a frame [s]; records the frames before a failing set-point."""
         commands: list[Command] = []
         try:
             for frame in range(1, frames + 1):

@@ -20,9 +20,9 @@ _MOST_EXPLAINED = 100
 
 def scene_error(found: list[ErrorDetails], lines: Lines, model: type[BaseModel]) -> SceneError:
     """Error with all problems; its message has the first one in the file and the number of others."""
-    around = {place[:length] for place in map(_place, found) for length in range(len(place))}
-    causes = [detail for detail in found if _place(detail) not in around]  # a list is short as its item is invalid
-    details = sorted(causes, key=lambda detail: (detail["type"] == "missing", lines.order(_place(detail))))
+    around = {detail["loc"][:length] for detail in found for length in range(len(detail["loc"]))}
+    causes = [detail for detail in found if detail["loc"] not in around]  # a list is short as its item is invalid
+    details = sorted(causes, key=lambda detail: (detail["type"] == "missing", lines.order(detail["loc"])))
     messages = tuple(dict.fromkeys(_message(detail, lines, model) for detail in details[:_MOST_EXPLAINED]))
     more = len(messages) - 1 + len(details[_MOST_EXPLAINED:])
     rest = f" (and {more} more {'problem' if more == 1 else 'problems'}: see `drill-twin scene check`)" if more else ""
@@ -37,12 +37,8 @@ def path_text(path: Place) -> str:
     return "".join(parts).removeprefix(".")
 
 
-def _place(detail: ErrorDetails) -> Place:
-    return tuple(detail["loc"])
-
-
 def _message(detail: ErrorDetails, lines: Lines, model: type[BaseModel]) -> str:
-    place = tuple(detail["loc"])
+    place = detail["loc"]
     heir = f" (inherited by {lines.heir(place)})" if lines.heir(place) else ""
     return f"{lines.where(place)}: {path_text(place)}: {_explanation(detail, place, model)}{heir}"
 

@@ -146,8 +146,8 @@ def branches_figure(
             colour = MARK_COLOURS[number % len(MARK_COLOURS)]
             stable = np.array([state.is_stable for state in one.states])
             values = one.values / unit
-            for panel, of in zip(panels, ("frequency", "ratio"), strict=True):
-                seen = np.array([getattr(state, of) for state in one.states])
+            for panel, quantity in zip(panels, ("frequency", "ratio"), strict=True):
+                seen = np.array([getattr(state, quantity) for state in one.states])
                 panel.plot(values, seen, color=colour, linestyle=(0, (2, 2)), linewidth=1.0)
                 panel.plot(values, np.where(stable, seen, np.nan), color=colour, linewidth=2.2)
                 panel.plot(values[list(one.folds)], seen[list(one.folds)], "s", color=INK, markersize=5, zorder=4)

@@ -257,8 +257,7 @@ def _contacts(
     scene: Scene, solver: SlidingBalance, balance: BalancedString, along: AlongString
 ) -> tuple[ContactLoad, ...]:
     rod = solver.equations.model.rod
-    tangents = np.array([[0.0, 0.0, 1.0]]) if solver.axis is None else solver.axis.tangent
-    tilts = np.linalg.norm(np.cross(balance.u[:, 3:6], tangents), axis=1)
+    tilts = np.linalg.norm(np.cross(balance.u[:, 3:6], solver.tangent), axis=1)
     found, bottom = [ContactLoad("bit", 0.0, balance.bit_side_force, math.asin(min(float(tilts[0]), 1.0)))], 0.0
     for number, section in enumerate(scene.string.sections):
         top = bottom + section.length

@@ -91,18 +91,19 @@ class SlidingBalance:
         self.rows = BlockRows(~fixed, np.arange(NODE))
         """Numbers of the free unknowns, and the solution of their banded systems."""
         self._none = np.zeros((2, NODE), bool)
-        self.axis = axis_at(scene, scene.length - model.rod.arc)
+        axis = axis_at(scene, scene.length - model.rod.arc)
+        self.tangent = np.array([0.0, 0.0, 1.0]) if axis is None else axis.tangent
+        """Direction of the hole at the nodes, shape (n + 1, 3), or (3,) for a straight hole."""
+        self.bend = np.zeros(3) if axis is None else axis.curvature[:, None] * axis.normal
+        """Curvature of the hole times its normal [1/m], of the same shape."""
         self.room = float(model.wellbore.clearance.max())
         self.hanging = float(np.abs(axial_weight(scene, model)).sum())
 
     def velocity(self, operation: Operation) -> Array:
         """Velocities of the rows (r, r', psi) in an operation, along the hole; shape (n + 1, 7)."""
         v = np.zeros_like(self.fixed, dtype=float)
-        if self.axis is None:
-            v[:, 2] = operation.axial_speed
-        else:
-            v[:, 0:3] = operation.axial_speed * self.axis.tangent
-            v[:, 3:6] = operation.axial_speed * self.axis.curvature[:, None] * self.axis.normal
+        v[:, 0:3] = operation.axial_speed * self.tangent
+        v[:, 3:6] = operation.axial_speed * self.bend
         v[:, SPIN] = operation.rotation
         return v
 
@@ -166,10 +167,7 @@ class SlidingBalance:
 
     def _across(self, change: Array) -> float:
         """Largest part of a change across the hole [m]."""
-        move = change[:, 0:3]
-        if self.axis is None:
-            return float(np.hypot(move[:, 0], move[:, 1]).max())
-        return float(np.linalg.norm(np.cross(move, self.axis.tangent), axis=1).max())
+        return float(np.linalg.norm(np.cross(change[:, 0:3], self.tangent), axis=1).max())
 
     def _soft_shape(self, command: Command) -> Array:
         """String where weight and tension press a string without bending stiffness, on the axis at its ends."""
@@ -202,10 +200,6 @@ class SlidingBalance:
         if gravity is not None:
             weight[:-1] = gravity.weight[::2]
             weight[-1] = weight[-2]
-        if self.axis is None:
-            weight[:, 2] = 0.0
-            return weight
-        tangent = self.axis.tangent
         tension = (np.linalg.norm(u[:, 3:6], axis=1) - 1.0) * np.append(model.rod.axial, model.rod.axial[-1])
-        across = weight - np.sum(weight * tangent, axis=1)[:, None] * tangent
-        return np.asarray(across + (tension * self.axis.curvature)[:, None] * self.axis.normal)
+        across = weight - np.sum(weight * self.tangent, axis=1)[:, None] * self.tangent
+        return np.asarray(across + tension[:, None] * self.bend)

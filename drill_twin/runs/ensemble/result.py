@@ -142,5 +142,5 @@ class EnsembleResult:
             if not self.dimensions[name]:
                 columns[heading] = self[name]
             elif self.dimensions[name] == ("mark",):
-                columns |= {f"{mark}/{heading}": of for mark, of in zip(self.marks, self[name].T, strict=True)}
+                columns |= {f"{mark}/{heading}": column for mark, column in zip(self.marks, self[name].T, strict=True)}
         return import_extra("pandas").DataFrame(columns)

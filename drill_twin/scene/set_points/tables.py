@@ -217,7 +217,7 @@ def clean(time: Array, values: Array, *, name: str, longest_gap: float, spike_wi
     good = valid & ~spikes
     cleaned = np.interp(time, time[good], values[good])
     return cleaned, Cleaning(
-        spikes=_runs(spikes),
+        spikes=int(np.count_nonzero(np.diff(spikes.astype(np.int8), prepend=0) == 1)),
         spike_samples=int(spikes.sum()),
         gaps=len(gaps),
         gap_samples=sum(max(1, round((end - begin) / spacing) - 1) for begin, end in gaps),
@@ -251,7 +251,3 @@ def _gaps(time: Array, valid: Mask, spacing: float) -> list[tuple[float, float]]
     if known[-1] < time[-1]:
         edges.append((float(known[-1]), float(time[-1])))
     return edges
-
-
-def _runs(mask: Mask) -> int:
-    return int(np.count_nonzero(np.diff(np.concatenate(([False], mask)).astype(np.int8)) == 1))

@@ -133,7 +133,7 @@ MISTAKES = {
     "kind": ({"tally": TALLY.replace("hwdp", "wire")}, r'tally.csv, line 5, kind: .*found "wire"'),
     "bore": ({"tally": TALLY.replace("97.5,8,2 13/16", "97.5,8,9")}, r"tally.csv, line 4, id: .*less than the od"),
     "no bore": ({"tally": TALLY.replace("97.5,8,2 13/16", "97.5,8,")}, r"line 4, id: .*the bore, or a `weight`"),
-    "a bar": ({"tally": TALLY.replace("97.5,8,2 13/16,", "97.5,8,,200")}, r"line 4, weight: .*that of a bar"),
+    "a bar": ({"tally": TALLY.replace("97.5,8,2 13/16,", "97.5,8,,200")}, r"line 4, weight: .*weight of a bar"),
     "depth": ({"depth": "1600 m"}, r"--depth: .*within the survey \(1500 m\), found 1600 m"),
     "bit": ({"bit": "13 in"}, r"--bit: expected at most the hole"),
     "casing": ({"casing": ("13 in to 500 m", "13 in to 400 m")}, r"--casing .*expected a shoe below 500 m"),
