@@ -47,7 +47,7 @@ class Scene(Part):
     description: Annotated[str, Field(max_length=5000)] = ""
     """Purpose of the scene."""
     provenance: Annotated[str, Field(max_length=5000)] = ""
-    """Source of the numbers; `stand-in` or `estimated` for those that are not measured."""
+    """Source of the numbers; `stand-in` or `estimated` for numbers without measurement."""
     units: Literal["auto", "field", "si", "lab"] = "auto"
     """Units of tables, figures and pages. `auto`: `field` where the weight on bit is written in pounds, else `si`, or
     `lab` for a string of at most 100 m under less than 5 kN."""

@@ -131,7 +131,7 @@ class Hole(Part):
         return min([self.radius_at(bottom), *gaps, *(i.radius for i in met)])
 
     def radius_at(self, depth: float) -> float:
-        """Radius at a measured depth from the top clamp [m]; where two intervals meet, that of the lower one."""
+        """Radius at a measured depth from the top clamp [m]; where two intervals meet, the radius of the lower one."""
         for interval in self.intervals:
             if interval.top <= depth < interval.bottom:
                 return interval.radius

@@ -81,8 +81,8 @@ class Numerics(Part):
     lateral_from: Annotated[
         float | Literal["auto"], Quantity(LENGTH), Within(at_least="0 m", at_most="20 km"), OrAuto()
     ] = 0.0
-    """Measured depth from which on the string moves laterally too [m]; above it, it follows the hole, stretches and
-    twists. 0 m: the whole string moves; `auto`: the assembly and pipe that may buckle (docs/accuracy.md)."""
+    """Measured depth from which on the string moves laterally too [m]; above, the string follows the hole, stretches
+    and twists. 0 m: the whole string moves; `auto`: the assembly and pipe that may buckle (docs/accuracy.md)."""
     audit: Literal["none", "energy"] = "none"
     """`energy`: energy balance with the work of each effect, published with the diagnostics; takes as much time as
     about two more Newton iterations a step."""

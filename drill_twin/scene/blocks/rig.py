@@ -135,7 +135,7 @@ class RecordedTable(Part):
     """Recorded set-points of a rig; without `file` the scene loads, but cannot be run."""
 
     file: str = ""
-    """CSV, MAT, LAS or WITSML file; paths begin at the scene file, those of overrides in the working folder."""
+    """CSV, MAT, LAS or WITSML file; paths begin at the scene file, in overrides at the working folder."""
     time: Column | None = None
     """Time stamps."""
     weight_on_bit: Column | None = None
@@ -145,7 +145,7 @@ class RecordedTable(Part):
     start: Annotated[Time, Within(at_least="0 s", at_most="1e6 s")] = 0.0
     """Start of the playback in the record, from its first stamp [s]."""
     longest_gap: Annotated[Time, Within(above="0 s", at_most="1e6 s")] = 1.0
-    """Longest gap to be interpolated linearly [s]; a longer one is an error."""
+    """Longest gap to be interpolated linearly [s]; longer gaps are errors."""
     spike_window: Annotated[Time, Within(at_least="0 s", at_most="100 s")] = 0.1
     """Width of the median filter that detects spikes [s]; 0 s = keep them."""
 

@@ -84,7 +84,7 @@ class Sub(Part):
     angle: Angle = 0.0
     """Direction of the sensor in the collar, from the zero of the spin [rad]."""
     rate: _Rate
-    """Samples in a second, at most `numerics.frame_rate` [Hz]; a sample is the mean since the one before."""
+    """Samples in a second, at most `numerics.frame_rate` [Hz]; a sample is the mean since the last sample."""
     delay: _Delay = 0.0
     """Time from the measurement to its message [s]; the stamp is the time of the measurement."""
     summary: Annotated[Time, Within(at_least="0 s", at_most="1e4 s")] = 0.5
@@ -103,7 +103,8 @@ class Surface(Part):
     delay: _Delay = 0.0
     """Time from the measurement to its message [s]; the stamp is the time of the measurement."""
     drive_inertia: Annotated[Inertia, Within(at_least="0 kg m^2", at_most="1e6 kg m^2")] | None = None
-    """Inertia of the drive, whose acceleration its torque includes [kg m^2]; left out: that of `rig.top_drive`."""
+    """Inertia of the drive, whose acceleration its torque includes [kg m^2]; left out: the inertia of
+    `rig.top_drive`."""
     speed: SpeedChannel = SpeedChannel()
     """Speed of the top drive."""
     torque: TorqueChannel = TorqueChannel()

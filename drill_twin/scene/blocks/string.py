@@ -66,7 +66,7 @@ class Section(Part):
     inner_diameter: Annotated[Length, Within(at_least="0 m", at_most="5 m")] = 0.0
     """Inner diameter [m]; 0 m = solid."""
     youngs_modulus: Annotated[Pressure, Within(at_least="1 kPa", at_most="10000 GPa")] = 206.8e9
-    """Young's modulus E [Pa]; left out: that of steel, as the two next."""
+    """Young's modulus E [Pa]; left out: steel's, as in the two next keys."""
     poisson_ratio: Annotated[Dimensionless, Within(above="-1", at_most="0.5")] = 0.3
     """Poisson's ratio [-], for the shear modulus."""
     density: Annotated[Density, Within(above="0 kg/m^3", at_most="30000 kg/m^3", reason="osmium has 22600")] = 7850.0
@@ -78,7 +78,7 @@ class Section(Part):
     """Tool joints, if any."""
     adjusted_mass: Annotated[LinearMass, Within(above="0 kg/m", at_most="1e5 kg/m")] | None = None
     """Mass per length with upsets and tool joints spread over it (the adjusted weight of API RP 7G) [kg/m]; they
-    displace mud too. Left out: that of the tube. Not with `joints`."""
+    displace mud too. Left out: the tube's. Not with `joints`."""
     yield_strength: Annotated[Pressure, Within(above="0 Pa", at_most="100 GPa")] | None = None
     """Yield strength of the tube, for margins [Pa]."""
     make_up_torque: Annotated[Torque, Within(above="0 N m", at_most="1e7 N m")] | None = None
@@ -206,7 +206,9 @@ class String(Part):
         return math.fsum(section.length for section in self.sections)
 
     def section_at(self, distance_from_bit: float) -> Section:
-        """Section at an arc length from the bit [m]: the upper of two at their joint, the last one beyond an end."""
+        """Section at an arc length from the bit [m]: the upper one at a joint of two, the top one beyond the
+        end.
+        """
         return self._piece_at(distance_from_bit).section
 
     def radius_at(self, distance_from_bit: float) -> float:
