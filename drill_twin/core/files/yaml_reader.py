@@ -85,7 +85,7 @@ def _check_events(text: str, name: str) -> None:
 
 
 def _check_bounds(found: yaml.Event | yaml.Node, name: str, depth: int, values: int) -> None:
-    place = f"{name}:{found.start_mark.line + 1}"
+    place = f"{name}:{found.start_mark.line + 1}" if found.start_mark else name
     if depth > DEEPEST_NESTING:
         raise YamlError(
             f"{place}: expected at most {DEEPEST_NESTING} nested blocks, found more or endless repetition (an alias of "

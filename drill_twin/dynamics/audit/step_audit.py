@@ -19,8 +19,6 @@ from drill_twin.core.arrays import Array
 from drill_twin.core.compile.jit import kernel
 from drill_twin.dynamics.audit.energy_ledger import (
     AXIAL_VELOCITY,
-    CLAMP,
-    DRIVE,
     ENDS,
     HEAT,
     LOST,
@@ -28,8 +26,10 @@ from drill_twin.dynamics.audit.energy_ledger import (
     NOW,
     POWER,
     SAMPLE,
+    TOP_CLAMP,
+    TOP_DRIVE,
     TOP_ROW,
-    WEIGHT,
+    WEIGHT_ON_BIT,
     WORK,
 )
 from drill_twin.dynamics.solver.boundary import BIT, RESIDUAL, TOP, turn_row, turn_row_back
@@ -74,13 +74,13 @@ def close_step(parameters: Any, rod: Rod, state: State) -> None:
         change = v[last, c] - entries[TOP_ROW, c]
         momentum = mass[2, 0] * v[e, c] + mass[2, 1] * v[e, 3 + c] + mass[2, 3] * v[last, 3 + c]
         momentum += mass[2, 2] * (entries[TOP_ROW, c] + 0.5 * change)
-        entries[WORK, CLAMP] += change * momentum
+        entries[WORK, TOP_CLAMP] += change * momentum
 
 
 @kernel
 def add_power(entries: Array, c: int, driven: bool, power: float) -> None:
     """Add the power of a residual [W] in the column c of a node: a reaction's, or what Newton's method left."""
-    entries[POWER, (DRIVE if c == SPIN else CLAMP) if driven else NEWTON] += power
+    entries[POWER, (TOP_DRIVE if c == SPIN else TOP_CLAMP) if driven else NEWTON] += power
 
 
 def bind_spatial(build: Any) -> Callable[..., None]:
@@ -152,9 +152,11 @@ def bind_lateral(build: Any) -> Callable[..., None]:
                 c = column(k)
                 power = scratch.right[i, k] * state.trial[i, c]
                 driven = (i == 0 and constrained[0, c]) or (i == last and constrained[1, c])
-                entries[POWER, CLAMP if driven else NEWTON] += power
-        entries[POWER, WEIGHT] += (scratch.ends[TOP, 2, RESIDUAL] - scratch.ends[BIT, 2, RESIDUAL]) * shortening
-        entries[POWER, DRIVE] += (scratch.axial[TORQUE] + scratch.ends[BIT, SPIN, RESIDUAL]) * state.trial[last, SPIN]
+                entries[POWER, TOP_CLAMP if driven else NEWTON] += power
+        entries[POWER, WEIGHT_ON_BIT] += (scratch.ends[TOP, 2, RESIDUAL] - scratch.ends[BIT, 2, RESIDUAL]) * shortening
+        entries[POWER, TOP_DRIVE] += (scratch.axial[TORQUE] + scratch.ends[BIT, SPIN, RESIDUAL]) * state.trial[
+            last, SPIN
+        ]
         end_step(entries, state, 2.0 * half_step)
 
     return audit

@@ -100,26 +100,26 @@ class Instrument:
         self._noise = ReadingNoise(len(channels), seed, number)
         self._rate, self._delay = rate, delay
         self._sum, self._covered = np.zeros(len(channels)), 0.0
-        self._waiting: deque[tuple[float, Reading]] = deque()
+        self._waiting = deque[Reading]()
 
-    def sample(self, time: float, seconds: float, true: Array) -> Reading | None:
-        """Add true means over the interval of a length [s] that ends at a time [s]; return the sample that it ends."""
+    def advance(self, time: float, seconds: float, true: Array) -> list[Reading]:
+        """Advance to a time [s]; return the readings whose delay is over then.
+
+        Args:
+            time: End of the interval [s].
+            seconds: Length of the interval [s].
+            true: Means of the true values over the interval.
+        """
         self._sum += seconds * true
         self._covered += seconds
         number = math.floor(time * self._rate + _SLACK)
-        if number <= math.floor((time - seconds) * self._rate + _SLACK):
-            return None
-        values = with_errors(self._sum / self._covered, self._noise.at(number), self._errors)
-        reading = Reading(time - 0.5 * self._covered, values)
-        self._sum[:], self._covered = 0.0, 0.0
-        return reading
-
-    def delayed(self, time: float, readings: Sequence[Reading]) -> list[Reading]:
-        """Add readings, and return those whose delay is over at a time [s]."""
-        self._waiting.extend((reading.time + self._delay, reading) for reading in readings)
+        if number > math.floor((time - seconds) * self._rate + _SLACK):
+            values = with_errors(self._sum / self._covered, self._noise.at(number), self._errors)
+            self._waiting.append(Reading(time - 0.5 * self._covered, values))
+            self._sum[:], self._covered = 0.0, 0.0
         due = []
-        while self._waiting and self._waiting[0][0] <= time + _SLACK / self._rate:
-            due.append(self._waiting.popleft()[1])
+        while self._waiting and self._waiting[0].time + self._delay <= time + _SLACK / self._rate:
+            due.append(self._waiting.popleft())
         return due
 
 
@@ -177,5 +177,4 @@ class SurfaceSampler:
         turned = (found.speed - self._speed) / seconds
         torque = drive_torque(found.torque, found.speed, turned, self._inertia, self._damping)
         self._time, self._speed = time, float(found.speed)
-        sample = self._instrument.sample(time, seconds, np.array(found._replace(torque=torque)))
-        return self._instrument.delayed(time, [] if sample is None else [sample])
+        return self._instrument.advance(time, seconds, np.array(found._replace(torque=torque)))
