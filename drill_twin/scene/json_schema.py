@@ -111,12 +111,8 @@ def descriptions(model: type[BaseModel]) -> dict[str, str]:
             continue
         with suppress(OSError):  # a class made by `create_model` has no source, but descriptions in its fields
             (definition,) = ast.parse(textwrap.dedent(inspect.getsource(base))).body
-            body = definition.body if isinstance(definition, ast.ClassDef) else []
-            for field, text in pairwise(body):
-                if (
-                    isinstance(field, ast.AnnAssign)
-                    and isinstance(field.target, ast.Name)
-                    and isinstance(text, ast.Expr)
-                ):
-                    found[field.target.id] = " ".join(str(ast.literal_eval(text.value)).split())
+            for pair in pairwise(getattr(definition, "body", ())):
+                match pair:
+                    case ast.AnnAssign(target=ast.Name(id=name)), ast.Expr(value=text):
+                        found[name] = " ".join(str(ast.literal_eval(text)).split())
     return found
