@@ -106,9 +106,11 @@ def _string_fits_the_hole(scene: Scene) -> Iterator[Problem]:
     top = scene.string.length
     for index, section in enumerate(scene.string.sections):
         top, bottom = max(top - section.length, 0.0), top
-        diameters = {("outer_diameter",): section.outer_diameter, ("blade_diameter",): section.blade_diameter or 0.0}
-        if section.joints is not None:
-            diameters["joints", "diameter"] = section.joints.diameter
+        joint = 0.0 if section.joints is None else section.joints.diameter
+        diameters = {
+            ("outer_diameter",): section.outer_diameter, ("blade_diameter",): section.blade_diameter or 0.0,
+            ("joints", "diameter"): joint,
+        }  # fmt: skip
         narrow = 2.0 * scene.hole.least_radius(top, bottom)
         for key, diameter in diameters.items():
             if diameter >= narrow:
