@@ -108,17 +108,17 @@ COMPILING = "compiling the effects of the scene"
 _POLL = 0.1  # s between two reports
 _READ = 4096  # bytes
 
-Progress = Callable[[str], None]
-"""Takes the progress in words; may raise, which ends the compilation."""
 
-
-def compile_kernel(scene: Scene, period: float, progress: Progress | None = None, *, analysis: bool = False) -> None:
+def compile_kernel(
+    scene: Scene, period: float, progress: Callable[[str], None] | None = None, *, analysis: bool = False
+) -> None:
     """Compile the kernels of a scene, or load them from the cache, by the first frame of a twin that is then dropped.
 
     Args:
         scene: The scene.
         period: Simulated time of a frame [s].
-        progress: Called ten times a second while a child process compiles; None: compile in this process.
+        progress: Called with the progress in words ten times a second while a child process compiles; may raise, which
+            ends the compilation. None: compile in this process.
         analysis: Whether the whirl analysis is needed too; a child process always compiles it, for the analyzer node.
 
     Raises:
@@ -148,7 +148,7 @@ def first_frame(scene: Scene, period: float, *, analysis: bool = False) -> None:
         Analyzer(mark_infos(scene))
 
 
-def _compile_in_child(scene: Scene, period: float, progress: Progress) -> None:
+def _compile_in_child(scene: Scene, period: float, progress: Callable[[str], None]) -> None:
     """Fill the cache in a child process; where that is not possible, report so and return."""
     folder = permanent_folder()
     if folder is None:

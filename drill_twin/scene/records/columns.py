@@ -21,7 +21,7 @@ from drill_twin.core.units.dimension import TIME
 from drill_twin.core.units.parse import name_and_unit, record_factor
 
 
-class Channel(NamedTuple):
+class RecordChannel(NamedTuple):
     """Channel of a record, and the names of its column in the order of preference."""
 
     dimension: Dimension
@@ -35,10 +35,10 @@ _PATTERNS = {
     "weight_on_bit": r"(^|[^a-z])(wob|weight[ _-]?on[ _-]?bit)([^a-z]|$)",
     "rotation": r"(^|[^a-z])(rpm|rps|top[ _-]?(drive)?[ _-]?(speed|rpm)|rotary[ _-]?speed|rotation)([^a-z]|$)",
 }
-CHANNELS: Mapping[str, Channel] = {
-    "time": Channel(TIME, ("time", "etim", "timestamp_utc_iso", "datetime", "dtim"), _PATTERNS["time"])
+CHANNELS: Mapping[str, RecordChannel] = {
+    "time": RecordChannel(TIME, ("time", "etim", "timestamp_utc_iso", "datetime", "dtim"), _PATTERNS["time"])
 } | {
-    name: Channel(found.dimension, (*found.mnemonics, found.heading), _PATTERNS.get(name, ""))
+    name: RecordChannel(found.dimension, (*found.mnemonics, found.heading), _PATTERNS.get(name, ""))
     for name, found in ((name, RIG_CHANNELS[field]) for name, field in RECORDED.items())
 }
 """Time and the channels of `drill_twin.core.rig_channels` that records have."""

@@ -19,7 +19,7 @@ from drill_twin.scene import Scene
 from drill_twin.scene.load import build_scene
 from drill_twin.scene.well_plan.catalogue import INCH, casing_size
 from drill_twin.scene.well_plan.table import Row, read_table
-from drill_twin.scene.well_plan.tally import Piece, marks, read_tally
+from drill_twin.scene.well_plan.tally import TallyPiece, marks, read_tally
 
 NAMES: dict[str, tuple[str, ...]] = {
     "md": ("md", "measured depth", "depth", "measured_depth"),
@@ -251,7 +251,7 @@ class WellPlan(NamedTuple):
         return found
 
 
-def _check_fit(pieces: list[Piece], hole: float, casing: list[tuple[float, float, float]]) -> None:
+def _check_fit(pieces: list[TallyPiece], hole: float, casing: list[tuple[float, float, float]]) -> None:
     """Refuse pipe wider than the hole: a piece passes every diameter above its lower end."""
     shoe = casing[-1][1] if casing else 0.0
     depth = math.fsum(piece.length for piece in pieces)

@@ -50,7 +50,7 @@ MARKED = ("stabiliser", "stabilizer", "stab", "mwd", "motor", "sub")
 """Kinds with a mark at their middle."""
 
 
-class Piece(NamedTuple):
+class TallyPiece(NamedTuple):
     """Row of a tally."""
 
     row: Row
@@ -65,7 +65,7 @@ class Piece(NamedTuple):
     """Largest outer diameter, blades and tool joints included [m]."""
 
 
-def read_tally(file: Path, system: str, bottom: float) -> list[Piece]:
+def read_tally(file: Path, system: str, bottom: float) -> list[TallyPiece]:
     """Read the tally, from the bit up.
 
     Args:
@@ -97,7 +97,7 @@ def read_tally(file: Path, system: str, bottom: float) -> list[Piece]:
     ]
 
 
-def marks(pieces: Sequence[Piece]) -> list[dict[str, Any]]:
+def marks(pieces: Sequence[TallyPiece]) -> list[dict[str, Any]]:
     """Marks of a string from the bit up: near the bit, at stabilisers and tools, in the longest collar and half-way up.
 
     The bit itself is held, so its mark is a metre above its face, or less in a short string.
@@ -127,7 +127,7 @@ def _positive(row: Row, column: str, kind: str) -> float:
     return value
 
 
-def _piece(row: Row, length: float) -> Piece:
+def _piece(row: Row, length: float) -> TallyPiece:
     word = row.text("kind").lower()
     if word not in KINDS:
         raise SceneError(f'{row.place}, kind: expected one of {", ".join(KINDS)}, found "{row.text("kind")}"')
@@ -144,7 +144,7 @@ def _piece(row: Row, length: float) -> Piece:
         section["blade_diameter"] = f"{gauge:.10g} m"
     section |= _material(row)
     widest = section.get("blade_diameter", section["outer_diameter"])
-    return Piece(row, section, word, length, parse(widest, LENGTH))
+    return TallyPiece(row, section, word, length, parse(widest, LENGTH))
 
 
 def _drill_pipe(row: Row, outer: float) -> dict[str, Any]:
