@@ -27,7 +27,7 @@ def sensor_topics(scene: Scene) -> tuple[str, ...]:
     if scene.sensors is None:
         return ()
     subs = [topic for sub in scene.sensors.subs for topic in (imu_topic(sub.name), summary_topic(sub.name))]
-    return (*subs, SURFACE_STATE) if scene.sensors.sampling is not None else tuple(subs)
+    return (*subs, SURFACE_STATE) if scene.sensors.surface is not None else tuple(subs)
 
 
 class Measurements:
