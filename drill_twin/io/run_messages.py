@@ -37,7 +37,7 @@ class Measurements:
         """Begin with the present state of a twin."""
         scene, sensors = twin.scene, twin.scene.sensors
         subs = () if sensors is None else sensors.subs
-        surface = None if sensors is None else sensors.sampling
+        surface = None if sensors is None else sensors.surface
         self._subs = SubSampler(scene, twin.rod, twin.time, *twin.unknowns) if subs else None
         speed = float(twin.unknowns[1][-1, 6])
         self._surface = None if surface is None else SurfaceSampler(scene, surface, twin.time, speed)
