@@ -76,5 +76,5 @@ def side_force(model: DiscreteModel, wall: Wall | None, u: Array) -> Array:
     places, bore = gauss_positions(model.rod, u), model.wellbore
     off = places[:, :2] if bore.axis is None else offsets(bore.axis, places).off
     depth = np.maximum(np.linalg.norm(off, axis=1) - bore.clearance, 0.0)
-    force: Array = (wall.stiffness * depth ** (1.0 if wall.linear else 1.5)).reshape(-1, 2)
-    return np.asarray(force.mean(axis=1))
+    force = wall.stiffness * depth ** (1.0 if wall.linear else 1.5)
+    return np.asarray(force.reshape(-1, 2).mean(axis=1))
