@@ -35,7 +35,7 @@ LARGEST = 5.0
 MOST = 20
 """Most coefficients."""
 ON_BOTTOM = 5e3
-"""Weight on bit from which a row is one on bottom: the zero of a rig's weight is no better [N]."""
+"""Weight on bit from which a row counts as drilling on bottom [N]: the zero of a rig's weight is no better known."""
 
 
 class Points(NamedTuple):
@@ -46,14 +46,14 @@ class Points(NamedTuple):
     value: Array
     """[N] or [N m]."""
     on_bottom: int = 0
-    """Rows left out, with a weight on the bit: the curves are of a bit off bottom."""
+    """Number of rows left out, as the curves are of a bit off bottom and these rows have a weight on the bit."""
 
 
 def coefficients(text: str) -> list[float]:
     """Coefficients of friction of a range such as `0.15..0.35:5`, or of a list such as `0.2,0.3`.
 
     Raises:
-        ArgumentError: It is none of them.
+        ArgumentError: The text is no range and no list.
     """
     words = [number(word.strip()) for word in text.split(",")]
     found = parse_range("--friction", text).points(5) if ".." in text else [one for one in words if one is not None]

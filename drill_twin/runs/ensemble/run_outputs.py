@@ -2,8 +2,8 @@
 """Outputs of a run as a whole: extremes, contact, the last half, motion still changing at the end, fatigue, energy.
 
 The lateral motion of a mark in each of the last two quarters is z = a + b exp(i psi) + r, with a in space, b in the
-string (bow, imbalance, a buckled shape) and psi its spin; a and b by least squares. The rest r is what a whirl begins
-as, so its size in the two quarters tells whether a whirl grows long before it reaches the wall.
+string (bow, imbalance, a buckled shape) and psi its spin; a and b by least squares. A whirl begins
+as the rest r, so the size of r in the two quarters tells whether a whirl grows long before it reaches the wall.
 """
 
 from __future__ import annotations

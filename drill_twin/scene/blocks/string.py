@@ -31,7 +31,7 @@ MOST_JOINTS = 2000
 
 
 class Piece(NamedTuple):
-    """Uniform piece of the string: a section, or the pipe or a tool joint of one."""
+    """Uniform piece of the string: a section, or the pipe or a tool joint of a section."""
 
     length: float
     """Length [m]."""

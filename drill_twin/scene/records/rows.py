@@ -24,7 +24,7 @@ _LONGEST_CELL = 40  # characters, in a message
 
 
 class RowError(DrillTwinError):
-    """A row that has not as many cells as there are columns."""
+    """A row whose number of cells is not the number of columns."""
 
 
 class Text(NamedTuple):
@@ -58,10 +58,10 @@ class RecordRows:
         self.count, self.texts = 0, dict[int, Text]()
 
     def add(self, line: str) -> None:
-        """Append a line; each column has numbers or ISO 8601 dates, as the first of its cells that is not missing.
+        """Append a line; the first cell of a column that is not missing decides between numbers and ISO 8601 dates.
 
         Raises:
-            RowError: It has not as many cells as there are columns.
+            RowError: The number of cells is not the number of columns.
         """
         cells = split(line, self._delimiter)
         if len(cells) != len(self._names):
@@ -78,7 +78,7 @@ class RecordRows:
         self._numbers.fromlist([self._value(k, cell.strip()) for k, cell in enumerate(cells)])
 
     def columns(self, path: Path, units: Mapping[str, str], null: str = "") -> Columns:
-        """The columns; what is infinite, -999.25 or the null value is missing.
+        """The columns; a number that is infinite, -999.25 or the null value is missing.
 
         Args:
             path: The file, for messages.
@@ -86,7 +86,7 @@ class RecordRows:
             null: Number that stands for no value, as the file gives it; empty for none.
 
         Raises:
-            TableError: The null value is none, or a name is endless.
+            TableError: The null value is no number, or a name is endless.
         """
         nulls, units = list(null_values(null, str(path))), dict(units)
         table, values = np.frombuffer(self._numbers).reshape(-1, len(self._names)), {}

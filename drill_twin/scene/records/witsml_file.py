@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """Time log of WITSML 1.4.1 (Energistics 2011), read as a stream by expat.
 
-A document type is refused, and with it every entity, internal or external, that expat would expand or fetch: no log has
-one. So the standard library is as safe here as defusedxml, which refuses the same; and as no tree is built, a file of
-200 MB takes the memory of its numbers.
+A document type, which no log has, is refused. So is every entity, internal or external, that expat would expand or
+fetch. Therefore the standard library is as safe here as defusedxml, which refuses the same; and as no tree is built, a
+file of 200 MB takes the memory of its numbers.
 """
 
 from __future__ import annotations

@@ -89,7 +89,7 @@ def _follows(row: Row, above: dict[str, float], here: dict[str, float]) -> None:
     if run < 0.0:
         raise SceneError(
             f"{row.place}: expected a depth below the row above ({row.length_text('md', above['depth'])}), "
-            f"found {depth}: the survey goes back; sort the rows, or correct this one"
+            f"found {depth}: the survey goes back; sort the rows, or correct this row"
         )
     pair = np.array([[above["inclination"], above["azimuth"]], [here["inclination"], here["azimuth"]]])
     turn = float(dogleg(pair[:, 0], pair[:, 1])[0])
@@ -114,7 +114,7 @@ def as_block(stations: list[dict[str, float]]) -> list[dict[str, Any]]:
 
 BIT_TORQUE = {"sliding": 0.4, "sticking": 0.5, "decay": "0.9 s/rad", "specific_energy": "170 MPa"}
 """Friction of the bit on rock, at a third of its diameter, and specific energy of the rock (25 ksi): stand-ins, to be
-replaced by measured ones."""
+replaced by measured values."""
 LONG = 200.0
 """Length from which wall, eccentricity and frame rate are chosen for a well and not for a test bench [m]."""
 
@@ -238,8 +238,8 @@ class WellPlan(NamedTuple):
             if bore == inner.strip() and (size := casing_size(diameter)):
                 raise SceneError(
                     f'--casing "{short(casing)}": expected the inner diameter of the casing, found {size} in, an outer '
-                    f'diameter of API 5CT; give the one that its weight leaves, as "12.415 in to 1500 m" for 13 3/8 in '
-                    f'of 68 lb/ft, or "ID {short(casing)}" if it is the inner one'
+                    f'diameter of API 5CT; give the inner diameter that its weight leaves, as "12.415 in to 1500 m" '
+                    f'for 13 3/8 in of 68 lb/ft, or "ID {short(casing)}" if that is the inner diameter'
                 )
             if depth <= top:
                 raise SceneError(
