@@ -13,7 +13,7 @@ import numpy as np
 from drill_twin.api.whirl import Whirl
 from drill_twin.core.arrays import Array
 from drill_twin.core.errors import import_extra
-from drill_twin.core.rig_channels import channel_of, field_of
+from drill_twin.core.rig_channels import FIELDS, channel_of
 from drill_twin.io.bag.series import CommandSeries, MarkSeries, RigSeries
 
 if TYPE_CHECKING:
@@ -127,7 +127,7 @@ def dataset(
 
     if len(rig):
         for name in _RIG:
-            variables[name] = ("time", getattr(rig, field_of(name)), {"units": channel_of(name).dimension.unit})
+            variables[name] = ("time", getattr(rig, FIELDS[name]), {"units": channel_of(name).dimension.unit})
     if len(marks):
         coordinates |= {"mark": list(marks.names), "axis": ["x", "y", "z"]}
         at = times("marks", marks.time)

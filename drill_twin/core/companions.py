@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Companion packages, and entry points of installed packages.
 
-What a companion brings (commands, nodes, functions of the API) is found by entry points, as that of any other package.
+What a companion brings (commands, nodes, functions of the API) is found by entry points, as with any other package.
 The table here has the names of the companions that belong to drill_twin, so that the command line can say what to
 install for a name of theirs.
 """

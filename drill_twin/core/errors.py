@@ -4,7 +4,9 @@
 Packages that come with an extra of drill_twin are imported here, with an error that names the extra.
 """
 
+import difflib
 import re
+from collections.abc import Iterable
 from importlib import import_module
 from typing import Any, Self
 
@@ -38,6 +40,19 @@ def encoding_problem(error: UnicodeDecodeError) -> str:
     begin = bytes(error.object[:2])
     found = "UTF-16" if begin in {b"\xff\xfe", b"\xfe\xff"} else "another encoding, such as Latin-1 or Windows-1252"
     return f"{found} (byte {error.object[error.start]:#04x}); save it as UTF-8"
+
+
+def nearest(name: str, known: Iterable[str], likeness: float = 0.6) -> str:
+    """Suggestion such as `, did you mean "radius"?` if one of the known names is close, else an empty text.
+
+    Args:
+        name: The name that is not known.
+        known: Known names.
+        likeness: Least likeness of a close name, as `difflib` measures it, 0 to 1.
+    """
+    folded = {word.lower(): word for word in known}
+    close = difflib.get_close_matches(name.lower(), folded, n=1, cutoff=likeness)
+    return f', did you mean "{folded[close[0]]}"?' if close else ""
 
 
 def words_cut(text: str) -> str:

@@ -19,7 +19,8 @@ _CALLED_BACK = "llvmlite/binding/executionengine.py"
 def is_unraisable(frame: FrameType | None) -> bool:
     """Return True during an import, a finalizer or a callback of the compiler.
 
-    An exception in an import can leave the lock of all imports locked for ever; the others print it and go on.
+    An exception in an import can leave the lock of all imports locked for ever. A finalizer or a callback prints the
+    exception and goes on.
     """
     while frame is not None:
         code = frame.f_code
@@ -90,22 +91,17 @@ def refuse_too_little_memory() -> None:
         )
 
 
-def _has_working_folder() -> bool:
-    try:
-        Path.cwd()
-    except OSError:
-        return False
-    return True
-
-
 def error_text(error: Exception) -> str:
     """One line for an error of the system that no part of the program has put into words."""
     if isinstance(error, MemoryError):
         return "expected enough memory, found none left; free some, or take fewer elements or a shorter run"
     if not isinstance(error, OSError):
         return str(error)
-    if error.filename is None and not _has_working_folder():
-        return "expected a working folder, found it removed; change to one that exists"
+    if error.filename is None:
+        try:
+            Path.cwd()
+        except OSError:
+            return "expected a working folder, found it removed; change to a folder that exists"
     names = [str(name) for name in (error.filename, error.filename2) if name is not None]
     place = f"{' and '.join(names)[:200]}: " if names else ""
     return f"{place}{error.strerror or error}; check path, rights and space"

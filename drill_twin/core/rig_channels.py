@@ -13,7 +13,7 @@ RIG_JOINTS = ("top_drive", "bit", "block", "bit_axial")
 ARRAYS = ("position", "velocity", "effort")
 """Arrays of a JointState."""
 INSTANT = "@instant"
-"""Ending of a channel's name: its samples are values at their times, and not means since the last ones."""
+"""Ending of a channel's name: its samples are values at an instant, and not means since the last sample."""
 
 
 class RigChannel(NamedTuple):
@@ -28,7 +28,7 @@ class RigChannel(NamedTuple):
     names: tuple[str, ...] = ()
     """Other names for it: of set-points and records first, of the gateway last."""
     mnemonics: tuple[str, ...] = ()
-    """Names of its column in a record, those to be preferred first; lower case."""
+    """Names of its column in a record, in the order of preference; lower case."""
 
 
 RIG_CHANNELS: Mapping[str, RigChannel] = {
@@ -68,8 +68,8 @@ RIG_CHANNELS: Mapping[str, RigChannel] = {
 }  # fmt: skip
 """Channels by their field of `RigState`.
 
-Mnemonics are the short ones of WITS level 0 (record 1), those usual in LAS and WITSML, the names of D-WIS and the
-columns of Drillbotics; the heading is one too, so that what is exported is read.
+Mnemonics are the short mnemonics of WITS level 0 (record 1), the usual mnemonics of LAS and WITSML, the names of D-WIS
+and the columns of Drillbotics. The heading is a mnemonic too, so that exported files can be read.
 """
 
 RECORDED: Mapping[str, str] = {
@@ -78,24 +78,14 @@ RECORDED: Mapping[str, str] = {
 """Name of each channel of a record, and its field of `RigState`."""
 
 
-def field_of(name: str) -> str:
-    """Field of `RigState` of a channel, by that name or another of its names.
+FIELDS: Mapping[str, str] = {name: field for field, channel in RIG_CHANNELS.items() for name in (*channel.names, field)}
+"""Field of `RigState` of a channel, by each of its names."""
+
+
+def channel_of(name: str) -> RigChannel:
+    """Channel by any of its names.
 
     Raises:
         KeyError: There is no such channel.
     """
-    if name in RIG_CHANNELS:
-        return name
-    for field, channel in RIG_CHANNELS.items():
-        if name in channel.names:
-            return field
-    raise KeyError(name)
-
-
-def channel_of(name: str) -> RigChannel:
-    """The channel of any of its names.
-
-    Raises:
-        KeyError: There is none.
-    """
-    return RIG_CHANNELS[field_of(name)]
+    return RIG_CHANNELS[FIELDS[name]]

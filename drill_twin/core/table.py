@@ -27,7 +27,7 @@ class Column(NamedTuple):
     right: bool = False
     """Aligned to the right, as numbers are."""
     whole: bool = False
-    """Cells are not broken into lines in a narrow terminal; those to the right never are."""
+    """Cells are not broken into lines in a narrow terminal; cells aligned to the right never are."""
 
     @property
     def title(self) -> str:
@@ -39,7 +39,7 @@ class Table:
     """Columns and rows; a console of rich prints it (`__rich_console__`).
 
     Cells are texts, or numbers, of which `str` is shown and None is left empty; a `rich.text.Text` keeps its style in
-    a terminal. A table without columns is one of names and values: two columns, without headings.
+    a terminal. A table without columns has two: names and values, without headings.
     """
 
     def __init__(
@@ -56,7 +56,7 @@ class Table:
             columns: Columns, or their headings.
             rows: Cells by row.
             title: Words above the table in a terminal.
-            right: Numbers of the columns aligned to the right, of those given by their heading.
+            right: Numbers of the columns to be aligned to the right, among columns given by their heading.
         """
         self.columns = [
             one if isinstance(one, Column) else Column(one, right=number in right) for number, one in enumerate(columns)
@@ -120,8 +120,12 @@ class Table:
         Args:
             named: The first cell of a row is its name.
         """
-        kinds = [' class="number"' if of.right else ' class="name"' if of.whole else "" for of in self.columns]
-        head = "".join(f"<th{kind}>{escape(of.title)}</th>" for of, kind in zip(self.columns, kinds, strict=True))
+        kinds = [
+            ' class="number"' if column.right else ' class="name"' if column.whole else "" for column in self.columns
+        ]
+        head = "".join(
+            f"<th{kind}>{escape(column.title)}</th>" for column, kind in zip(self.columns, kinds, strict=True)
+        )
         body = "".join(
             "<tr>"
             + "".join(
@@ -168,8 +172,8 @@ def _widths(table: Table, console: Console, options: ConsoleOptions) -> list[int
         heading = Measurement.get(console, options, Text(column.title))
         cells = [Measurement.get(console, options, _in_terminal(row[number])) for row in table.rows]
         whole = column.whole or column.right
-        least.append(max([heading.minimum, *(of.maximum if whole else of.minimum for of in cells)]))
-        widths.append(max(of.maximum for of in (heading, *cells)))
+        least.append(max([heading.minimum, *(cell.maximum if whole else cell.minimum for cell in cells)]))
+        widths.append(max(cell.maximum for cell in (heading, *cells)))
     for _ in range(sum(widths) + 3 * (len(widths) - 1) - options.max_width):
         able = [number for number, width in enumerate(widths) if width > least[number]]
         if not able:

@@ -133,9 +133,7 @@ def _converge(string: Dynamics, first: float, tolerance: float, most: int) -> tu
 def _residual_force(rod: Rod, moved: Array, half: float) -> float:
     """Largest residual force at a node [N], M moved / h^2 by backward Euler from rest."""
     forces = np.einsum("eij,ejc->eic", rod.mass, element_unknowns(moved)) / half**2
-    nodal = np.zeros((rod.length.size + 1, 3))
-    nodal[:-1] += forces[:, 0]
-    nodal[1:] += forces[:, 2]
+    nodal = np.pad(forces[:, 0], ((0, 1), (0, 0))) + np.pad(forces[:, 2], ((1, 0), (0, 0)))
     return float(np.linalg.norm(nodal, axis=1).max())
 
 
@@ -160,10 +158,9 @@ def _is_stable(string: Dynamics, step: float, size: float, random: np.random.Gen
 
 def inertia_torques(rod: Rod, acceleration: Array) -> Array:
     """Torques at the nodes [N m] for an angular acceleration [rad/s2]; both shape (n + 1,)."""
-    torque = np.zeros(acceleration.size)
-    torque[:-1] += rod.spin_mass * (NEAR * acceleration[:-1] + FAR * acceleration[1:])
-    torque[1:] += rod.spin_mass * (FAR * acceleration[:-1] + NEAR * acceleration[1:])
-    return torque
+    lower, upper = acceleration[:-1], acceleration[1:]
+    of_lower, of_upper = rod.spin_mass * (NEAR * lower + FAR * upper), rod.spin_mass * (FAR * lower + NEAR * upper)
+    return np.append(of_lower, 0.0) + np.append(0.0, of_upper)
 
 
 def twist_under(rod: Rod, torque: Array) -> Array:

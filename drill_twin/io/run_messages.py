@@ -13,8 +13,8 @@ import yaml
 
 from drill_twin.core import __version__
 from drill_twin.core.arrays import Array
+from drill_twin.dynamics.sensors.sampling import SurfaceSampler, SurfaceValues
 from drill_twin.dynamics.sensors.subs import SubSampler
-from drill_twin.dynamics.sensors.surface import SurfaceSampler, SurfaceValues
 from drill_twin.dynamics.twin.frame import RigState
 from drill_twin.dynamics.twin.twin import Twin
 from drill_twin.io.messages.sensor_messages import ImuEncoder, SummaryEncoder, SurfaceEncoder

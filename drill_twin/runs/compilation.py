@@ -4,9 +4,10 @@
 numba and LLVM hold a process for seconds at a time, in which it answers no service and no signal. The child leaves the
 process free; loading the machine code from the cache afterwards takes a tenth of a second.
 
-How long it takes depends on the machine and on the effects. The share done follows from the course of the last
-compilation like it, which is kept with the compiled kernels: functions differ by a hundred times, so the number
-compiled is turned into a share of the time by the times at which the last one had as many.
+The time that it takes depends on the machine and on the effects. The share done follows from the course of the last
+compilation of the same kind, which is kept with the compiled kernels. One function takes up to a hundred times as long
+as another, so the last course turns the number of compiled functions into a share of the time: it has the time at which
+each number was reached.
 """
 
 from __future__ import annotations
@@ -54,7 +55,7 @@ class CompileShare:
     """Text of the progress of a compilation; `save` keeps its course for the next."""
 
     def __init__(self, folder: Path) -> None:
-        """Read the course of the last compilation like the one that begins.
+        """Read the course of the last compilation of the same kind.
 
         Args:
             folder: Folder of compiled kernels.
@@ -73,7 +74,7 @@ class CompileShare:
                 self._seconds = float(course[-1, 1])
                 self._course = course / (1.0, self._seconds)
         except (ValueError, TypeError, RecursionError):
-            pass  # damaged: as without one; the next is written over it
+            pass  # a damaged file is no course; the next course is written over it
 
     @property
     def before(self) -> str:
@@ -107,17 +108,17 @@ COMPILING = "compiling the effects of the scene"
 _POLL = 0.1  # s between two reports
 _READ = 4096  # bytes
 
-Progress = Callable[[str], None]
-"""Takes the progress in words; may raise, which ends the compilation."""
 
-
-def compile_kernel(scene: Scene, period: float, progress: Progress | None = None, *, analysis: bool = False) -> None:
+def compile_kernel(
+    scene: Scene, period: float, progress: Callable[[str], None] | None = None, *, analysis: bool = False
+) -> None:
     """Compile the kernels of a scene, or load them from the cache, by the first frame of a twin that is then dropped.
 
     Args:
         scene: The scene.
         period: Simulated time of a frame [s].
-        progress: Called ten times a second while a child process compiles; None: compile in this process.
+        progress: Called with the progress in words ten times a second while a child process compiles; may raise, which
+            ends the compilation. None: compile in this process.
         analysis: Whether the whirl analysis is needed too; a child process always compiles it, for the analyzer node.
 
     Raises:
@@ -127,10 +128,9 @@ def compile_kernel(scene: Scene, period: float, progress: Progress | None = None
         try:
             with from_cache_only():
                 first_frame(scene, period, analysis=analysis)
+            return
         except NotCachedError:
             _compile_in_child(scene, period, progress)
-        else:
-            return
     first_frame(scene, period, analysis=analysis)
 
 
@@ -148,7 +148,7 @@ def first_frame(scene: Scene, period: float, *, analysis: bool = False) -> None:
         Analyzer(mark_infos(scene))
 
 
-def _compile_in_child(scene: Scene, period: float, progress: Progress) -> None:
+def _compile_in_child(scene: Scene, period: float, progress: Callable[[str], None]) -> None:
     """Fill the cache in a child process; where that is not possible, report so and return."""
     folder = permanent_folder()
     if folder is None:
@@ -176,7 +176,7 @@ def _compile_in_child(scene: Scene, period: float, progress: Progress) -> None:
     if child.returncode == 0:
         share.save(time.monotonic() - began)
     else:
-        progress(f"{COMPILING} in this process: the one that should do it ended with code {child.returncode}")
+        progress(f"{COMPILING} in this process: the child process ended with code {child.returncode}")
 
 
 def _follow(child: subprocess.Popen[bytes], report: Callable[[int], None]) -> None:

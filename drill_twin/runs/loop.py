@@ -100,7 +100,7 @@ class RunLoop:
         self.twin = twin
         twin.load()
         self._single = twin.record(1)
-        self.__dict__.pop("_record", None)  # of a twin before
+        self.__dict__.pop("_record", None)  # the record of an earlier twin
         self.frames = 0
         self.missing_effects = MissingEffects(self.scene, twin.rod)
         self.rejected_steps = RejectedSteps()
@@ -112,7 +112,7 @@ class RunLoop:
         return replace(string_geometry(self.twin), frame_prefix=self._frame_prefix)
 
     def announce(self) -> None:
-        """Send the description of the run and its time: of a new run, or of one resumed from a checkpoint."""
+        """Send the description of the run and its time, at the start of a run or after a checkpoint was resumed."""
         self._sink(TWIN_SCENE, encode_string(describe_run(self.twin, self._pace)))
         self._sink(CLOCK_TOPIC, *self._encoder.clock(np.array([self.twin.time])))
 
@@ -169,7 +169,7 @@ class RunLoop:
 
         Args:
             commands: Set-points at the end of each frame.
-            record: Takes them; by default one with room for `most_frames`.
+            record: Takes the frames; by default a record with room for `most_frames`.
 
         Returns:
             The frames, which hold until the next call, and the error that ended them before the last command.
@@ -196,7 +196,7 @@ class RunLoop:
 
         Args:
             frames: The frames.
-            markers: Those for which `/string/markers` is due.
+            markers: Numbers of the frames for which `/string/markers` is due.
             exaggeration: Factor of lateral motion in them; the default where None.
 
         Raises:

@@ -2,6 +2,7 @@
 """Values that a run reports of itself in `/diagnostics`: timing, rejected frames, energy balance, effects left out."""
 
 import time
+from collections import Counter
 from collections.abc import Mapping
 from contextlib import suppress
 
@@ -15,6 +16,8 @@ from drill_twin.physics.model.section_stress import LARGEST_STRESS
 from drill_twin.scene import Scene
 
 _FRAMES, _SHORTEST = 10, 0.2  # a window of fewer frames and less time [s] has no rate
+EFFORT = ("steps", "iterations", "cut_steps", "steps_above_tolerance")
+"""Fields of `StepStats` that are counted."""
 
 
 class RunTiming:
@@ -25,38 +28,35 @@ class RunTiming:
     """
 
     def __init__(self) -> None:
-        # Simulated, computing, publishing and wall time [s].
-        self._total = [0.0, 0.0, 0.0, 0.0]
-        self._steps = self._iterations = self._cut = self._loose = 0
+        self.simulated = 0.0
+        """Simulated time [s]."""
+        self._computing = self._publishing = self._wall = 0.0
+        self._effort = Counter[str]()
         self._slowest = self._recent = 0.0
         self._frame_end: float | None = None
         self._window_start: float | None = None
-        self._clear_window()
-
-    def _clear_window(self) -> None:
         self._window_simulated, self._window_frames = 0.0, 0
 
     def update(self, simulated: float, publishing: float, stats: StepStats, frames: int = 1) -> None:
-        """Count frames with their simulated and publishing time [s] in all, now that they are published.
+        """Count frames that have just been published.
 
         Args:
-            simulated: Simulated time [s].
-            publishing: Time of encoding and sending them [s].
+            simulated: Simulated time of all frames [s].
+            publishing: Time of encoding and sending all frames [s].
             stats: Numerical effort.
-            frames: Number of frames; those of a block count with their mean computing time.
+            frames: Number of frames; the slowest frame of a block is not known, so its mean computing time counts.
         """
         now, computing = time.monotonic(), stats.wall_seconds
         start = now - computing - publishing if self._frame_end is None else self._frame_end
         self._frame_end = now
         self._window_start = start if self._window_start is None else self._window_start
-        for k, seconds in enumerate((simulated, computing, publishing, now - start)):
-            self._total[k] += seconds
+        self.simulated += simulated
+        self._computing += computing
+        self._publishing += publishing
+        self._wall += now - start
         self._window_simulated += simulated
         self._window_frames += frames
-        self._steps += stats.steps
-        self._iterations += stats.iterations
-        self._cut += stats.cut_steps
-        self._loose += stats.steps_above_tolerance
+        self._effort.update({key: getattr(stats, key) for key in EFFORT})
         self._slowest = max(self._slowest, computing / frames)
 
     def pause(self) -> None:
@@ -68,21 +68,16 @@ class RunTiming:
         self._recent = self.recent_realtime_factor
         if self._window_start is not None:
             self._window_start = time.monotonic()
-        self._clear_window()
-
-    @property
-    def simulated(self) -> float:
-        """Simulated time [s]."""
-        return self._total[0]
+        self._window_simulated, self._window_frames = 0.0, 0
 
     @property
     def realtime_factor(self) -> float:
         """Simulated over wall time, pauses left out; 0 before the first frame."""
-        return _ratio(self._total[0], self._total[3])
+        return _ratio(self.simulated, self._wall)
 
     @property
     def recent_realtime_factor(self) -> float:
-        """Simulated over wall time in this window, or in the one before while this one is too short; 0 in a pause."""
+        """Simulated over wall time in this window, or in the last window while this one is too short; 0 in a pause."""
         if self._window_start is None:
             return 0.0
         wall = time.monotonic() - self._window_start
@@ -92,7 +87,7 @@ class RunTiming:
     @property
     def physics_speed(self) -> float:
         """Simulated over computing time; 0 before the first frame."""
-        return _ratio(self._total[0], self._total[1])
+        return _ratio(self.simulated, self._computing)
 
     def values(self) -> dict[str, str]:
         """Diagnostics values."""
@@ -101,11 +96,8 @@ class RunTiming:
             "realtime_factor_last_second": f"{self.recent_realtime_factor:.3f}",
             "physics_speed": f"{self.physics_speed:.3f}",
             "slowest_frame_ms": f"{self._slowest * 1e3:.3f}",
-            "publishing_share": f"{_ratio(self._total[2], self._total[0]):.4f}",
-            "steps": str(self._steps),
-            "iterations": str(self._iterations),
-            "cut_steps": str(self._cut),
-            "steps_above_tolerance": str(self._loose),
+            "publishing_share": f"{_ratio(self._publishing, self.simulated):.4f}",
+            **{key: str(self._effort[key]) for key in EFFORT},
         }
 
     def text(self) -> str:
@@ -122,8 +114,8 @@ def _ratio(part: float, whole: float) -> float:
 KEY = "left_out"
 """Key in the simulator's diagnostics; several sentences are joined by `SEPARATOR`."""
 NOTES = "notes"
-"""Key in the simulator's diagnostics for notes on the scene (`drill_twin.dynamics.discretisation.warnings`), joined
-likewise."""
+"""Key in the simulator's diagnostics of the notes on the scene (`drill_twin.dynamics.discretisation.warnings`), joined
+in the same way."""
 SEPARATOR = " | "
 _BIT_FORCE, _TOP_SPEED = map(RigState._fields.index, ("bit_force", "top_drive_speed"))
 
@@ -197,7 +189,8 @@ ENERGY = "energy_"
 """Prefix of the keys of the energy balance, present where a scene asks for it: `energy_residual` is the share of
 `energy_scale_J`, `energy_work_drag_J` the work of that effect."""
 COUNT, NEW, STOP = "guard_interventions", "guard", "guard_stop"
-"""Keys in the simulator's diagnostics: the count so far, those since the last report, and the reason of a stop."""
+"""Keys in the simulator's diagnostics: number of rejected frames, descriptions of the frames that were rejected since
+the last report, and the reason of a stop."""
 LARGEST_REPORT = 20
 """Largest number of rejected frames that one report describes."""
 
@@ -218,12 +211,12 @@ class RejectedSteps:
         self._energy: EnergyBalance | None = None
 
     def update(self, frames: Frames) -> None:
-        """Count the rejected frames among some that were computed."""
+        """Count the rejected frames among the frames that were computed."""
         self._energy = frames.energy
-        for intervention in frames.interventions:
-            self.count += 1
-            self.last = intervention.text
-            self._new.append(self.last)
+        texts = [intervention.text for intervention in frames.interventions]
+        self.count += len(texts)
+        self._new += texts
+        self.last = (self.last, *texts)[-1]
 
     def values(self) -> dict[str, str]:
         """Diagnostics values; each rejected frame is described in one report only."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -17,6 +18,8 @@ from drill_twin.io.messages.stamps import seconds
 from drill_twin.io.messages.topics import RIG_COMMAND, RIG_STATE, RPS_COMMAND, WOB_COMMAND
 from drill_twin.scene.set_points.command import Command
 
+COMMANDS = ((RIG_COMMAND,), (WOB_COMMAND, RPS_COMMAND))
+"""Topics of set-points; the first group that a bag has is taken."""
 _LEAST_FRAMES = 2
 
 
@@ -25,35 +28,37 @@ class RecordedCommands:
     """Set-points at the end of each frame of a run, from its first frame on."""
 
     source: str
-    """Topics that they were taken from, in words."""
+    """Topics of the set-points, in words."""
     period: int
     """Length of a frame [ns]."""
     commands: list[Command]
     """One for each frame."""
     known_from: float
-    """Simulated time from which the bag holds them [s]; before, they are those of the scene."""
+    """Simulated time from which the set-points are of the bag [s]; before it they are of the scene."""
 
 
 def recorded_commands(bag: Bag, planned: Callable[[float], Command], *, block: bool) -> RecordedCommands:
     """Set-points of the last run in a bag.
 
-    A command whose stamp is the end of a frame belongs to that frame, as in lockstep; any other holds from the frame
-    that was recorded after it. Without `/rig/command` the single values are taken, and without those the weight on bit
-    and the speeds of top drive and block in `/rig/state`.
+    A command whose stamp is the end of a frame belongs to that frame, as in lockstep; any other command holds from the
+    next recorded frame on. A bag without `/rig/command` has its set-points on the topics of single values, and a bag
+    without any command in the weight on bit and the speeds of top drive and block on `/rig/state`.
 
     Args:
         bag: The bag.
         planned: Set-points of the scene at a time [s], for the frames before the first command.
-        block: The scene has a block whose speed is a set-point; else that in `/rig/state` is what came of the others.
+        block: True if the speed of the block is a set-point; else the speed of the block in `/rig/state` follows from
+            the other set-points, and is left out.
 
     Raises:
         BagError: It has no rig states.
     """
-    by_driver = _count(bag, RIG_COMMAND) > 0
-    by_hand = not by_driver and _count(bag, WOB_COMMAND) + _count(bag, RPS_COMMAND) > 0
-    reading = _Reading(planned(0.0), by_driver=by_driver, by_hand=by_hand, block=block)
-    for topic, _, raw in bag.messages((RIG_COMMAND, WOB_COMMAND, RPS_COMMAND, RIG_STATE)):
-        reading.take(topic, raw)
+    counts = {topic: found.count for topic, found in bag.topics.items()}
+    topics = next((found for found in COMMANDS if any(counts.get(topic, 0) for topic in found)), ())
+    reading = _Reading(planned(0.0), is_measured=not topics, block=block)
+    for topic, _, raw in bag.messages((*topics, RIG_STATE)):
+        with suppress(MessageError):  # left out, as by the simulator
+            reading.take(topic, raw)
     stamps = sorted(reading.held)
     if len(stamps) < _LEAST_FRAMES:
         raise BagError(
@@ -70,16 +75,17 @@ def recorded_commands(bag: Bag, planned: Callable[[float], Command], *, block: b
         else:
             last = reading.stamped.get(stamp) or reading.held.get(stamp) or last
         commands.append(last)
-    return RecordedCommands(reading.source, period, commands, seconds(known) if known > 1.5 * period else 0.0)
+    source = " and ".join(topics) or f"{RIG_STATE}, as measured"
+    return RecordedCommands(source, period, commands, seconds(known) if known > 1.5 * period else 0.0)
 
 
 @dataclass
 class _Reading:
-    """Set-points by the stamps of commands, and those in force when each frame was recorded."""
+    """Set-points by the stamps of commands, and the set-points in force when each frame was recorded."""
 
     now: Command
-    by_driver: bool
-    by_hand: bool
+    is_measured: bool
+    """The set-points are the weight and the speeds of `/rig/state`, as there are no commands."""
     block: bool
     stamped: dict[int, Command] = field(default_factory=dict)
     held: dict[int, Command | None] = field(default_factory=dict)
@@ -89,42 +95,32 @@ class _Reading:
     _last: int = -1
     _heard: bool = False
 
-    @property
-    def source(self) -> str:
-        if self.by_driver:
-            return RIG_COMMAND
-        return f"{WOB_COMMAND} and {RPS_COMMAND}" if self.by_hand else f"{RIG_STATE}, as measured"
-
     def take(self, topic: str, raw: bytes) -> None:
-        """Take a message; one that cannot be used is left out, as by the simulator."""
-        try:
-            if topic == RIG_STATE:
-                self._on_state(raw)
-            elif topic == RIG_COMMAND:
-                state = self._commands.read(raw)
-                self._on_command(read_command(state, 0.0 if self.block else None), state.stamp)
-            elif self.by_hand and topic == WOB_COMMAND:
-                self._on_command(replace(self.now, weight_on_bit=read_float64(raw)))
-            elif self.by_hand:
-                self._on_command(replace(self.now, rotation=read_float64(raw) * math.tau))
-        except MessageError:
-            return
+        """Take a message.
 
-    def _on_command(self, command: Command, stamp: int | None = None) -> None:
-        self.now, self._heard = (given := command.completed(self.now)), True
-        if stamp is not None:
-            self.stamped[stamp] = given
+        Raises:
+            MessageError: It cannot be used.
+        """
+        if topic == RIG_STATE:
+            self._on_state(raw)
+        elif topic == WOB_COMMAND:
+            self._on_command(replace(self.now, weight_on_bit=read_float64(raw)))
+        elif topic == RPS_COMMAND:
+            self._on_command(replace(self.now, rotation=read_float64(raw) * math.tau))
+        else:
+            state = self._commands.read(raw)
+            self._on_command(read_command(state, 0.0 if self.block else None))
+            self.stamped[state.stamp] = self.now
+
+    def _on_command(self, command: Command) -> None:
+        self.now, self._heard = command.completed(self.now), True
 
     def _on_state(self, raw: bytes) -> None:
         state = self._states.read(raw)
         if state.stamp < self._last:  # a new run
             self.held.clear()
         self._last = state.stamp
-        if not (self.by_driver or self.by_hand) and state.effort.size and state.velocity.size:
+        if self.is_measured and state.effort.size and state.velocity.size:
             measured = read_command(state)
             self._on_command(measured if self.block else replace(measured, block=0.0))
         self.held[state.stamp] = self.now if self._heard else None
-
-
-def _count(bag: Bag, topic: str) -> int:
-    return bag.topics[topic].count if topic in bag.topics else 0

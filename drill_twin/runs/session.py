@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """A run without ROS: schedule, twin and whirl analysis in one process, recorded in a bag or in memory.
 
-The session sends what rig driver, simulator and analyzer send each other in lockstep, as the same bytes on the same
-topics, so its recordings equal theirs. Messages are stamped and recorded in simulated time.
+The session sends the messages that rig driver, simulator and analyzer send each other in lockstep, as the same bytes on
+the same topics, so its recordings equal recordings of the nodes. Messages are stamped and recorded in simulated time.
 
 >>> session = Session(load_scene("pa6_bench"))
 >>> outcome = session.run("out/bag_0")
@@ -40,7 +40,7 @@ class Outcome:
     simulated: float
     """Simulated time [s]."""
     finished: bool
-    """True for a run that went on to its end, False for one that was stopped."""
+    """True for a run that went on to its end, False for a run that was stopped."""
     wall_seconds: float
     """Wall-clock time of the run without compiling [s]."""
     motion_seconds: float
@@ -73,7 +73,7 @@ class Session:
 
         Args:
             scene: The scene.
-            schedule: Set-points, if they are not to be made from the scene.
+            schedule: Set-points; made from the scene unless given.
             compiling: Called with the progress of a compilation, as by `compile_kernel`; may raise to end it.
 
         Raises:

@@ -98,7 +98,7 @@ class SessionRun:
 
         Raises:
             RunError: The motion could not be followed; the frames before are recorded.
-            MessageError: A set-point or a result is not a finite number; the same.
+            MessageError: A set-point or a result is not a finite number; the frames before are recorded.
         """
         began, start = time.perf_counter(), self.stamp
         sound = sum(1 for _ in takewhile(Command.is_finite, commands))
@@ -110,7 +110,7 @@ class SessionRun:
         self.loop.count(frames, time.perf_counter() - filled)
         if count:
             self.last = frames.part(slice(-1, None))
-        if error is not None and not isinstance(error, Exception):  # a request to stop, no fault of the next command
+        if error is not None and not isinstance(error, Exception):  # a request to stop is no fault of the next command
             raise error
         if count < len(commands):  # what the driver sent before it failed
             after, self.command = self.stamp + self._period, commands[count]
@@ -123,7 +123,7 @@ class SessionRun:
             self.report_diagnostics()
 
     def follow(self, set_points: SetPoints, frames: int) -> None:
-        """As `advance`, under the set-points at the end of each frame [s]; those before one that fails are recorded."""
+        """As `advance`, under set-points by the end of a frame [s]; records the frames before a failing set-point."""
         commands: list[Command] = []
         try:
             for frame in range(1, frames + 1):

@@ -7,18 +7,16 @@ The requirements of an effect stand in its own file (`drill_twin.physics.effects
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Collection, Iterator
 from contextlib import suppress
 from functools import partial
+from itertools import permutations
 from typing import TYPE_CHECKING, Any, get_args
 
 from drill_twin.physics.effects.config import BitReaction, EffectConfig, Incompatibility
-from drill_twin.scene.blocks.effects import Effects
-from drill_twin.scene.blocks.hole import Hole
-from drill_twin.scene.blocks.rig import Rig
-from drill_twin.scene.blocks.section import Section
+from drill_twin.scene.blocks.part import Problem
 from drill_twin.scene.blocks.sensors import Sub, Surface
-from drill_twin.scene.blocks.string import String
+from drill_twin.scene.blocks.string import places_off_string
 
 if TYPE_CHECKING:
     from drill_twin.scene.schema import Scene
@@ -36,44 +34,46 @@ class UnknownPartError(Exception):
 
 
 class UnknownPart:
-    """Stand-in for an invalid part: whatever a check asks of it raises UnknownPartError."""
+    """Stand-in for a part that is invalid as a whole, or for some of its keys."""
+
+    def __init__(self, rest: object = None, invalid: Collection[str] = ()) -> None:
+        """Take the part without its invalid keys; None for a part that is invalid as a whole."""
+        self._rest, self._invalid = rest, invalid
 
     def __getattr__(self, name: str) -> Any:
-        """Raise UnknownPartError."""
-        raise UnknownPartError(name)
+        """Attribute of the valid rest of the part.
+
+        Raises:
+            UnknownPartError: The attribute depends on what is invalid.
+        """
+        if self._rest is None or name in self._invalid:
+            raise UnknownPartError(name)
+        return getattr(self._rest, name)
 
 
-def contradictions(scene: Scene) -> Iterator[Incompatibility]:
+def contradictions(scene: Scene) -> Iterator[Problem]:
     """Yield all contradictions between the parts of a scene; checks that meet an UnknownPart end early.
 
     Args:
         scene: Scene with valid parts, or with an UnknownPart in the place of each invalid one.
     """
-    effects = scene.effects
-    checks: list[Callable[[], Iterator[Incompatibility]]] = [
-        lambda: _string_fits_the_hole(scene.string, scene.hole),
-        lambda: _hole_holds_the_string(scene.string, scene.hole, effects),
-        lambda: _formulation_is_whole(effects),
-        lambda: _one_law_at_the_bit(effects),
-        lambda: _string_carries_the_load(scene.string, scene.rig, effects),
-        lambda: _top_can_turn(scene.rig, effects),
-        lambda: _block_can_move(scene.rig, effects),
-        lambda: _bit_is_held(scene.string, effects),
-        lambda: _sensors_fit(scene),
-        lambda: _may_follow_the_hole(scene),
-        *(partial(_required_are_listed, key, block, effects) for key, block in _blocks(effects)),
-        *(partial(_effect_fits, key, block, scene) for key, block in _blocks(effects)),
-    ]
+    checks: list[Callable[[Scene], Iterator[Problem]]] = [
+        _string_fits_the_hole, _hole_holds_the_string, _formulation_is_whole, _one_law_at_the_bit,
+        _string_carries_the_load, _top_can_turn, _block_can_move, _bit_is_held, _sensors_fit, _may_follow_the_hole,
+    ]  # fmt: skip
+    with suppress(UnknownPartError):
+        for key, block in scene.effects.blocks.items():
+            checks += [partial(_required_are_listed, key, block), partial(_effect_fits, key, block)]
     for each in checks:
         with suppress(UnknownPartError):
-            yield from each()
+            yield from each(scene)
 
 
 NEED_LATERAL = ("fatigue", "top_shake")
 """Effects that need lateral motion of the whole string."""
 
 
-def _may_follow_the_hole(scene: Scene) -> Iterator[Incompatibility]:
+def _may_follow_the_hole(scene: Scene) -> Iterator[Problem]:
     numerics, effects = scene.numerics, scene.effects
     depth = numerics.lateral_from
     if depth == 0.0:
@@ -97,40 +97,29 @@ def _may_follow_the_hole(scene: Scene) -> Iterator[Incompatibility]:
         )
 
 
-def _blocks(effects: Effects) -> list[tuple[str, EffectConfig]]:
-    try:
-        return list(effects.blocks.items())
-    except UnknownPartError:
-        return []
-
-
-def _effect_fits(key: str, block: EffectConfig, scene: Scene) -> Iterator[Incompatibility]:
+def _effect_fits(key: str, block: EffectConfig, scene: Scene) -> Iterator[Problem]:
     for place, text in block.check_against(scene):
-        yield Incompatibility(("effects", key, *place), text)
+        yield ("effects", key, *place), text
 
 
-def _string_fits_the_hole(string: String, hole: Hole) -> Iterator[Incompatibility]:
-    top = string.length
-    for index, section in enumerate(string.sections):
+def _string_fits_the_hole(scene: Scene) -> Iterator[Problem]:
+    top = scene.string.length
+    for index, section in enumerate(scene.string.sections):
         top, bottom = max(top - section.length, 0.0), top
-        narrow = hole.least_radius(top, bottom)
-        for key, diameter in _diameters(section):
-            if diameter >= 2.0 * narrow:
-                yield Incompatibility(
-                    ("string", "sections", index, *key),
-                    f"expected less than the diameter of the hole ({2.0 * narrow:.6g} m), found {diameter:.6g} m",
-                )
+        joint = 0.0 if section.joints is None else section.joints.diameter
+        diameters = {
+            ("outer_diameter",): section.outer_diameter, ("blade_diameter",): section.blade_diameter or 0.0,
+            ("joints", "diameter"): joint,
+        }  # fmt: skip
+        narrow = 2.0 * scene.hole.least_radius(top, bottom)
+        for key, diameter in diameters.items():
+            if diameter >= narrow:
+                text = f"expected less than the diameter of the hole ({narrow:.6g} m), found {diameter:.6g} m"
+                yield ("string", "sections", index, *key), text
 
 
-def _diameters(section: Section) -> Iterator[tuple[tuple[str, ...], float]]:
-    yield ("outer_diameter",), section.outer_diameter
-    if section.blade_diameter is not None:
-        yield ("blade_diameter",), section.blade_diameter
-    if section.joints is not None:
-        yield ("joints", "diameter"), section.joints.diameter
-
-
-def _hole_holds_the_string(string: String, hole: Hole, effects: Effects) -> Iterator[Incompatibility]:
+def _hole_holds_the_string(scene: Scene) -> Iterator[Problem]:
+    string, hole, effects = scene.string, scene.hole, scene.effects
     if not hole.survey:
         return
     if hole.survey[-1].depth < string.length * (1.0 - 1e-12):
@@ -147,37 +136,33 @@ def _hole_holds_the_string(string: String, hole: Hole, effects: Effects) -> Iter
         )
 
 
-def _formulation_is_whole(effects: Effects) -> Iterator[Incompatibility]:
-    missing = [key for key in TOGETHER if getattr(effects, key) is None]
-    if len(missing) == 1:
-        listed = next(key for key in TOGETHER if key not in missing)
-        yield Incompatibility(
-            ("effects", listed),
-            f"expected both or neither of `{TOGETHER[0]}` and `{TOGETHER[1]}`, found no `{missing[0]}`: list it too, "
-            "or take both out for lateral motion only, with the axial force in balance and the spin of the top drive",
-        )
+def _formulation_is_whole(scene: Scene) -> Iterator[Problem]:
+    for listed, missing in permutations(TOGETHER):
+        if getattr(scene.effects, listed) is not None and getattr(scene.effects, missing) is None:
+            yield Incompatibility(
+                ("effects", listed),
+                f"expected both or neither of `{TOGETHER[0]}` and `{TOGETHER[1]}`, found no `{missing}`: list it too, "
+                "or take both out for lateral motion only, with the axial force in balance and the spin of the top "
+                "drive",
+            )
 
 
-def _required_are_listed(key: str, block: EffectConfig, effects: Effects) -> Iterator[Incompatibility]:
+def _required_are_listed(key: str, block: EffectConfig, scene: Scene) -> Iterator[Problem]:
     for needed in block.requires:
-        if getattr(effects, needed) is None:
-            yield Incompatibility(
-                ("effects", key), f"expected `{needed}` to be listed too, found it missing: {key} needs {needed}"
-            )
+        if getattr(scene.effects, needed) is None:
+            yield ("effects", key), f"expected `{needed}` to be listed too, found it missing: {key} needs {needed}"
 
 
-def _one_law_at_the_bit(effects: Effects) -> Iterator[Incompatibility]:
-    for what in get_args(BitReaction):
-        laws = effects.providing(what)
-        if len(laws) > 1:
-            yield Incompatibility(
-                ("effects", laws[1]),
-                f"expected one law of the rock's {what} on the bit, found {' and '.join(laws)}",
-            )
+def _one_law_at_the_bit(scene: Scene) -> Iterator[Problem]:
+    for reaction in get_args(BitReaction):
+        first, *others = scene.effects.providing(reaction) or [""]
+        if others:
+            text = f"expected one law of the rock's {reaction} on the bit, found {' and '.join((first, *others))}"
+            yield ("effects", others[0]), text
 
 
-def _bit_is_held(string: String, effects: Effects) -> Iterator[Incompatibility]:
-    if string.bit_end == "stabilised" and effects.bit_stabiliser is None:
+def _bit_is_held(scene: Scene) -> Iterator[Problem]:
+    if scene.string.bit_end == "stabilised" and scene.effects.bit_stabiliser is None:
         yield Incompatibility(
             ("string", "bit_end"),
             "expected `string.bit_end: stabilised` and `effects.bit_stabiliser` together, "
@@ -185,13 +170,13 @@ def _bit_is_held(string: String, effects: Effects) -> Iterator[Incompatibility]:
         )
 
 
-def _string_carries_the_load(string: String, rig: Rig, effects: Effects) -> Iterator[Incompatibility]:
-    gravity = effects.gravity.magnitude if effects.gravity is not None else 0.0
+def _string_carries_the_load(scene: Scene) -> Iterator[Problem]:
+    string, gravity = scene.string, scene.effects.gravity.magnitude if scene.effects.gravity is not None else 0.0
     weight = gravity * sum(section.mass_per_length * section.length for section in string.sections)
     number, weakest = min(enumerate(string.sections), key=lambda item: item[1].youngs_modulus * item[1].area)
     stiffness = weakest.youngs_modulus * weakest.area
     for key in ("value", "initial"):
-        load = abs(getattr(rig.weight_on_bit, key))
+        load = abs(getattr(scene.rig.weight_on_bit, key))
         if load + weight > LARGEST_STRAIN * stiffness and load > 0.0:
             yield Incompatibility(
                 ("rig", "weight_on_bit", key),
@@ -201,36 +186,30 @@ def _string_carries_the_load(string: String, rig: Rig, effects: Effects) -> Iter
             )
 
 
-def _top_can_turn(rig: Rig, effects: Effects) -> Iterator[Incompatibility]:
-    if rig.top_drive.model != "prescribed" and effects.torsion is None:
-        yield Incompatibility(
-            ("rig", "top_drive", "model"),
-            f'expected "prescribed" in a scene without torsion, found "{rig.top_drive.model}": list `torsion` too',
-        )
+def _top_can_turn(scene: Scene) -> Iterator[Problem]:
+    if (model := scene.rig.top_drive.model) != "prescribed" and scene.effects.torsion is None:
+        text = f'expected "prescribed" in a scene without torsion, found "{model}": list `torsion` too'
+        yield ("rig", "top_drive", "model"), text
 
 
-def _sensors_fit(scene: Scene) -> Iterator[Incompatibility]:
+def _sensors_fit(scene: Scene) -> Iterator[Problem]:
     if scene.sensors is None:
         return
-    string, surface = scene.string, scene.sensors.surface
-    places: list[tuple[tuple[str | int, ...], Sub | Surface]] = [
-        (("subs", k), sub) for k, sub in enumerate(scene.sensors.subs)
-    ]
-    for place, instrument in [*places, *([] if surface is None else [(("surface",), surface)])]:
+    subs = scene.sensors.subs
+    places: dict[tuple[str | int, ...], Sub | Surface] = {("subs", index): sub for index, sub in enumerate(subs)}
+    if scene.sensors.surface is not None:
+        places[("surface",)] = scene.sensors.surface
+    for place, instrument in places.items():
         for key, text in _instrument_fits(instrument, scene.numerics.frame_rate, scene.rig.duration):
-            yield Incompatibility(("sensors", *place, key), text)
-    for index, sub in enumerate(scene.sensors.subs):
-        if sub.distance_from_bit > string.length * (1.0 + 1e-12):
-            yield Incompatibility(
-                ("sensors", "subs", index, "distance_from_bit"),
-                f'expected "{sub.name}" on the string ({string.length:.6g} m long), '
-                f"found {sub.distance_from_bit:.6g} m from the bit",
-            )
-        elif sub.radius > (outer := string.radius_at(sub.distance_from_bit)):
-            yield Incompatibility(
-                ("sensors", "subs", index, "radius"),
-                f"expected a sensor inside the string (outer radius {outer:.6g} m there), found {sub.radius:.6g} m",
-            )
+            yield ("sensors", *place, key), text
+    for place, text in places_off_string("subs", subs, scene.string.length):
+        yield ("sensors", *place), text
+    for index, sub in enumerate(subs):
+        if sub.distance_from_bit <= scene.string.length and sub.radius > (
+            outer := scene.string.radius_at(sub.distance_from_bit)
+        ):
+            text = f"expected a sensor inside the string (outer radius {outer:.6g} m there), found {sub.radius:.6g} m"
+            yield ("sensors", "subs", index, "radius"), text
 
 
 def _instrument_fits(instrument: Sub | Surface, frame_rate: float, duration: float) -> Iterator[tuple[str, str]]:
@@ -250,13 +229,13 @@ def _instrument_fits(instrument: Sub | Surface, frame_rate: float, duration: flo
         yield "delay", text
 
 
-def _block_can_move(rig: Rig, effects: Effects) -> Iterator[Incompatibility]:
-    if rig.block is None:
+def _block_can_move(scene: Scene) -> Iterator[Problem]:
+    block, effects = scene.rig.block, scene.effects
+    if block is None:
         return
     if effects.stretch is None:
-        yield Incompatibility(("rig", "block"), "expected `stretch` and `torsion` to be listed, found neither")
-    needed = rig.block.off_bottom > 0.0 or rig.block.auto_driller is not None
-    if needed and not effects.providing("weight"):
+        yield ("rig", "block"), "expected `stretch` and `torsion` to be listed, found neither"
+    if (block.off_bottom > 0.0 or block.auto_driller is not None) and not effects.providing("weight"):
         yield Incompatibility(
             ("rig", "block"),
             "expected rock for the bit to come down on, found none: list `rock_floor`, `bit_cutting` with a "

@@ -10,6 +10,8 @@ import ast
 import inspect
 import json
 import textwrap
+from contextlib import suppress
+from itertools import pairwise
 from typing import Any, get_args
 
 from pydantic import BaseModel
@@ -99,27 +101,18 @@ def _readable(node: Any) -> Any:
 
 
 def descriptions(model: type[BaseModel]) -> dict[str, str]:
-    """Docstring of each field on one line, by its name, those of the base classes included.
+    """Docstring of each field on one line, by its name, the fields of the base classes included.
 
     pydantic can collect them (`use_attribute_docstrings`), but does so at import, which takes each node 0.08 s.
     """
     found: dict[str, str] = {}
     for base in reversed(model.__mro__):
-        if issubclass(base, BaseModel) and base is not BaseModel:
-            found |= _own(base)
-    return found
-
-
-def _own(model: type[BaseModel]) -> dict[str, str]:
-    try:
-        source = inspect.getsource(model)
-    except OSError:  # made by `create_model`, with descriptions in its fields
-        return {}
-    (definition,) = ast.parse(textwrap.dedent(source)).body
-    if not isinstance(definition, ast.ClassDef):
-        return {}
-    found = {}
-    for field, text in zip(definition.body, definition.body[1:], strict=False):
-        if isinstance(field, ast.AnnAssign) and isinstance(field.target, ast.Name) and isinstance(text, ast.Expr):
-            found[field.target.id] = " ".join(str(ast.literal_eval(text.value)).split())
+        if base is BaseModel or not issubclass(base, BaseModel):
+            continue
+        with suppress(OSError):  # a class made by `create_model` has no source, but descriptions in its fields
+            (definition,) = ast.parse(textwrap.dedent(inspect.getsource(base))).body
+            for pair in pairwise(getattr(definition, "body", ())):
+                match pair:
+                    case ast.AnnAssign(target=ast.Name(id=name)), ast.Expr(value=text):
+                        found[name] = " ".join(str(ast.literal_eval(text)).split())
     return found

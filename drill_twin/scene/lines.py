@@ -13,9 +13,6 @@ import yaml
 from drill_twin.core.errors import SceneError
 from drill_twin.core.files.yaml_reader import Place, YamlError, read_yaml
 
-Path = Place
-"""Place of a value in the data: keys and list indices."""
-
 
 @dataclass
 class Lines:
@@ -24,20 +21,20 @@ class Lines:
     name: str
     """Name of the text in messages: its file."""
     data: dict[str, Any] = field(default_factory=dict)
-    lines: dict[Path, int] = field(default_factory=dict)
+    lines: dict[Place, int] = field(default_factory=dict)
     """Line (from 1) of each key or list item."""
-    overridden: set[Path] = field(default_factory=set)
+    overridden: set[Place] = field(default_factory=set)
     """Places set by an override, not by the text."""
-    inherited: dict[Path, str] = field(default_factory=dict)
+    inherited: dict[Place, str] = field(default_factory=dict)
     """Places taken from the scene named as `base`, with file and line."""
-    _taken: set[Path] = field(default_factory=set)
+    _taken: set[Place] = field(default_factory=set)
 
-    def order(self, path: Path) -> int:
+    def order(self, path: Place) -> int:
         """Sort key of a place: its line; overrides come first."""
         place = self._known(path)
         return -1 if place in self.overridden else self.lines.get(place, 0)
 
-    def where(self, path: Path) -> str:
+    def where(self, path: Place) -> str:
         """`file:line`, or `override`, of a place or of the nearest enclosing place."""
         place = self._known(path)
         if place in self.overridden:
@@ -46,7 +43,7 @@ class Lines:
             return self.inherited[place]
         return f"{self.name}:{self.lines[place]}" if place in self.lines else self.name
 
-    def heir(self, path: Path) -> str:
+    def heir(self, path: Place) -> str:
         """`file:line` that takes over a place of the base: the innermost block of this text around it, or `base`."""
         place = self._known(path)
         if place not in self.inherited or place in self.overridden:
@@ -57,7 +54,7 @@ class Lines:
     def inherit(self, base: Lines) -> None:
         """Fill in what is missing from another text: blocks key by key, anything else (lists too) as a whole.
 
-        A key without a value (`value: ~`) removes that of the base, except for an effect, where it means `on`.
+        A key without a value (`value: ~`) removes the key of the base; the key of an effect without a value means `on`.
         """
         self._inherit(self.data, base.data, ())
         for place in (*base.lines, *base.inherited):
@@ -65,7 +62,7 @@ class Lines:
                 self.inherited[place] = base.where(place)
         self._taken.clear()
 
-    def _inherit(self, own: dict[str, Any], below: dict[str, Any], path: Path) -> None:
+    def _inherit(self, own: dict[str, Any], below: dict[str, Any], path: Place) -> None:
         for key, value in below.items():
             place = (*path, key)
             if key not in own:
@@ -76,13 +73,13 @@ class Lines:
             elif isinstance(own[key], dict) and isinstance(value, dict):
                 self._inherit(own[key], value, place)
 
-    def _known(self, path: Path) -> Path:
+    def _known(self, path: Place) -> Place:
         known = (path[:length] for length in range(len(path), -1, -1))
         places = (self.overridden, self.lines, self.inherited)
         return next((place for place in known if any(place in some for some in places)), ())
 
 
-def is_effect(place: Path) -> bool:
+def is_effect(place: Place) -> bool:
     """True for the key of an effect, whose empty value means `on`."""
     return len(place) == 2 and place[0] == "effects"
 

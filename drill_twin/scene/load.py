@@ -20,7 +20,7 @@ from drill_twin.scene.blocks.hole import Hole
 from drill_twin.scene.blocks.part import refuse_all
 from drill_twin.scene.blocks.rig import Rig
 from drill_twin.scene.blocks.string import String
-from drill_twin.scene.check import UnknownPart, UnknownPartError, contradictions
+from drill_twin.scene.check import UnknownPart, contradictions
 from drill_twin.scene.lines import Lines, copy_plain, read_lines
 from drill_twin.scene.overrides import apply_overrides
 from drill_twin.scene.paths import scene_path
@@ -69,7 +69,7 @@ def build_scene(
     Args:
         data: Blocks, lists and values; with `base`, only the differences from that scene.
         name: Name of the data in messages.
-        overrides: As for `load_scene`; numbers in SI, those of a short name in its unit.
+        overrides: As for `load_scene`; numbers in SI, under a short name in the unit of that name.
 
     Raises:
         SceneError: As `load_scene`.
@@ -179,14 +179,4 @@ def _valid_effects(data: Any, text: bool) -> Any:
     valid = Effects.model_validate(
         {key: block for key, block in known.items() if key not in invalid}, context={"text": text}
     )
-    return _ValidEffects(valid, invalid)
-
-
-class _ValidEffects:
-    def __init__(self, valid: Effects, invalid: set[str]) -> None:
-        self._valid, self._invalid = valid, invalid
-
-    def __getattr__(self, name: str) -> Any:
-        if name in self._invalid:
-            raise UnknownPartError(name)
-        return getattr(self._valid, name)
+    return UnknownPart(valid, invalid)

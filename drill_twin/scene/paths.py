@@ -3,11 +3,10 @@
 
 import site
 import sys
-from difflib import get_close_matches
 from importlib import metadata
 from pathlib import Path
 
-from drill_twin.core.errors import SceneError
+from drill_twin.core.errors import SceneError, nearest
 
 GROUP = "drill_twin.scenes"
 """Entry-point group of folders of scenes in other packages."""
@@ -89,10 +88,8 @@ def scene_path(scene: str | Path) -> Path:
     for suffix in _SUFFIXES:
         if path.name and path.suffix not in _SUFFIXES and path.with_name(path.name + suffix).is_file():
             return path.with_name(path.name + suffix)
-    close = get_close_matches(str(scene)[:200], known, n=1)
-    hint = f', did you mean "{close[0]}"?' if close else ""
     raise SceneError(
-        f"{str(scene)[:200]}: no such scene file{hint}; "
+        f"{str(scene)[:200]}: no such scene file{nearest(str(scene)[:200], known)}; "
         f"expected a path or one of the installed scenes: {', '.join((*known, *well_scenes()))}"
     )
 

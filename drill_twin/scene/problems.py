@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Messages for pydantic's validation errors: place, expected, found, nearest valid name."""
 
-import difflib
 import inspect
 from typing import Any, get_args, get_origin
 
@@ -9,20 +8,21 @@ from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 from pydantic_core import ErrorDetails
 
-from drill_twin.core.errors import SceneError
+from drill_twin.core.errors import SceneError, nearest
+from drill_twin.core.files.yaml_reader import Place
 from drill_twin.core.units import Quantity, show
 from drill_twin.physics.effects import LEFT_OUT
-from drill_twin.scene.lines import Lines, Path
+from drill_twin.scene.lines import Lines
 
 _MOST_EXPLAINED = 100
-"""Problems that are put into words; the others are counted."""
+"""Number of problems that are put into words; further problems are counted."""
 
 
 def scene_error(found: list[ErrorDetails], lines: Lines, model: type[BaseModel]) -> SceneError:
     """Error with all problems; its message has the first one in the file and the number of others."""
-    around = {place[:length] for place in map(_place, found) for length in range(len(place))}
-    causes = [detail for detail in found if _place(detail) not in around]  # a list is short as its item is invalid
-    details = sorted(causes, key=lambda detail: (detail["type"] == "missing", lines.order(_place(detail))))
+    around = {detail["loc"][:length] for detail in found for length in range(len(detail["loc"]))}
+    causes = [detail for detail in found if detail["loc"] not in around]  # a list is short as its item is invalid
+    details = sorted(causes, key=lambda detail: (detail["type"] == "missing", lines.order(detail["loc"])))
     messages = tuple(dict.fromkeys(_message(detail, lines, model) for detail in details[:_MOST_EXPLAINED]))
     more = len(messages) - 1 + len(details[_MOST_EXPLAINED:])
     rest = f" (and {more} more {'problem' if more == 1 else 'problems'}: see `drill-twin scene check`)" if more else ""
@@ -31,30 +31,19 @@ def scene_error(found: list[ErrorDetails], lines: Lines, model: type[BaseModel])
     return result
 
 
-def path_text(path: Path) -> str:
+def path_text(path: Place) -> str:
     """Text of a place in the data: `string.sections[0].length`."""
     parts = (f"[{part}]" if isinstance(part, int) else f".{part}" for part in path)
     return "".join(parts).removeprefix(".")
 
 
-def nearest(name: str, known: "list[str]") -> str:
-    """Suggestion such as `, did you mean "radius"?` if one of the known names is close, else an empty text."""
-    folded = {word.lower(): word for word in known}
-    close = difflib.get_close_matches(name.lower(), folded, n=1, cutoff=0.6)
-    return f', did you mean "{folded[close[0]]}"?' if close else ""
-
-
-def _place(detail: ErrorDetails) -> Path:
-    return tuple(detail["loc"])
-
-
 def _message(detail: ErrorDetails, lines: Lines, model: type[BaseModel]) -> str:
-    place = tuple(detail["loc"])
+    place = detail["loc"]
     heir = f" (inherited by {lines.heir(place)})" if lines.heir(place) else ""
     return f"{lines.where(place)}: {path_text(place)}: {_explanation(detail, place, model)}{heir}"
 
 
-def _explanation(detail: ErrorDetails, place: Path, model: type[BaseModel]) -> str:
+def _explanation(detail: ErrorDetails, place: Place, model: type[BaseModel]) -> str:
     kind, found, context = detail["type"], detail["input"], detail.get("ctx", {})
     if kind == "drill_twin":
         return str(context["message"])
@@ -87,7 +76,7 @@ def _explanation(detail: ErrorDetails, place: Path, model: type[BaseModel]) -> s
     return f"expected another value ({detail['msg']}), found {show(found)}"
 
 
-def _expected(model: type[BaseModel], place: Path) -> str:
+def _expected(model: type[BaseModel], place: Place) -> str:
     field = _followed(model, place)[0]
     for part in field.metadata if field else ():
         if isinstance(part, Quantity):
@@ -100,13 +89,13 @@ def _expected(model: type[BaseModel], place: Path) -> str:
     return "text" if annotation is str else "a value"
 
 
-def _keys(model: type[BaseModel], place: Path) -> list[str]:
+def _keys(model: type[BaseModel], place: Place) -> list[str]:
     """Valid keys of the block at a place."""
     inside = _followed(model, place)[1]
     return list(inside.model_fields) if inside else []
 
 
-def _followed(model: type[BaseModel], place: Path) -> tuple[FieldInfo | None, type[BaseModel] | None]:
+def _followed(model: type[BaseModel], place: Place) -> tuple[FieldInfo | None, type[BaseModel] | None]:
     """Field at a place, and the block in it."""
     inside: type[BaseModel] | None = model
     field: FieldInfo | None = None

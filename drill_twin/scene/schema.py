@@ -1,17 +1,18 @@
 # SPDX-License-Identifier: Apache-2.0
 """Scene: the complete input of a run, validated as a whole."""
 
-from typing import Annotated, Literal, NamedTuple, Self
+from collections.abc import Iterator
+from typing import Annotated, Literal, NamedTuple
 
 import numpy as np
-from pydantic import Field, model_validator
+from pydantic import Field
 
 from drill_twin.core.numerals import whole_number
 from drill_twin.core.units.system import UnitSystem, unit_system
 from drill_twin.scene.blocks.effects import Effects
 from drill_twin.scene.blocks.hole import Hole
 from drill_twin.scene.blocks.numerics import Numerics
-from drill_twin.scene.blocks.part import Label, Part, refuse_all
+from drill_twin.scene.blocks.part import Label, Part, Problem
 from drill_twin.scene.blocks.rig import Rig
 from drill_twin.scene.blocks.sensors import Sensors
 from drill_twin.scene.blocks.string import String
@@ -46,7 +47,7 @@ class Scene(Part):
     description: Annotated[str, Field(max_length=5000)] = ""
     """Purpose of the scene."""
     provenance: Annotated[str, Field(max_length=5000)] = ""
-    """Source of the numbers; `stand-in` or `estimated` for those that are not measured."""
+    """Source of the numbers; `stand-in` or `estimated` for numbers without measurement."""
     units: Literal["auto", "field", "si", "lab"] = "auto"
     """Units of tables, figures and pages. `auto`: `field` where the weight on bit is written in pounds, else `si`, or
     `lab` for a string of at most 100 m under less than 5 kN."""
@@ -63,11 +64,9 @@ class Scene(Part):
     sensors: Sensors | None = None
     """Simulated measurements of a rig; left out: none."""
 
-    @model_validator(mode="after")
-    def _fits_together(self) -> Self:
-        if found := list(contradictions(self)):
-            raise refuse_all(found)
-        return self
+    def problems(self) -> Iterator[Problem]:
+        """Contradictions between the parts."""
+        yield from contradictions(self)
 
     @property
     def unit_system(self) -> UnitSystem:

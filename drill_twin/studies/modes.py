@@ -90,12 +90,13 @@ def growth_data(growth: GrowthMap) -> dict[str, Any]:
 
 
 SHAPES = 6
+"""Largest number of mode shapes in a figure, so that each panel can be read."""
 FLOOR = 1e-6
 """Bottom of the axes of the forced response over their top, at least."""
 CONTACTS = 4
-"""Contacts drawn, from the bit up."""
+"""Number of contacts drawn, from the bit up, so that their lines can be told apart."""
 PLACES = 200
-"""Places of the assembly at which its largest clearance is sought."""
+"""Number of places of the assembly at which its largest clearance is sought; not measured."""
 
 
 def shapes_figure(table: ModeTable, arc: Array, name: str, units: UnitSystem) -> Figure:

@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -11,7 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from matplotlib.figure import Figure
 
-from drill_twin.core.arrays import Array
+from drill_twin.core.arrays import Array, number_or_none
 from drill_twin.core.errors import ArgumentError, TableError
 from drill_twin.core.numerals import number
 from drill_twin.core.table import Table
@@ -36,7 +35,7 @@ LARGEST = 5.0
 MOST = 20
 """Most coefficients."""
 ON_BOTTOM = 5e3
-"""Weight on bit from which a row is one on bottom: the zero of a rig's weight is no better [N]."""
+"""Weight on bit from which a row counts as drilling on bottom [N]: the zero of a rig's weight is no better known."""
 
 
 class Points(NamedTuple):
@@ -47,14 +46,14 @@ class Points(NamedTuple):
     value: Array
     """[N] or [N m]."""
     on_bottom: int = 0
-    """Rows left out, with a weight on the bit: the curves are of a bit off bottom."""
+    """Number of rows left out, as the curves are of a bit off bottom and these rows have a weight on the bit."""
 
 
 def coefficients(text: str) -> list[float]:
     """Coefficients of friction of a range such as `0.15..0.35:5`, or of a list such as `0.2,0.3`.
 
     Raises:
-        ArgumentError: It is none of them.
+        ArgumentError: The text is no range and no list.
     """
     words = [number(word.strip()) for word in text.split(",")]
     found = parse_range("--friction", text).points(5) if ".." in text else [one for one in words if one is not None]
@@ -74,10 +73,10 @@ def read_measured(path: Path) -> dict[str, Points]:
     """
     columns = read_columns(path)
     bare = {name_and_unit(name)[0].lower(): name for name in columns}
-    named = {of: next((bare[one] for one in names if one in bare), "") for of, names in COLUMNS.items()}
-    depth = next((bare[one] for one in DEPTHS if one in bare), "")
+    named = {load: next((bare[name] for name in names if name in bare), "") for load, names in COLUMNS.items()}
+    depth = next((bare[name] for name in DEPTHS if name in bare), "")
     if not depth or not any(named.values()):
-        known = "; ".join(f"{of}: {', '.join(names)}" for of, names in {"depth": DEPTHS, **COLUMNS}.items())
+        known = "; ".join(f"{load}: {', '.join(names)}" for load, names in {"depth": DEPTHS, **COLUMNS}.items())
         raise TableError(
             f"{path}: expected a column of depth and one of a load, found {columns.listed}; known names: {known}"
         )
@@ -86,22 +85,22 @@ def read_measured(path: Path) -> dict[str, Points]:
     drilling = np.zeros(places.size, bool)
     for name in columns.named("weight_on_bit"):
         drilling |= columns.si(name, columns.unit(name, FORCE), FORCE, "weight on bit") > ON_BOTTOM
-    for of, name in named.items():
+    for load, name in named.items():
         if name:
-            dimension = TORQUE if of == "torque" else FORCE
-            values = columns.si(name, columns.unit(name, dimension), dimension, of)
+            dimension = TORQUE if load == "torque" else FORCE
+            values = columns.si(name, columns.unit(name, dimension), dimension, load)
             known_rows = np.isfinite(values) & np.isfinite(places)
             kept = known_rows & ~drilling
-            found[of] = Points(places[kept], values[kept], int((known_rows & drilling).sum()))
+            found[load] = Points(places[kept], values[kept], int((known_rows & drilling).sum()))
     return found
 
 
 def friction_of(found: OverDepth, points: Mapping[str, Points]) -> dict[str, Array]:
-    """Coefficients that the measured points mean, NaN outside of the range."""
+    """Coefficients of friction at which the loads are the measured loads, by load; NaN outside of the range."""
     return {
-        of: found.friction_of_torque(one.depth, one.value) if of == "torque" else found.friction_of(of, *one[:2])
-        for of, one in points.items()
-        if of != "off bottom"  # has no axial friction
+        load: found.friction_of(load, measured.depth, measured.value)
+        for load, measured in points.items()
+        if load != "off bottom"  # has no axial friction
     }
 
 
@@ -113,9 +112,9 @@ def over_depth_data(found: OverDepth, points: Mapping[str, Points]) -> dict[str,
         "hookload_n": {one.name: rows.tolist() for one, rows in zip(found.operations, found.hookload, strict=True)},
         "torque_off_bottom_nm": found.torque.tolist(),
         "measured": {
-            of: {"depth_m": one.depth.tolist(), "value": one.value.tolist(), "rows_on_bottom": one.on_bottom,
-                 **({"friction": [None if math.isnan(mu) else mu for mu in means[of].tolist()]} if of in means else {})}
-            for of, one in points.items()
+            load: {"depth_m": one.depth.tolist(), "value": one.value.tolist(), "rows_on_bottom": one.on_bottom,
+                   **({"friction": list(map(number_or_none, means[load].tolist()))} if load in means else {})}
+            for load, one in points.items()
         },
     }  # fmt: skip
 
@@ -135,20 +134,20 @@ def shown(found: OverDepth, points: Mapping[str, Points]) -> Iterator[Table | st
         title=f"{found.scene.name}, soft string, bit at {depth}: hookload in {units.force}, torque off bottom in "
         f"{units.torque}",
     )  # fmt: skip
-    for of, values in friction_of(found, points).items():
+    for load, values in friction_of(found, points).items():
         inside = values[np.isfinite(values)]
         if not inside.size:
-            yield f"measured {of}: none of {values.size} points within the range of friction"
+            yield f"measured {load}: none of {values.size} points within the range of friction"
             continue
         yield (
-            f"measured {of}: friction {np.median(inside):.3g} (median of {inside.size}, {inside.min():.3g} to "
+            f"measured {load}: friction {np.median(inside):.3g} (median of {inside.size}, {inside.min():.3g} to "
             f"{inside.max():.3g}); {values.size - inside.size} points outside of the range"
         )
-    for of, one in points.items():
+    for load, one in points.items():
         if one.on_bottom:
             yield (
-                f"measured {of}: {one.on_bottom} rows with more than {units.text(ON_BOTTOM, 'force')} on the bit left "
-                "out, the curves are of a bit off bottom"
+                f"measured {load}: {one.on_bottom} rows with more than {units.text(ON_BOTTOM, 'force')} on the bit "
+                "left out, the curves are of a bit off bottom"
             )
 
 
@@ -172,12 +171,12 @@ def broomstick(found: OverDepth, points: Mapping[str, Points]) -> Figure:
             torque.plot(units.show(row, "torque"), depth, color=GREEN, alpha=shade, linewidth=1.4)
             torque.annotate(f"{friction:.3g}", (units.show(row[-1], "torque"), bottom), xytext=(0, -3), fontsize=8.5,
                             textcoords="offset points", ha="center", va="top", color=INK)  # fmt: skip
-        for of, one in points.items():
-            panel, quantity = (torque, "torque") if of == "torque" else (load, "force")
-            colour = colours.get(of, GREEN)
+        for name, one in points.items():
+            panel, quantity = (torque, "torque") if name == "torque" else (load, "force")
+            colour = colours.get(name, GREEN)
             panel.plot(
                 units.show(one.value, quantity), units.show(one.depth, "length"), "o",
-                color=colour, markersize=5, markeredgecolor=INK, label=f"{of}, measured",
+                color=colour, markersize=5, markeredgecolor=INK, label=f"{name}, measured",
             )  # fmt: skip
         for panel, name, quantity in ((load, "hookload", "force"), (torque, "torque off bottom", "torque")):
             panel.set(xlabel=f"{name} [{getattr(units, quantity)}]", ylim=(1.05 * bottom, 0.0))

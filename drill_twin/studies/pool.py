@@ -42,10 +42,10 @@ class _Context(SpawnContext):
 def process_pool(workers: int) -> Iterator[ProcessPoolExecutor]:
     """Worker processes; spawned, because a forked process inherits numba's locks.
 
-    After an error jobs that have not begun are left out. Where a signal ends the study the processes are killed: a job
-    may take minutes.
+    After an error no further job begins. Where a signal ends the study the processes are killed, as a job may take
+    minutes.
     """
-    os.environ.update(child_environment())  # of the workers, which start later
+    os.environ.update(child_environment())  # the workers inherit it when they start
     with ProcessPoolExecutor(workers, mp_context=_Context()) as pool:
         try:
             yield pool

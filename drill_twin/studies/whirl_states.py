@@ -25,6 +25,7 @@ from drill_twin.scene.set_points import Command
 LAST = 1.0 / 3.0
 """Share of the run, at its end, that is measured."""
 WINDOWS = 5
+"""Number of windows in the measured part of a run, in each of which the whirl speed is taken; not measured."""
 STEADY = 0.02
 """Of a steady whirl: largest scatter of the whirl speed between windows, over the rotation, and largest change of the
 shape, over the clearance."""
@@ -78,6 +79,7 @@ def simulated_whirl(scene: Scene) -> SimulatedWhirl:
 
 
 MOST_STATES = 5
+"""Largest number of states in a figure, so that each panel can be read."""
 PARAMETERS = {"wob": ("weight on bit", "force"), "rpm": ("rotation", "rotation")}
 """Words and quantity of a parameter."""
 
@@ -146,8 +148,8 @@ def branches_figure(
             colour = MARK_COLOURS[number % len(MARK_COLOURS)]
             stable = np.array([state.is_stable for state in one.states])
             values = one.values / unit
-            for panel, of in zip(panels, ("frequency", "ratio"), strict=True):
-                seen = np.array([getattr(state, of) for state in one.states])
+            for panel, quantity in zip(panels, ("frequency", "ratio"), strict=True):
+                seen = np.array([getattr(state, quantity) for state in one.states])
                 panel.plot(values, seen, color=colour, linestyle=(0, (2, 2)), linewidth=1.0)
                 panel.plot(values, np.where(stable, seen, np.nan), color=colour, linewidth=2.2)
                 panel.plot(values[list(one.folds)], seen[list(one.folds)], "s", color=INK, markersize=5, zorder=4)

@@ -92,7 +92,7 @@ class ForeignFile:
             raise self.refused(path, encoding_problem(error), "in UTF-8") from None
 
     def lines(self, path: str | Path, *, longest: int = LONGEST_LINE, latin: bool = False) -> Iterator[tuple[int, str]]:
-        """Read a text in UTF-8 line by line: number of the line, from 1, and its text; one that is endless is not read.
+        """Read a text in UTF-8 line by line: number of the line, from 1, and its text; an endless line is not read.
 
         Args:
             path: The file.

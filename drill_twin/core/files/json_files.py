@@ -20,7 +20,7 @@ LARGEST_TEXT = 1_000_000
 """Bytes or characters of a text."""
 ODD_DATA = (LookupError, TypeError, ValueError, AttributeError, OverflowError)
 """Errors of a reader whose data are JSON, but not what it expects."""
-_LONGEST_INTEGER = 300  # digits; a longer one is infinite as a float
+_LONGEST_INTEGER = 300  # digits; a longer integer becomes an infinite float
 
 
 class JsonError(DrillTwinError, ValueError):
@@ -36,18 +36,14 @@ def read_json(text: str | bytes, *, largest: int = LARGEST_TEXT) -> Any:
     if len(text) > largest:
         raise JsonError(f"expected JSON of at most {largest} characters, found {len(text)}")
     try:
-        return json.loads(text, parse_int=_integer)
+        return json.loads(text, parse_int=lambda digits: (int if len(digits) <= _LONGEST_INTEGER else float)(digits))
     except (ValueError, RecursionError) as error:
         raise JsonError(f"expected JSON, found {text[:40]!r}") from error
 
 
-def _integer(digits: str) -> int | float:
-    return int(digits) if len(digits) <= _LONGEST_INTEGER else float(digits)
-
-
 _LOG = logging.getLogger(__name__)
 LONGEST_LINE = 64_000_000
-"""Bytes of a line; a longer one is a bad one."""
+"""Bytes of a line; a longer line counts as a bad line."""
 T = TypeVar("T")
 _OPEN = os.O_RDWR | os.O_CREAT | os.O_APPEND | os.O_CLOEXEC | os.O_NONBLOCK  # a pipe is refused, not waited for
 
@@ -76,7 +72,7 @@ class JsonLines(Generic[T]):
             remedy: What to do about a file of something else, for its message.
 
         Raises:
-            ArgumentError: The file is of another setup, or none of these files.
+            ArgumentError: The file is of another setup, or no file of results.
             BagError: It cannot be read or written, or is no regular file.
         """
         self.file, self.results, self.bad = file, list[T](), 0
@@ -144,7 +140,7 @@ class JsonLines(Generic[T]):
         if differing:
             names = " and ".join(differing)
             raise ArgumentError(
-                f"{self.file}: expected results of this `{study}`, found those of another {names}; {self._remedy}"
+                f"{self.file}: expected results of this `{study}`, found results of another {names}; {self._remedy}"
             )
 
     def _unusable(self, error: OSError) -> BagError:

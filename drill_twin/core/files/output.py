@@ -19,7 +19,7 @@ PRIVATE = 0o600
 
 
 def write_whole(path: Path, content: bytes | str, mode: int = 0o666) -> None:
-    """Write a file as a whole or not at all; a text in UTF-8. Mode and errors are those of `whole_file`."""
+    """Write a file as a whole or not at all; a text in UTF-8. Mode and errors as for `whole_file`."""
     with whole_file(path, mode) as stream:
         stream.write(content.encode() if isinstance(content, str) else content)
 
@@ -33,7 +33,7 @@ def whole_file(path: Path, mode: int = 0o666) -> Iterator[BinaryIO]:
 
     Args:
         path: The file; its folder exists.
-        mode: Permissions of the file, less those that the umask takes, or that the file of before has not.
+        mode: Permissions of the file, less the permissions that the umask takes, or that the replaced file lacks.
 
     Raises:
         OSError: It cannot be written, or there is a folder, a pipe or a device in its place.
@@ -58,7 +58,7 @@ def whole_file(path: Path, mode: int = 0o666) -> Iterator[BinaryIO]:
 
 
 RESULTS = ("bag_0", "summary.json", "report.html", "compare.json")
-"""Names by which a folder is known as that of a result."""
+"""Names of entries by which a folder is known as the folder of a result."""
 
 
 def new_folder(folder: Path, *, replace: bool, results: Collection[str] = RESULTS) -> Path | None:

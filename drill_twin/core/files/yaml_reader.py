@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """Plain data from a YAML text of unknown origin, in bounded time and memory.
 
-The events of the parser are checked before anything is built of them: length of the text, depth, number of values with
-each alias expanded, keys of a block. Tags and merge keys are refused; dates, and integers of hundreds of digits, stay
-texts.
+Length of the text, depth and number of values are checked on the events of the parser, before anything is built of
+them, and again while aliases are expanded. Tags and merge keys are refused; dates, and integers of hundreds of digits,
+stay texts.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ LARGEST_TEXT = 1_000_000
 """Characters of a text."""
 DEEPEST_NESTING = 40
 MOST_VALUES = 50_000
-"""Values of a text, those of aliases included."""
+"""Values of a text, with each alias expanded."""
 MOST_KEYS = 5_000
 """Keys of one block."""
 LONGEST_KEY = 200
@@ -72,41 +72,27 @@ def plain_yaml(text: str, name: str = "YAML") -> Any:
 
 
 def _check_events(text: str, name: str) -> None:
-    """Count what the composer would build, before it does.
+    """Count what the composer would build, before it does; an alias counts as one value.
 
     Raises:
         YamlError: A bound is exceeded.
     """
-    values, begun = 0, []  # number of values when each open collection began
-    expanded: dict[str, int] = {}
-    anchors: list[str | None] = []
+    depth = values = 0
     for event in yaml.parse(text, Loader=_Loader):
-        if isinstance(event, yaml.CollectionStartEvent):
-            begun.append(values)
-            anchors.append(event.anchor)
-            values += 1
-        elif isinstance(event, yaml.CollectionEndEvent):
-            size, anchor = values - begun.pop(), anchors.pop()
-            if anchor is not None:
-                expanded[anchor] = size
-        elif isinstance(event, yaml.ScalarEvent):
-            values += 1
-            if event.anchor is not None:
-                expanded[event.anchor] = 1
-        elif isinstance(event, yaml.AliasEvent):
-            if event.anchor in anchors:
-                raise YamlError(f"{_place(event, name)}: expected data, found endless repetition (an alias of itself)")
-            values += expanded.get(str(event.anchor), 1)
-        if len(begun) > DEEPEST_NESTING:
-            raise YamlError(f"{_place(event, name)}: expected at most {DEEPEST_NESTING} nested blocks, found more")
-        if values > MOST_VALUES:
-            raise YamlError(
-                f"{_place(event, name)}: expected at most {MOST_VALUES} values, found more or endless repetition"
-            )
+        depth += isinstance(event, yaml.CollectionStartEvent) - isinstance(event, yaml.CollectionEndEvent)
+        values += isinstance(event, yaml.NodeEvent)
+        _check_bounds(event, name, depth, values)
 
 
-def _place(event: yaml.Event, name: str) -> str:
-    return f"{name}:{event.start_mark.line + 1}" if event.start_mark else name
+def _check_bounds(found: yaml.Event | yaml.Node, name: str, depth: int, values: int) -> None:
+    place = f"{name}:{found.start_mark.line + 1}" if found.start_mark else name
+    if depth > DEEPEST_NESTING:
+        raise YamlError(
+            f"{place}: expected at most {DEEPEST_NESTING} nested blocks, found more or endless repetition (an alias of "
+            "itself)"
+        )
+    if values > MOST_VALUES:
+        raise YamlError(f"{place}: expected at most {MOST_VALUES} values, found more or endless repetition")
 
 
 def _malformed(error: yaml.YAMLError, name: str) -> YamlError:
@@ -129,9 +115,12 @@ class _Reader:
     def __init__(self, name: str) -> None:
         self.name = name
         self.lines: dict[Place, int] = {}
-        self.scalars = _Loader("")
+        self.scalars, self.values = _Loader(""), 0
 
     def read(self, node: yaml.Node, path: Place) -> Any:
+        """Plain data of a node, each alias in it expanded."""
+        self.values += 1
+        _check_bounds(node, self.name, len(path), self.values)
         self.lines.setdefault(path, node.start_mark.line + 1)
         if isinstance(node, yaml.CollectionNode) and node.tag not in _COLLECTIONS:
             raise self.error(node, f"expected plain values, found the YAML tag {node.tag[:100]}")

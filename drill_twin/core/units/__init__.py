@@ -4,15 +4,12 @@
 from typing import Annotated
 
 from drill_twin.core.units import dimension as dim
-from drill_twin.core.units.dimension import Dimension as Dimension
-from drill_twin.core.units.parse import factor_of as factor_of
-from drill_twin.core.units.parse import parse as parse
-from drill_twin.core.units.parse import write as write
-from drill_twin.core.units.quantity import Quantity as Quantity
-from drill_twin.core.units.quantity import Within as Within
-from drill_twin.core.units.quantity import refuse as refuse
-from drill_twin.core.units.quantity import show as show
-from drill_twin.core.units.registry import UnitError as UnitError
+from drill_twin.core.units.dimension import Dimension
+from drill_twin.core.units.parse import factor_of, parse, write
+from drill_twin.core.units.quantity import Quantity, Within, refuse, show
+from drill_twin.core.units.registry import UnitError
+
+__all__ = ["Dimension", "Quantity", "UnitError", "Within", "factor_of", "parse", "refuse", "show", "write"]
 
 Length = Annotated[float, Quantity(dim.LENGTH)]
 Mass = Annotated[float, Quantity(dim.MASS)]

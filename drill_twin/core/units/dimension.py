@@ -68,4 +68,4 @@ VISCOSITY = Dimension("viscosity", "Pa s", ("0.02 Pa s", "20 cP"))
 DIMENSIONLESS = Dimension("number without unit", "", ("0.3", "30 %"))
 
 DIMENSIONS = tuple(value for value in tuple(globals().values()) if isinstance(value, Dimension))
-"""All of them; of those that share a unit the first gives its name in messages."""
+"""All dimensions; where several share a unit, messages name the first."""

@@ -95,7 +95,7 @@ def _named(dimensionality: Dimensionality) -> Dimension | None:
 
 @cache
 def _accepted(dimension: Dimension) -> dict[Dimensionality, float]:
-    """Dimensionalities accepted for a dimension, each with the factor from its SI value to that of the dimension."""
+    """Dimensionalities accepted for a dimension, each with the factor that turns its SI value into the dimension."""
     same = {si_factor(unit)[1]: 1.0 for unit in (dimension.unit, *dimension.also)}
     return same | {si_factor(unit)[1]: factor for unit, factor in dimension.converted}
 
@@ -179,7 +179,7 @@ def record_factor(unit: str, dimension: Dimension) -> float:
 def name_and_unit(heading: str) -> tuple[str, str]:
     """Split a heading into name and unit, without blanks around; the unit is empty where there is none.
 
-    No regular expression: those for it take a time that grows with a power of the number of blanks.
+    A regular expression for this takes a time that grows with a power of the number of blanks.
     """
     text = heading.strip()
     begin = max(text.rfind("["), text.rfind("("))

@@ -6,8 +6,9 @@ plain floats, which are SI.
 """
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 from pydantic import GetCoreSchemaHandler, GetJsonSchemaHandler, ValidationInfo
 from pydantic.json_schema import JsonSchemaValue
@@ -76,6 +77,19 @@ class Quantity:
         return value if self.dimension == DIMENSIONLESS or isinstance(value, str) else write(value, self.dimension)
 
 
+class _Bound(NamedTuple):
+    keyword: str
+    """Of JSON Schema."""
+    holds: Callable[[float, float], bool]
+
+
+_BOUNDS = {
+    "above": _Bound("exclusiveMinimum", float.__gt__), "at_least": _Bound("minimum", float.__ge__),
+    "below": _Bound("exclusiveMaximum", float.__lt__), "at_most": _Bound("maximum", float.__le__),
+}  # fmt: skip
+"""Bounds by their field of `Within`."""
+
+
 @dataclass(frozen=True)
 class Within:
     """Annotation of a quantity field with its range, in units, and the reason for it."""
@@ -93,15 +107,10 @@ class Within:
 
     def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> core_schema.CoreSchema:
         """Check the parsed value; the message quotes what was written."""
-        limits = (
-            (self.above, float.__gt__), (self.at_least, float.__ge__),
-            (self.below, float.__lt__), (self.at_most, float.__le__),
-        )  # fmt: skip
-        written = [(text, holds) for text, holds in limits if text is not None]
-        schema = handler(source)
-        # several dimensions share a unit, such as stiffness and force per length: use that of the field
-        dimension = schema.get("metadata", {}).get("dimension") or dimension_of(written[0][0])
-        bounds = [(parse(text, dimension), holds) for text, holds in written]
+        written, schema = self._bounds(), handler(source)
+        # several dimensions share a unit, such as stiffness and force per length: take the dimension of the field
+        dimension = schema.get("metadata", {}).get("dimension") or dimension_of(next(iter(written.values())))
+        bounds = [(parse(text, dimension), _BOUNDS[name].holds) for name, text in written.items()]
 
         def check(value: Any, inner: core_schema.ValidatorFunctionWrapHandler) -> float:
             result: float = inner(value)
@@ -122,21 +131,15 @@ class Within:
             result["pattern"] = result["pattern"].replace("[+-]?", "[+]?", 1)
         for branch in result.get("anyOf", ()):
             if branch.get("type") == "number":
-                branch.update({key: float(bound) for key, bound in self._bounds().items()})
+                branch.update({_BOUNDS[name].keyword: float(text) for name, text in self._bounds().items()})
         return result
 
     def _bounds(self) -> dict[str, str]:
-        keywords = {
-            "exclusiveMinimum": self.above,
-            "minimum": self.at_least,
-            "exclusiveMaximum": self.below,
-            "maximum": self.at_most,
-        }
-        return {key: bound for key, bound in keywords.items() if bound is not None}
+        """Texts of the bounds that there are, by field."""
+        return {name: text for name in _BOUNDS if (text := getattr(self, name)) is not None}
 
     @property
     def range_text(self) -> str:
         """Range as text: `above 0 m and at most 5 m`."""
-        named = (("above", self.above), ("at least", self.at_least), ("below", self.below), ("at most", self.at_most))
-        text = " and ".join(f"{name} {bound}" for name, bound in named if bound is not None)
+        text = " and ".join(f"{name.replace('_', ' ')} {bound}" for name, bound in self._bounds().items())
         return f"{text} ({self.reason})" if self.reason else text

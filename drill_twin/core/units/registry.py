@@ -144,7 +144,7 @@ def tidy(value: float) -> float:
 
 @cache
 def short_names() -> tuple[str, ...]:
-    """Short names, those without prefix first."""
+    """Short names, names without a prefix first."""
     return (*PREFIXED, *PLAIN, *(prefix + unit for unit in PREFIXED for prefix in PREFIXES if prefix))
 
 

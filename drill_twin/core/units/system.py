@@ -65,8 +65,8 @@ SYSTEMS = {
     "lab": UnitSystem("lab", "m", "mm", "N", "N m", "N/m", "MPa", "rev/s", "m/h", "g"),
 }
 LONG, HEAVY = 100.0, 5000.0
-"""Length [m] and weight on bit [N] from which a scene that names no units is one of a well, in `si`, and not of a
-laboratory."""
+"""Length [m] and weight on bit [N] from which a scene that names no units is shown in `si`, as a well, and not in
+`lab`, as a test bench."""
 QUANTITIES = {
     "m": "length", "N": "force", "N m": "torque", "N/m": "force_per_length", "Pa": "stress", "rad/s": "rotation",
     "m/s": "rate", "m/s^2": "acceleration",
@@ -76,7 +76,7 @@ _POUNDS = ("klbf", "lbf", "klb", "kip", "kips")
 
 
 def unit_system(name: str, length: float = 0.0, weight: float = 0.0) -> UnitSystem:
-    """System of a name, or for `auto` the one that fits a string [m] and its weight on bit [N]."""
+    """System of a name; for `auto` the system that fits a string [m] and its weight on bit [N]."""
     return SYSTEMS["si" if abs(length) > LONG or abs(weight) >= HEAVY else "lab"] if name == "auto" else SYSTEMS[name]
 
 

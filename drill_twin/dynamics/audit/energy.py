@@ -79,7 +79,7 @@ def lateral_energy(rod: Rod, u: Array, v: Array) -> Energy:
 
 
 def joined_energy(rod: Rod, work: Workspace, u: Array, v: Array) -> Energy:
-    """Energy of a string that follows the hole above a joint, without that of its bending there.
+    """Energy of a string that follows the hole above a joint, without the energy of bending above the joint.
 
     Args:
         rod: The string.

@@ -16,33 +16,41 @@ from drill_twin.physics.model.mesh import SPIN, Rod
 from drill_twin.physics.model.section import COUPLE, MX, MY, MZ, RESULTANTS, TORQUE
 from drill_twin.physics.model.strain import Point, Strain
 
-# Accounts; those of the effects follow.
-WEIGHT, DRIVE, CLAMP, NEWTON, FIRST_EFFECT = 0, 1, 2, 3, 4
 ACCOUNTS = ("weight_on_bit", "top_drive", "top_clamp", "newton")
-# Rows of EnergyLedger.entries: by account the work done on the string since the start and the part of it that an effect
-# reports as heat [J], and both in the current step [W]; load (4), resultants (7) and end loads (2 times 7) before the
-# next effect; velocity of the top after the step by the midpoint rule alone (7), stored energy at the start (5, see
-# STORED), and the row NOW. One array: each more, passed from call to call, would cost seconds of compiling.
-WORK, LOST, POWER, HEAT, LOAD, SECTION, ENDS, TOP_ROW, START, NOW = range(10)
+WEIGHT_ON_BIT, TOP_DRIVE, TOP_CLAMP, NEWTON, FIRST_EFFECT = range(5)
+"""Numbers of the accounts; the accounts of the effects follow."""
 ROWS, MIN_COLUMNS = 10, 14
-# Indices into the row NOW: the material's angular velocity about the tangent [rad/s], samples of stretch taken so far,
-# 1 once the start is known, largest energy in motion so far [J], residual so far [J].
-OMEGA, SAMPLE, BEGUN, LARGEST, RESIDUE = 0, 1, 2, 3, 4
-STORED = 5  # kinetic, bending, stretch, torsion, wall
-AXIAL_VELOCITY, LENGTH, SAMPLES = 0, 1, 2  # rows of EnergyLedger.gauss
+WORK, LOST, POWER, HEAT, LOAD, SECTION, ENDS, TOP_ROW, START, NOW = range(ROWS)
+"""Rows of `EnergyLedger.entries`.
+
+By account: the work done on the string since the start and the part of the work that an effect reports as heat [J],
+then both in the current step [W]. Load (4 columns), resultants (7) and end loads (2 times 7) before the next effect;
+velocity of the top after the step by the midpoint rule alone (7); stored energy at the start (5, see `STORED`); and the
+row `NOW`. All in one array, since each further array would cost seconds of compiling, and because checkpoints hold it.
+"""
+OMEGA, SAMPLE, BEGUN, LARGEST, RESIDUE = range(5)
+"""Columns of the row `NOW`: the material's angular velocity about the tangent [rad/s], samples of stretch taken so far,
+1 once the start is known, largest energy in motion so far [J], residual so far [J]."""
+STORED = 5
+"""Parts of the stored energy: kinetic, bending, stretch, torsion, wall."""
+AXIAL_VELOCITY, LENGTH, STRETCH_WEIGHTS = range(3)
+"""First rows of `EnergyLedger.gauss`."""
 
 
 class EnergyLedger(NamedTuple):
     """The energy ledger of one twin."""
 
-    entries: Array  # (10, accounts or 14) see WORK
-    gauss: Array  # (5, 2 n) by Gauss point: velocity along the hole, lateral form only [m/s]; of its element the length
-    # and the weights of the samples of stretch [m]
-    constrained: Array  # (2, 7) unknowns that keep their constraint in the audit: none, or the bit along the hole
+    entries: Array
+    """Rows of `WORK` and the next, shape (10, accounts or 14)."""
+    gauss: Array
+    """By Gauss point, shape (5, 2 n): velocity along the hole, in the lateral form only [m/s]; length of the element
+    [m]; weights of the three samples of stretch in the element [m]."""
+    constrained: Array
+    """Unknowns that keep their constraint in the audit, shape (2, 7): none, or the bit along the hole."""
 
 
 def make_energy_ledger(effects: int, rod: Rod, *, bit_held: bool) -> EnergyLedger:
-    """An empty ledger for so many effects; `bit_held`: the bit is constrained along the hole."""
+    """An empty ledger for a number of effects; `bit_held` where the bit is constrained along the hole."""
     constrained = np.zeros((2, 7))
     constrained[0, 2] = 1.0 if bit_held else 0.0
     gauss = np.stack([np.zeros(2 * rod.length.size), *np.repeat([rod.length, *rod.samples.T], 2, axis=1)])
@@ -103,7 +111,7 @@ def record_section(entries: Array, gauss: Array, account: int, s: Strain, out: A
 @kernel
 def record_axial_damping(entries: Array, gauss: Array, account: int, element: int, force: float, rate: float) -> None:
     """Record a viscous axial force at one of the three samples of an element: both ends, then the inner one."""
-    weight = gauss[SAMPLES + int(entries[NOW, SAMPLE] % 3.0), 2 * element]
+    weight = gauss[STRETCH_WEIGHTS + int(entries[NOW, SAMPLE] % 3.0), 2 * element]
     entries[POWER, account] -= weight * force * rate
 
 

@@ -3,8 +3,8 @@
 
 The midpoint rule makes the work of a force over a step exactly F v dt with the force and the velocity at mid-step, so
 the work of all forces adds up to the change of kinetic energy to round-off. Once a step has converged, the system is
-built once more with effects that record their work in the ledger. The remaining residual of the equations is, at
-constrained unknowns, the reaction that drives them, and at the others the part that Newton's method left unsolved.
+built once more with effects that record their work in the ledger. The remaining residual of the equations is the
+reaction that drives a constrained unknown, and at a free unknown the part that Newton's method left unsolved.
 
 In the lateral form no node moves along the hole as an unknown; the axial velocity follows from the slopes, so that
 gravity and weight on bit do work there too.
@@ -19,8 +19,6 @@ from drill_twin.core.arrays import Array
 from drill_twin.core.compile.jit import kernel
 from drill_twin.dynamics.audit.energy_ledger import (
     AXIAL_VELOCITY,
-    CLAMP,
-    DRIVE,
     ENDS,
     HEAT,
     LOST,
@@ -28,8 +26,10 @@ from drill_twin.dynamics.audit.energy_ledger import (
     NOW,
     POWER,
     SAMPLE,
+    TOP_CLAMP,
+    TOP_DRIVE,
     TOP_ROW,
-    WEIGHT,
+    WEIGHT_ON_BIT,
     WORK,
 )
 from drill_twin.dynamics.solver.boundary import BIT, RESIDUAL, TOP, turn_row, turn_row_back
@@ -40,7 +40,7 @@ from drill_twin.dynamics.solver.lateral.linear_solver import ADDED, HALF_STEP, N
 from drill_twin.dynamics.solver.state import State
 from drill_twin.physics.model.mesh import SPIN, Rod
 
-OUTSIDE_ITERATION = -5.0  # number of an iteration, matched by no effect that remembers Newton's last one
+OUTSIDE_ITERATION = -5.0  # number of an iteration that no effect remembers as the last iteration of Newton's method
 
 
 @kernel
@@ -74,13 +74,13 @@ def close_step(parameters: Any, rod: Rod, state: State) -> None:
         change = v[last, c] - entries[TOP_ROW, c]
         momentum = mass[2, 0] * v[e, c] + mass[2, 1] * v[e, 3 + c] + mass[2, 3] * v[last, 3 + c]
         momentum += mass[2, 2] * (entries[TOP_ROW, c] + 0.5 * change)
-        entries[WORK, CLAMP] += change * momentum
+        entries[WORK, TOP_CLAMP] += change * momentum
 
 
 @kernel
 def add_power(entries: Array, c: int, driven: bool, power: float) -> None:
     """Add the power of a residual [W] in the column c of a node: a reaction's, or what Newton's method left."""
-    entries[POWER, (DRIVE if c == SPIN else CLAMP) if driven else NEWTON] += power
+    entries[POWER, (TOP_DRIVE if c == SPIN else TOP_CLAMP) if driven else NEWTON] += power
 
 
 def bind_spatial(build: Any) -> Callable[..., None]:
@@ -152,9 +152,11 @@ def bind_lateral(build: Any) -> Callable[..., None]:
                 c = column(k)
                 power = scratch.right[i, k] * state.trial[i, c]
                 driven = (i == 0 and constrained[0, c]) or (i == last and constrained[1, c])
-                entries[POWER, CLAMP if driven else NEWTON] += power
-        entries[POWER, WEIGHT] += (scratch.ends[TOP, 2, RESIDUAL] - scratch.ends[BIT, 2, RESIDUAL]) * shortening
-        entries[POWER, DRIVE] += (scratch.axial[TORQUE] + scratch.ends[BIT, SPIN, RESIDUAL]) * state.trial[last, SPIN]
+                entries[POWER, TOP_CLAMP if driven else NEWTON] += power
+        entries[POWER, WEIGHT_ON_BIT] += (scratch.ends[TOP, 2, RESIDUAL] - scratch.ends[BIT, 2, RESIDUAL]) * shortening
+        entries[POWER, TOP_DRIVE] += (scratch.axial[TORQUE] + scratch.ends[BIT, SPIN, RESIDUAL]) * state.trial[
+            last, SPIN
+        ]
         end_step(entries, state, 2.0 * half_step)
 
     return audit
@@ -162,7 +164,7 @@ def bind_lateral(build: Any) -> Callable[..., None]:
 
 @kernel
 def set_axial_velocity(rod: Rod, state: State, half_step: float, from_top: bool, out: Array) -> float:
-    """Fill in the velocity of the Gauss points along the hole, v_z(s) = int_s^top r'.r'_dot; returns that of the bit.
+    """Fill in the velocity of the Gauss points along the hole, v_z(s) = int_s^top r'.r'_dot; return it at s = 0.
 
     Summed as the axial force is (`drill_twin.dynamics.solver.lateral.assembly`), so that the work of both agrees. Where
     the weight is set at the top the bit is constrained, and the top moves instead.

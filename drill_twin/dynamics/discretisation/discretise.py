@@ -21,7 +21,7 @@ from drill_twin.physics.model.mesh import SPIN, Rod, Tube
 from drill_twin.physics.model.survey import Survey, survey
 from drill_twin.physics.model.wellbore import Axis, Wellbore
 from drill_twin.scene import Scene
-from drill_twin.scene.blocks.section import Piece
+from drill_twin.scene.blocks.string import Piece
 
 
 def tubes_of(scene: Scene) -> list[Tube]:

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Sampling at the rate of an instrument: means since the last sample, with its errors and its delay.
+"""Sampling at the rate of an instrument: means since the last sample, with errors and delay; the surface channels.
 
-Its errors are noise and bias from a seed, range and resolution. The noise of a sample depends on the seed, the
-instrument and the number of the sample only, so a run that is resumed reads as one that was not interrupted.
+The errors are noise and bias from a seed, range and resolution. The noise of a sample depends on the seed, the
+instrument and the number of the sample only, so a resumed run has the readings of an uninterrupted run.
 """
 
 from __future__ import annotations
@@ -15,7 +15,8 @@ from typing import NamedTuple
 import numpy as np
 
 from drill_twin.core.arrays import Array
-from drill_twin.scene.blocks.sensors import Channel
+from drill_twin.scene import Scene
+from drill_twin.scene.blocks.sensors import Channel, Surface
 
 _BLOCK = 256  # samples drawn at once
 
@@ -99,24 +100,81 @@ class Instrument:
         self._noise = ReadingNoise(len(channels), seed, number)
         self._rate, self._delay = rate, delay
         self._sum, self._covered = np.zeros(len(channels)), 0.0
-        self._waiting: deque[tuple[float, Reading]] = deque()
+        self._waiting = deque[Reading]()
 
-    def sample(self, time: float, seconds: float, true: Array) -> Reading | None:
-        """Add true means over the interval of a length [s] that ends at a time [s]; return the sample that it ends."""
+    def advance(self, time: float, seconds: float, true: Array) -> list[Reading]:
+        """Advance to a time [s]; return the readings whose delay is over then.
+
+        Args:
+            time: End of the interval [s].
+            seconds: Length of the interval [s].
+            true: Means of the true values over the interval.
+        """
         self._sum += seconds * true
         self._covered += seconds
         number = math.floor(time * self._rate + _SLACK)
-        if number <= math.floor((time - seconds) * self._rate + _SLACK):
-            return None
-        values = with_errors(self._sum / self._covered, self._noise.at(number), self._errors)
-        reading = Reading(time - 0.5 * self._covered, values)
-        self._sum[:], self._covered = 0.0, 0.0
-        return reading
-
-    def delayed(self, time: float, readings: Sequence[Reading]) -> list[Reading]:
-        """Add readings, and return those whose delay is over at a time [s]."""
-        self._waiting.extend((reading.time + self._delay, reading) for reading in readings)
+        if number > math.floor((time - seconds) * self._rate + _SLACK):
+            values = with_errors(self._sum / self._covered, self._noise.at(number), self._errors)
+            self._waiting.append(Reading(time - 0.5 * self._covered, values))
+            self._sum[:], self._covered = 0.0, 0.0
         due = []
-        while self._waiting and self._waiting[0][0] <= time + _SLACK / self._rate:
-            due.append(self._waiting.popleft()[1])
+        while self._waiting and self._waiting[0].time + self._delay <= time + _SLACK / self._rate:
+            due.append(self._waiting.popleft())
         return due
+
+
+_SURFACE = 1_000_000  # number of the instrument for its noise, beyond the numbers of the subs
+
+
+class SurfaceValues(NamedTuple):
+    """Measurements of a rig at the surface; numbers, or arrays of one shape."""
+
+    speed: float | Array
+    """Speed of the top drive [rad/s]."""
+    torque: float | Array
+    """Torque of the drive [N m]."""
+    hookload: float | Array
+    """Hookload [N]."""
+    block_position: float | Array
+    """Height of the travelling block above its start [m]."""
+
+
+def drive_torque(
+    torque: float | Array, speed: float | Array, acceleration: float | Array, inertia: float, damping: float
+) -> float | Array:
+    """Torque of a drive [N m] on the string and on its own inertia and friction.
+
+    Args:
+        torque: Torque on the string [N m].
+        speed: Speed of the drive [rad/s].
+        acceleration: Acceleration of the drive [rad/s^2].
+        inertia: Inertia of the drive [kg m^2].
+        damping: Viscous friction [N m s/rad].
+    """
+    return torque + inertia * acceleration + damping * speed
+
+
+class SurfaceSampler:
+    """Samples the surface channels of a scene."""
+
+    def __init__(self, scene: Scene, surface: Surface, time: float, speed: float) -> None:
+        """Begin at a time [s] and speed of the drive [rad/s]."""
+        drive = scene.rig.top_drive
+        self._inertia = drive.inertia if surface.drive_inertia is None else surface.drive_inertia
+        self._damping = drive.damping
+        self._time, self._speed = time, speed
+        channels = (surface.speed, surface.torque, surface.hookload, surface.block_position)
+        self._instrument = Instrument(channels, surface.rate, surface.delay, scene.numerics.seed, _SURFACE)
+
+    def advance(self, time: float, found: SurfaceValues) -> list[Reading]:
+        """Advance to a time [s]; return the readings that are due, in the order of `SurfaceValues`.
+
+        Args:
+            time: End of the frame [s].
+            found: True values, with the torque on the string.
+        """
+        seconds = time - self._time
+        turned = (found.speed - self._speed) / seconds
+        torque = drive_torque(found.torque, found.speed, turned, self._inertia, self._damping)
+        self._time, self._speed = time, float(found.speed)
+        return self._instrument.advance(time, seconds, np.array(found._replace(torque=torque)))

@@ -93,14 +93,12 @@ class SubSampler:
         true = true_readings(self._places, self._before, after, seconds, self._gravity)
         self._time, self._before = time, after
         for sub, instrument, values, kept in zip(self._subs, self._instruments, true, self._summarised, strict=True):
-            sample = instrument.sample(time, seconds, values)
-            due = instrument.delayed(time, [] if sample is None else [sample])
-            if due:
+            if due := instrument.advance(time, seconds, values):
                 yield sub, due, list(_summaries(sub, due, kept))
 
 
 def _summaries(sub: Sub, readings: Sequence[Reading], kept: list[Reading]) -> Iterator[Reading]:
-    """Summaries of the windows that readings end; those of the window that is open are in `kept`."""
+    """Summaries of the windows that readings end; readings of the open window are in `kept`."""
     for reading in readings:
         if sub.summary > 0.0 and kept and reading.time // sub.summary > kept[-1].time // sub.summary:
             end = (kept[-1].time // sub.summary + 1.0) * sub.summary

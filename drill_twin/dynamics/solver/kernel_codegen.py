@@ -51,7 +51,8 @@ _BEGIN = {
     "section_stress": "energy_ledger.start_section(parameters.ledger.entries, strain, resultants)",
     "distributed_load": "energy_ledger.start_load(parameters.ledger.entries, load)",
     "end_load": (
-        "energy_ledger.record_ends(parameters.ledger.entries, energy_ledger.WEIGHT, energy_ledger.DRIVE, v, ends)"
+        "energy_ledger.record_ends("
+        "parameters.ledger.entries, energy_ledger.WEIGHT_ON_BIT, energy_ledger.TOP_DRIVE, v, ends)"
     ),
 }
 _RECORD = {

@@ -59,7 +59,8 @@ def along_string(scene: Scene, model: DiscreteModel, wall: Wall | None, u: Array
     twist = (u[1:, 6] - u[:-1, 6]) / rod.length + reference.mean(axis=1)
     tension, torque = rod.axial * strain, rod.torsion * twist
     moment = rod.bending * bend.max(axis=1)
-    second, area = second_moments(scene, model)
+    young = np.array([section.youngs_modulus for section in scene.string.sections])[model.section]
+    second, area = rod.bending / young, rod.axial / young
     fibre = np.abs(tension) / area + moment * rod.outer_radius / second
     shear = torque * rod.outer_radius / (2.0 * second)
     return AlongString(
@@ -75,11 +76,5 @@ def side_force(model: DiscreteModel, wall: Wall | None, u: Array) -> Array:
     places, bore = gauss_positions(model.rod, u), model.wellbore
     off = places[:, :2] if bore.axis is None else offsets(bore.axis, places).off
     depth = np.maximum(np.linalg.norm(off, axis=1) - bore.clearance, 0.0)
-    force: Array = (wall.stiffness * depth ** (1.0 if wall.linear else 1.5)).reshape(-1, 2)
-    return np.asarray(force.mean(axis=1))
-
-
-def second_moments(scene: Scene, model: DiscreteModel) -> tuple[Array, Array]:
-    """Second moment of area for bending [m4] and area [m2] of each element, shape (n,)."""
-    young = np.array([section.youngs_modulus for section in scene.string.sections])[model.section]
-    return model.rod.bending / young, model.rod.axial / young
+    force = wall.stiffness * depth ** (1.0 if wall.linear else 1.5)
+    return np.asarray(force.reshape(-1, 2).mean(axis=1))

@@ -36,9 +36,9 @@ from drill_twin.scene import Scene
 from drill_twin.scene.blocks.top_drive import TopDrive
 
 IMPERFECTIONS = ("bow", "eccentricity", "rock_floor", "lateral_kick", *TIME_DEPENDENT)
-"""Effects without a place in a steady balance, and the rock, in whose place the weight acts on the bit."""
-SAMPLES = 8
-"""Places in an element at which bend and friction of the hole are taken: they change where no node is."""
+"""Effects that a steady balance leaves out; the weight on bit takes the place of the rock."""
+BEND_PLACES = 8
+"""Places in an element at which bend and friction of the hole are taken, as both may change between nodes."""
 NO_TORQUE = 1e-4
 """Torque over make-up torque below which a connection is not loaded; Newton's residual is of that size."""
 
@@ -197,10 +197,10 @@ def hole_and_string(scene: Scene, model: DiscreteModel, bit_depth: float | None 
     weight = (np.zeros(middle.size) if gravity is None else line_weight(gravity, model))[:, None] * down
     tangent = np.tile([0.0, 0.0, 1.0], (middle.size, 1)) if axis is None else axis.tangent
     along = -np.sum(weight * tangent, axis=1)
-    within = depth[:, None] + length[:, None] * ((np.arange(SAMPLES) + 0.5) / SAMPLES - 0.5)
+    within = depth[:, None] + length[:, None] * ((np.arange(BEND_PLACES) + 0.5) / BEND_PLACES - 0.5)
     inner = axis_at(scene, within.ravel())
     bends = np.zeros((within.size, 3)) if inner is None else inner.curvature[:, None] * inner.normal
-    bend = bends.reshape(-1, SAMPLES, 3).mean(axis=1)
+    bend = bends.reshape(-1, BEND_PLACES, 3).mean(axis=1)
     contact = contact_radius(scene, 0.5 * (rod.arc[1:] + rod.arc[:-1]))
     hole = contact + model.wellbore.clearance.reshape(-1, 2).mean(axis=1)  # radius, from the bottom up
     own_depth = scene.length - 0.5 * (rod.arc[1:] + rod.arc[:-1])
@@ -257,12 +257,13 @@ def _contacts(
     scene: Scene, solver: SlidingBalance, balance: BalancedString, along: AlongString
 ) -> tuple[ContactLoad, ...]:
     rod = solver.equations.model.rod
-    tangents = np.array([[0.0, 0.0, 1.0]]) if solver.axis is None else solver.axis.tangent
-    tilts = np.linalg.norm(np.cross(balance.u[:, 3:6], tangents), axis=1)
+    tilts = np.linalg.norm(np.cross(balance.u[:, 3:6], solver.tangent), axis=1)
     found, bottom = [ContactLoad("bit", 0.0, balance.bit_side_force, math.asin(min(float(tilts[0]), 1.0)))], 0.0
     for number, section in enumerate(scene.string.sections):
         top = bottom + section.length
-        if section.blade_diameter is not None and section.adjusted_mass is None:  # with one: pipe on its tool joints
+        if (
+            section.blade_diameter is not None and section.adjusted_mass is None
+        ):  # pipe with an adjusted mass lies on its tool joints
             inside = (rod.arc[:-1] >= bottom - 1e-9) & (rod.arc[1:] <= top + 1e-9)
             force = float(np.sum((along.side_force * rod.length)[inside]))
             node = int(np.argmin(np.abs(rod.arc - 0.5 * (bottom + top))))

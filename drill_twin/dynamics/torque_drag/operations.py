@@ -32,7 +32,7 @@ class Operation(NamedTuple):
 def operations(
     weight_on_bit: float, rotation: float, trip_speed: float = TRIP_SPEED, feed: float = FEED
 ) -> tuple[Operation, ...]:
-    """The five operations of a well plan; those without rotation or weight only as far as these are not zero.
+    """The five operations of a well plan; without a rotation or a weight on bit only the operations that need none.
 
     Args:
         weight_on_bit: When sliding and drilling [N].
@@ -40,11 +40,11 @@ def operations(
         trip_speed: When tripping [m/s].
         feed: Rate of penetration when sliding and drilling [m/s].
     """
-    found = [Operation("trip out", 0.0, trip_speed, 0.0), Operation("trip in", 0.0, -trip_speed, 0.0)]
-    if rotation:
-        found.append(Operation("off bottom", 0.0, 0.0, rotation))
-    if weight_on_bit:
-        found.append(Operation("slide", weight_on_bit, -feed, 0.0))
-    if rotation and weight_on_bit:
-        found.append(Operation("drill", weight_on_bit, -feed, rotation))
-    return tuple(found)
+    possible = {
+        Operation("trip out", 0.0, trip_speed, 0.0): True,
+        Operation("trip in", 0.0, -trip_speed, 0.0): True,
+        Operation("off bottom", 0.0, 0.0, rotation): bool(rotation),
+        Operation("slide", weight_on_bit, -feed, 0.0): bool(weight_on_bit),
+        Operation("drill", weight_on_bit, -feed, rotation): bool(rotation and weight_on_bit),
+    }
+    return tuple(operation for operation, is_wanted in possible.items() if is_wanted)

@@ -36,16 +36,19 @@ class OverDepth:
     torque: Array
     """While it rotates off bottom [N m], shape (f, d)."""
 
-    def friction_of(self, operation: str, depth: Array, hookload: Array) -> Array:
-        """Coefficients that measured hookloads [N] mean; NaN where none of the range gives them. Shapes (p,)."""
-        rows = self.hookload[[one.name for one in self.operations].index(operation)]
-        return self._interpolated(rows, depth, hookload)
+    def friction_of(self, load: str, depth: Array, measured: Array) -> Array:
+        """Coefficients of friction at which the loads at the surface are the measured loads, shape (p,).
 
-    def friction_of_torque(self, depth: Array, torque: Array) -> Array:
-        """The same for torques off bottom [N m]."""
-        return self._interpolated(self.torque, depth, torque)
+        Args:
+            load: Name of an operation, whose hookload is measured [N], or `torque`, off bottom [N m].
+            depth: Measured depths of the bit [m], shape (p,).
+            measured: Measured loads, shape (p,).
 
-    def _interpolated(self, rows: Array, depth: Array, measured: Array) -> Array:
+        Returns:
+            NaN where no coefficient of the range gives the load.
+        """
+        names = [operation.name for operation in self.operations]
+        rows = self.torque if load == "torque" else self.hookload[names.index(load)]
         found = np.full(depth.shape, math.nan)
         for k, (place, value) in enumerate(zip(depth.tolist(), measured.tolist(), strict=True)):
             loads = np.array([np.interp(place, self.depth, row) for row in rows])
@@ -59,8 +62,8 @@ def over_depth(scene: Scene, friction: Sequence[float], depths: int) -> OverDept
 
     Args:
         scene: The scene; elements given or `auto`.
-        friction: Coefficients on the wall; an interval with a coefficient of its own, as a casing, keeps that.
-        depths: Number of depths, evenly to that of the scene.
+        friction: Coefficients on the wall; an interval with a coefficient of its own, such as a casing, keeps its own.
+        depths: Number of depths, evenly spaced down to the depth of the scene.
     """
     equations = EquationsOfMotion(steady(scene))
     law = getattr(scene.effects, "wall_friction", None)

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """Balance of forces of the string while all of it slides along the hole and turns at constant speeds.
 
-The equations are those of the time loop (`drill_twin.dynamics.rotordynamics.equations`), with every effect of the
-scene: rod, wall, mud, friction. The velocity is prescribed, along the axis of the hole and about it, so that friction
-has its full size and the direction of the operation; position is the unknown.
+The equations are the equations of the time loop (`drill_twin.dynamics.rotordynamics.equations`), with every effect of
+the scene: rod, wall, mud, friction. The velocity is prescribed, along the axis of the hole and about it, so that
+friction has its full size and the direction of the operation; position is the unknown.
 
 Newton's method begins where the soft string lies (`soft_string`): on the side of the hole to which weight and tension
 press it. As in `drill_twin.dynamics.equilibrium` the mass over the square of a step holds the first
@@ -32,7 +32,7 @@ NODE = 7
 """Unknowns of a node."""
 TOLERANCE = 1e-7
 """Residual force at a node over the largest load; residual torque over the same at the string's radius."""
-FIRST_STEP, SHORTEST, LONGEST = 0.02, 5e-3, 1e3
+FIRST_STEP, SHORTEST_STEP, LONGEST_STEP = 0.02, 5e-3, 1e3
 """Step of the regularisation: the first, and its bounds [s]."""
 GROWTH, SHRINKAGE = 3.0, 0.5
 """Largest and least change of the step."""
@@ -91,18 +91,19 @@ class SlidingBalance:
         self.rows = BlockRows(~fixed, np.arange(NODE))
         """Numbers of the free unknowns, and the solution of their banded systems."""
         self._none = np.zeros((2, NODE), bool)
-        self.axis = axis_at(scene, scene.length - model.rod.arc)
+        axis = axis_at(scene, scene.length - model.rod.arc)
+        self.tangent = np.array([0.0, 0.0, 1.0]) if axis is None else axis.tangent
+        """Direction of the hole at the nodes, shape (n + 1, 3), or (3,) for a straight hole."""
+        self.bend = np.zeros(3) if axis is None else axis.curvature[:, None] * axis.normal
+        """Curvature of the hole times its normal [1/m], of the same shape."""
         self.room = float(model.wellbore.clearance.max())
         self.hanging = float(np.abs(axial_weight(scene, model)).sum())
 
     def velocity(self, operation: Operation) -> Array:
         """Velocities of the rows (r, r', psi) in an operation, along the hole; shape (n + 1, 7)."""
         v = np.zeros_like(self.fixed, dtype=float)
-        if self.axis is None:
-            v[:, 2] = operation.axial_speed
-        else:
-            v[:, 0:3] = operation.axial_speed * self.axis.tangent
-            v[:, 3:6] = operation.axial_speed * self.axis.curvature[:, None] * self.axis.normal
+        v[:, 0:3] = operation.axial_speed * self.tangent
+        v[:, 3:6] = operation.axial_speed * self.bend
         v[:, SPIN] = operation.rotation
         return v
 
@@ -111,7 +112,7 @@ class SlidingBalance:
 
         Args:
             operation: The operation.
-            guess: Rows to start from, such as those of another operation; None: where the soft string lies.
+            guess: Rows to start from, such as the balance of another operation; None: where the soft string lies.
 
         Raises:
             RunError: Newton's method does not converge.
@@ -131,11 +132,11 @@ class SlidingBalance:
                 break
             if force < TOLERANCE * load:
                 return BalancedString(operation, u, residual[0].copy(), residual[-1].copy(), count)
-            step = float(np.clip(step * np.clip(last / force, SHRINKAGE, GROWTH), SHORTEST, LONGEST))
+            step = float(np.clip(step * np.clip(last / force, SHRINKAGE, GROWTH), SHORTEST_STEP, LONGEST_STEP))
             last = force
             tangents[MASS, :, SPIN] = 0.0  # torsion is linear while all of the string slides
             change = self._change(free, tangents[STIFFNESS] + tangents[MASS] / step**2)
-            while self._across(change) > LARGEST_MOVE * self.room and step > SHORTEST:
+            while self._across(change) > LARGEST_MOVE * self.room and step > SHORTEST_STEP:
                 step *= 0.5 * SHRINKAGE
                 change = self._change(free, tangents[STIFFNESS] + tangents[MASS] / step**2)
             u = u + change
@@ -166,10 +167,7 @@ class SlidingBalance:
 
     def _across(self, change: Array) -> float:
         """Largest part of a change across the hole [m]."""
-        move = change[:, 0:3]
-        if self.axis is None:
-            return float(np.hypot(move[:, 0], move[:, 1]).max())
-        return float(np.linalg.norm(np.cross(move, self.axis.tangent), axis=1).max())
+        return float(np.linalg.norm(np.cross(change[:, 0:3], self.tangent), axis=1).max())
 
     def _soft_shape(self, command: Command) -> Array:
         """String where weight and tension press a string without bending stiffness, on the axis at its ends."""
@@ -202,10 +200,6 @@ class SlidingBalance:
         if gravity is not None:
             weight[:-1] = gravity.weight[::2]
             weight[-1] = weight[-2]
-        if self.axis is None:
-            weight[:, 2] = 0.0
-            return weight
-        tangent = self.axis.tangent
         tension = (np.linalg.norm(u[:, 3:6], axis=1) - 1.0) * np.append(model.rod.axial, model.rod.axial[-1])
-        across = weight - np.sum(weight * tangent, axis=1)[:, None] * tangent
-        return np.asarray(across + (tension * self.axis.curvature)[:, None] * self.axis.normal)
+        across = weight - np.sum(weight * self.tangent, axis=1)[:, None] * self.tangent
+        return np.asarray(across + tension[:, None] * self.bend)

@@ -27,7 +27,7 @@ from drill_twin.core.arrays import Array
 from drill_twin.dynamics.torque_drag.operations import Operation
 
 CHEN, MITCHELL = np.sqrt(2.0), 2.0 * np.sqrt(2.0)
-"""Helical load over the sinusoidal one: the least at which a helix persists, and from which it is the only shape."""
+"""Helical load over sinusoidal load: the least at which a helix persists, and the least at which only a helix does."""
 LUBINSKI, WU = 1.94, 5.55
 """Factors of (EI q^2)^(1/3) in a vertical hole: sinusoidal and helical."""
 

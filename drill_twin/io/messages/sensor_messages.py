@@ -106,7 +106,7 @@ class SurfaceEncoder:
         self._angle = 0.0
 
     def encode(self, reading: Reading) -> bytes:
-        """CDR of a reading, in the order of `drill_twin.dynamics.sensors.surface.SurfaceValues`."""
+        """CDR of a reading, in the order of `drill_twin.dynamics.sensors.sampling.SurfaceValues`."""
         check_finite(SURFACE_STATE, reading.values)
         speed, torque, hookload, position = reading.values.tolist()
         time, at = self._before or (reading.time, position)

@@ -11,12 +11,12 @@ import logging
 import pickle
 import platform
 from collections.abc import Generator, Iterator, Mapping, Sequence
+from contextlib import AbstractContextManager
 from functools import cache
 from itertools import islice
 from queue import Empty, SimpleQueue
 from threading import Lock
-from types import TracebackType
-from typing import Any, Self
+from typing import Any
 
 import llvmlite
 import numba
@@ -47,7 +47,7 @@ _PREPARE = Lock()
 _PREPARED: set[tuple[Any, ...]] = set()
 
 
-class DaskWorkers:
+class DaskWorkers(AbstractContextManager["DaskWorkers"]):
     """Workers of a Dask scheduler, as a place where members are run (`drill_twin.runs.ensemble.run.Executor`)."""
 
     def __init__(self, address: str) -> None:
@@ -62,9 +62,9 @@ class DaskWorkers:
         """
         self.address = address
         self._distributed = import_extra("distributed")
-        logging.getLogger("distributed.client").setLevel(logging.CRITICAL)  # what it logs is raised here
+        logging.getLogger("distributed.client").setLevel(logging.CRITICAL)  # its errors are raised here
         try:
-            self._distributed.comm.resolve_address(address)  # a client with an address that is none would not end
+            self._distributed.comm.resolve_address(address)  # a client of an invalid address would not end
             self._client = self._distributed.Client(address, timeout=CONNECT, set_as_default=False)
         except (OSError, ValueError, TypeError) as error:
             raise RunError(
@@ -122,7 +122,7 @@ class DaskWorkers:
         except self._distributed.scheduler.KilledWorker as error:
             raise RunError(
                 f"{self.address}: expected workers that outlive their members, found that "
-                f"{error.allowed_failures + 1} died in the same ones, the last at {error.last_worker.address}; "
+                f"{error.allowed_failures + 1} died in the same members, the last at {error.last_worker.address}; "
                 "see their logs, and give them more memory"
             ) from error
         except self._distributed.client.FutureCancelledError as error:
@@ -147,12 +147,7 @@ class DaskWorkers:
         """End the connection; scheduler and workers stay."""
         self._client.close()
 
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         self.close()
 
 
@@ -188,7 +183,7 @@ def run_task(setup: bytes, expected: Mapping[str, str], members: bytes) -> list[
         here = " and ".join(found.get(name, "none") for name in other)
         raise RunError(
             f"worker on {platform.node()}: expected {differences} as the client, found {here}; "
-            "install the same on all machines and start the workers again"
+            "install the same versions on all machines and start the workers again"
         )
     task: Sequence[Member] = pickle.loads(members)  # noqa: S301
     first = scene_of(base, task[0])

@@ -44,9 +44,10 @@ class Members:
     """All members of an ensemble.
 
     Attributes:
-        base: The scene of which they are variants.
+        base: The scene that each member varies.
         vary: Values by key.
-        zipped: Whether the values of all keys are taken together, one after the other, instead of each with each.
+        zipped: True if the first values of all keys make a member, then the second values; else each value of a key is
+            combined with each value of the other keys.
     """
 
     base: Scene
@@ -71,7 +72,7 @@ class Members:
             yield Member(number, dict(zip(self.vary, row, strict=True)))
 
     def numbers(self, key: str) -> list[Value]:
-        """Values of a key, a text with a unit as the number in SI (of `rpm` in rev/min); as given if one is no number.
+        """Values of a key, texts with a unit as numbers in SI (of `rpm` in rev/min); as given if a text is no number.
 
         Raises:
             SceneError: The values of a member do not fit.
@@ -116,7 +117,7 @@ def _key(base: Scene, key: str) -> str:
 
 
 def expand(base: Scene, vary: Mapping[str, Any], *, zipped: bool = False) -> Members:
-    """Members for the values of some keys: each value with each other, or one after the other.
+    """Members for the values of some keys.
 
     Args:
         base: The scene.
@@ -159,8 +160,8 @@ def _values(key: str, given: Any) -> list[Value]:
 def _check_alike(members: Members) -> None:
     """Build the scene of each value, and check that all share one kernel, their marks and their frames.
 
-    Where each value is taken with each other, each is checked with the first of the other keys: a million members are
-    not built twice. Values that only fit each other are then found by the run of their member.
+    Where the values are combined, each value of a key is checked with the first values of the other keys, so that a
+    million members are not built twice. A combination that does not fit is found when its member is run.
     """
     first: tuple[Any, ...] | None = None
     begin = {key: values[0] for key, values in members.vary.items()}

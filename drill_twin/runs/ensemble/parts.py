@@ -22,7 +22,7 @@ MOST_BYTES = 4 * 1024 * 1024
 
 
 class Chunk(NamedTuple):
-    """Frames that were computed together; they hold until the next are."""
+    """Frames that were computed together; the arrays hold until the next chunk is computed."""
 
     rows: FrameSeries
     rig: RigSeries
@@ -32,7 +32,7 @@ class Chunk(NamedTuple):
     """Frames that the step guard repeated with a smaller step."""
 
     def first(self, count: int) -> Chunk:
-        """Some of the frames; the effort is that of all."""
+        """The first frames of the chunk, with the effort of the whole chunk."""
         rows, rig = ([column[:count] for column in part] for part in (self.rows, self.rig))
         return self._replace(rows=FrameSeries(*rows), rig=RigSeries(*rig))
 
@@ -47,7 +47,7 @@ def parts_of(twin: Twin, commands: Array, period: float, size: int | None = None
         size: Most frames of a part; `CHUNK` unless given.
 
     Raises:
-        DrillTwinError: A frame could not be followed; those before it have been yielded.
+        DrillTwinError: A frame could not be followed; the frames before it have been yielded.
     """
     record = twin.record(min(size or CHUNK, len(commands)), nodes=False)
     rows, rig = record.frames, RigSeries.of(record.frames)
@@ -67,7 +67,7 @@ def parts_of(twin: Twin, commands: Array, period: float, size: int | None = None
 
 
 def frames_of(twin: Twin, commands: Array, period: float, size: int | None = None) -> Iterator[Frames]:
-    """As `parts_of`, with the state of all nodes; with an energy audit, that of the last frame of a part."""
+    """As `parts_of`, with the state of all nodes; the balance of an energy audit is of the last frame of a part."""
     most = MOST_BYTES // twin.record(1).table.nbytes
     record = twin.record(max(1, min(size or CHUNK, len(commands), most)))
     for first in range(0, len(commands), record.size):

@@ -28,7 +28,7 @@ class EnsembleResult:
         members: The members, each with its number and its `values` by key.
         runs: The outcome of each.
         units: Unit of each output, by name.
-        dimensions: Dimensions of each output after the first, which is that of the members, by name.
+        dimensions: Dimensions of each output by name, after the dimension of the members.
     """
 
     def __init__(self, members: Members, runs: Sequence[MemberRun]) -> None:
@@ -83,7 +83,7 @@ class EnsembleResult:
         return sum(run.processor_seconds for run in self.runs)
 
     def __getitem__(self, name: str) -> Any:
-        """Output of all members, shape (M, ...); of one that failed at once NaN, or "failed".
+        """Output of all members, shape (M, ...); NaN or "failed" for a member that failed in its first frame.
 
         Raises:
             ArgumentError: No output of this name.
@@ -131,7 +131,7 @@ class EnsembleResult:
     def to_pandas(self) -> Any:
         """DataFrame with a row for each member: its values by key, `failed`, and each output that is a single value.
 
-        Columns are named as `onset_s [s]`, and those of marks `mark_1/radius_max [m]`; series and spectra are left out.
+        Columns are named as `onset_s [s]`, or `mark_1/radius_max [m]` for a mark; series and spectra are left out.
 
         Raises:
             ArgumentError: pandas is not installed.
@@ -142,5 +142,5 @@ class EnsembleResult:
             if not self.dimensions[name]:
                 columns[heading] = self[name]
             elif self.dimensions[name] == ("mark",):
-                columns |= {f"{mark}/{heading}": of for mark, of in zip(self.marks, self[name].T, strict=True)}
+                columns |= {f"{mark}/{heading}": column for mark, column in zip(self.marks, self[name].T, strict=True)}
         return import_extra("pandas").DataFrame(columns)

@@ -31,7 +31,7 @@ class MemberRun:
 
     Attributes:
         values: Its outputs by name; of a member that failed, of the frames before.
-        failure: The reason why it could not be followed to the end; empty for one that was.
+        failure: The reason why the member could not be followed to the end; empty if it was.
         simulated: Simulated time [s].
         repeated: Frames that the step guard repeated with a smaller step.
         kernel_seconds: Processor time in the compiled loop [s].
@@ -52,7 +52,7 @@ class Executor(Protocol):
     """
 
     def run(self, members: Members, request: Request) -> Generator[tuple[int, MemberRun]]:
-        """Run all members; the same bits wherever they are run.
+        """Run all members; the results have the same bits on every executor.
 
         Args:
             members: The members.

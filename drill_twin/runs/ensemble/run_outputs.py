@@ -2,15 +2,16 @@
 """Outputs of a run as a whole: extremes, contact, the last half, motion still changing at the end, fatigue, energy.
 
 The lateral motion of a mark in each of the last two quarters is z = a + b exp(i psi) + r, with a in space, b in the
-string (bow, imbalance, a buckled shape) and psi its spin; a and b by least squares. The rest r is what a whirl begins
-as, so its size in the two quarters tells whether a whirl grows long before it reaches the wall.
+string (bow, imbalance, a buckled shape) and psi its spin; a and b by least squares. A whirl begins
+as the rest r, so the size of r in the two quarters tells whether a whirl grows long before it reaches the wall.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from typing import Any
+from dataclasses import dataclass
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -20,15 +21,58 @@ from drill_twin.dynamics.discretisation.discretise import tubes_of
 from drill_twin.dynamics.twin.frame_record import FrameSeries, RigSeries
 from drill_twin.dynamics.twin.twin import Twin
 from drill_twin.physics.model.section_stress import CYCLES, DAMAGE, LARGEST_STRESS, bending_stress
-from drill_twin.runs.ensemble.collector import Collector, Request, Variable
 from drill_twin.whirl.motion.stick_slip_index import TIME_BASE, stick_slip_index
+
+
+@dataclass(frozen=True)
+class Request:
+    """Outputs asked for, the same for all members.
+
+    Attributes:
+        names: Names of the outputs, of `OUTPUTS`.
+        period: Length of a frame [s].
+        frames: Frames of a run.
+        every: Frames from one sample of the marks to the next.
+    """
+
+    names: tuple[str, ...]
+    period: float
+    frames: int
+    every: int
+
+
+class Variable(NamedTuple):
+    """Value of one member."""
+
+    value: Any
+    dimensions: tuple[str, ...]
+    unit: str
+
+
+class Collector:
+    """Gathers one output of a member."""
+
+    def __init__(self, twin: Twin, request: Request) -> None:
+        """Begin with the first frame."""
+        self.twin, self.request = twin, request
+        self.begin()
+
+    def begin(self) -> None:
+        """Prepare for the first frame."""
+
+    def add(self, rows: FrameSeries, rig: RigSeries) -> None:
+        """Add the next frames."""
+
+    def close(self) -> Mapping[str, Variable]:
+        """Values of the whole run, by name."""
+        raise NotImplementedError
 
 
 class Extremes(Collector):
     """Largest and smallest values of the run."""
 
-    def __init__(self, twin: Twin, request: Request) -> None:
-        super().__init__(twin, request)
+    def begin(self) -> None:
+        """Prepare for the first frame."""
         self._largest: dict[str, Any] = {}
         self._smallest: dict[str, Any] = {}
 
@@ -64,8 +108,8 @@ class Extremes(Collector):
 class LastHalf(Collector):
     """Severity of the motion once it has settled: extremes of the last half of the run."""
 
-    def __init__(self, twin: Twin, request: Request) -> None:
-        super().__init__(twin, request)
+    def begin(self) -> None:
+        """Prepare for the first frame."""
         self._frames = 0
         self._radius: Any = 0.0
         self._force = 0.0
@@ -155,12 +199,12 @@ ROUND_OFF = 1e-8
 class Settling(Collector):
     """Size of the rest of the motion in the last two quarters, and stick-slip index in the last two time bases."""
 
-    def __init__(self, twin: Twin, request: Request) -> None:
-        super().__init__(twin, request)
-        self._quarter = request.frames // 4
-        marks = len(twin.scene.string.marks)
+    def begin(self) -> None:
+        """Prepare for the first frame."""
+        self._quarter = self.request.frames // 4
+        marks = len(self.twin.scene.string.marks)
         self._gram = np.zeros((2, marks, 3, 3), complex)  # of 1, exp(i psi) and z
-        self._base = max(1, min(self._quarter, math.ceil(TIME_BASE / request.period)))
+        self._base = max(1, min(self._quarter, math.ceil(TIME_BASE / self.request.period)))
         self._speed = np.empty((2, 0))  # of bit and top drive
         self._frames = 0
 

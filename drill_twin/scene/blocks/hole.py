@@ -2,14 +2,16 @@
 """The `hole:` part of a scene: straight or surveyed axis, radius by measured depth."""
 
 import math
-from typing import Annotated, Self
+from collections.abc import Iterator
+from typing import Annotated
 
 import numpy as np
-from pydantic import Field, model_validator
+from pydantic import Field
 
 from drill_twin.core.units import Angle, Length, Within
+from drill_twin.physics.effects.config import Incompatibility
 from drill_twin.physics.model.survey import dogleg, survey
-from drill_twin.scene.blocks.part import Part, refuse_at
+from drill_twin.scene.blocks.part import Part, Problem
 
 Depth = Annotated[Length, Within(at_least="0 m", at_most="20 km", reason="the longest wells reach 15 km")]
 
@@ -53,74 +55,62 @@ class Hole(Part):
     survey: Annotated[tuple[Station, ...], Field(max_length=10_000)] = ()
     """Stations from the top clamp down, joined by circular arcs (minimum curvature); left out: a straight hole."""
 
-    @model_validator(mode="after")
-    def _intervals_do_not_overlap(self) -> Self:
+    def problems(self) -> Iterator[Problem]:
+        """Intervals that overlap; a survey that does not begin at the top, does not go down, or bends too much."""
         above = 0.0
         for index, interval in enumerate(self.intervals):
             if interval.top < above:
-                raise refuse_at(
-                    ("intervals", index, "top"),
-                    f"expected at least {above:.6g} m, where the interval above ends, found {interval.top:.6g} m",
-                )
+                text = f"expected at least {above:.6g} m, where the interval above ends, found {interval.top:.6g} m"
+                yield ("intervals", index, "top"), text
             if interval.bottom <= interval.top:
-                raise refuse_at(
-                    ("intervals", index, "bottom"),
-                    f"expected more than its top ({interval.top:.6g} m), found {interval.bottom:.6g} m",
-                )
+                text = f"expected more than its top ({interval.top:.6g} m), found {interval.bottom:.6g} m"
+                yield ("intervals", index, "bottom"), text
             above = interval.bottom
-        return self
+        if self.survey:
+            yield from self._problems_of_survey()
 
-    @model_validator(mode="after")
-    def _survey_goes_down(self) -> Self:
-        if not self.survey:
-            return self
+    def _problems_of_survey(self) -> Iterator[Problem]:
+        depth = self.stations[0]
         if self.inclination != 0.0:
-            raise refuse_at(
+            yield Incompatibility(
                 ("inclination",),
                 f"expected no `inclination` beside a `survey`, found {math.degrees(self.inclination):.6g} deg; "
                 "the survey defines it",
             )
-        if self.survey[0].depth != 0.0:
-            raise refuse_at(
-                ("survey", 0, "depth"),
-                f"expected 0 m, the top clamp, at the first station, found {self.survey[0].depth:.6g} m",
-            )
-        if len(self.survey) == 1:
-            raise refuse_at(("survey",), "expected at least two stations, found one")
-        for index in range(1, len(self.survey)):
-            above, here = self.survey[index - 1].depth, self.survey[index].depth
-            if here <= above:
-                raise refuse_at(
-                    ("survey", index, "depth"),
-                    f"expected more than the station above it ({above:.6g} m), found {here:.6g} m",
-                )
-        return self
+        if depth[0] != 0.0:
+            text = f"expected 0 m, the top clamp, at the first station, found {depth[0]:.6g} m"
+            yield ("survey", 0, "depth"), text
+        runs = np.diff(depth)
+        if not runs.size:
+            yield ("survey",), "expected at least two stations, found one"
+        elif upwards := np.flatnonzero(runs <= 0.0).tolist():
+            above = upwards[0]
+            text = f"expected more than the station above it ({depth[above]:.6g} m), found {depth[above + 1]:.6g} m"
+            yield ("survey", above + 1, "depth"), text
+        else:
+            yield from self._bends(runs)
 
-    @model_validator(mode="after")
-    def _bends_gently(self) -> Self:
-        if len(self.survey) < 2:
-            return self
+    def _bends(self, runs: np.ndarray) -> Iterator[Problem]:
+        """Yield the first bend that is too sharp, or else the largest turn away from the direction at the top."""
         depth, inclination, azimuth = self.stations
-        turns = dogleg(inclination, azimuth)
         sharpest = SHARPEST_BEND * max([self.radius, *(interval.radius for interval in self.intervals)])
-        for index, (turn, run) in enumerate(zip(turns, np.diff(depth), strict=True), start=1):
+        for index, (turn, run) in enumerate(zip(dogleg(inclination, azimuth), runs, strict=True), start=1):
             if turn > 0.5 * math.pi or turn * sharpest > run:
                 most = min(0.5 * math.pi, run / sharpest)
-                raise refuse_at(
+                yield Incompatibility(
                     ("survey", index),
                     f"expected a turn of at most {math.degrees(most):.4g} deg since the station above (90 deg, and a "
                     f"bend of {SHARPEST_BEND:g} radii of the hole), found {math.degrees(turn):.4g} deg in {run:.6g} m",
                 )
+                return
         ways = survey(depth, inclination, azimuth).down
         total = np.arccos(np.clip(ways @ ways[0], -1.0, 1.0))
         if total.max() > LARGEST_TURN:
-            index = int(total.argmax())
-            raise refuse_at(
-                ("survey", index),
+            yield Incompatibility(
+                ("survey", int(total.argmax())),
                 f"expected a direction within {math.degrees(LARGEST_TURN):g} deg of that at the top, "
-                f"found {math.degrees(total[index]):.4g} deg",
+                f"found {math.degrees(total.max()):.4g} deg",
             )
-        return self
 
     @property
     def top_inclination(self) -> float:
@@ -141,7 +131,7 @@ class Hole(Part):
         return min([self.radius_at(bottom), *gaps, *(i.radius for i in met)])
 
     def radius_at(self, depth: float) -> float:
-        """Radius at a measured depth from the top clamp [m]; where two intervals meet, that of the lower one."""
+        """Radius at a measured depth from the top clamp [m]; where two intervals meet, the radius of the lower one."""
         for interval in self.intervals:
             if interval.top <= depth < interval.bottom:
                 return interval.radius

@@ -1,16 +1,17 @@
 # SPDX-License-Identifier: Apache-2.0
 """The `numerics:` part of a scene: resolution, tolerance, frame rate, seed, audit."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Annotated, Any, Literal, Self
+from typing import Annotated, Any, Literal
 
-from pydantic import GetCoreSchemaHandler, GetJsonSchemaHandler, model_validator
+from pydantic import GetCoreSchemaHandler, GetJsonSchemaHandler
 from pydantic.json_schema import JsonSchemaValue
 from pydantic_core import core_schema
 
 from drill_twin.core.units import Dimensionless, Frequency, Quantity, Within, refuse, show
 from drill_twin.core.units.dimension import DIMENSIONLESS, LENGTH, TIME
-from drill_twin.scene.blocks.part import OrAuto, Part, refuse_at
+from drill_twin.scene.blocks.part import OrAuto, Part, Problem
 
 _NANOSECONDS = 1_000_000_000
 
@@ -80,8 +81,8 @@ class Numerics(Part):
     lateral_from: Annotated[
         float | Literal["auto"], Quantity(LENGTH), Within(at_least="0 m", at_most="20 km"), OrAuto()
     ] = 0.0
-    """Measured depth from which on the string moves laterally too [m]; above it, it follows the hole, stretches and
-    twists. 0 m: the whole string moves; `auto`: the assembly and pipe that may buckle (docs/accuracy.md)."""
+    """Measured depth from which on the string moves laterally too [m]; above, the string follows the hole, stretches
+    and twists. 0 m: the whole string moves; `auto`: the assembly and pipe that may buckle (docs/accuracy.md)."""
     audit: Literal["none", "energy"] = "none"
     """`energy`: energy balance with the work of each effect, published with the diagnostics; takes as much time as
     about two more Newton iterations a step."""
@@ -96,20 +97,11 @@ class Numerics(Part):
         """Length of a frame [ns]."""
         return frame_period_ns(self.frame_rate)
 
-    @model_validator(mode="after")
-    def _one_says_how_finely(self) -> Self:
+    def problems(self) -> Iterator[Problem]:
+        """Values that `accuracy` chooses itself, and a step beyond a frame."""
         for key in ("elements", "step", "tolerance"):
             if self.accuracy is not None and getattr(self, key) != "auto":
-                raise refuse_at(
-                    (key,), f'expected "auto" with an `accuracy`, which chooses it, found {getattr(self, key)}'
-                )
-        return self
-
-    @model_validator(mode="after")
-    def _steps_fit_frames(self) -> Self:
+                yield (key,), f'expected "auto" with an `accuracy`, which chooses it, found {getattr(self, key)}'
         if self.step != "auto" and self.step * self.frame_rate > 1.0 + 1e-9:
-            raise refuse_at(
-                ("step",),
-                f"expected at most the time between frames ({1.0 / self.frame_rate:.6g} s), found {self.step:.6g} s",
-            )
-        return self
+            text = f"expected at most the time between frames ({1.0 / self.frame_rate:.6g} s), found {self.step:.6g} s"
+            yield ("step",), text

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Base class of a scene's parts, validation errors with a place, and fields that may be `auto`."""
 
-from collections.abc import Iterable
-from typing import Annotated, Any
+from collections.abc import Iterable, Iterator
+from typing import Annotated, Any, Self
 
 from pydantic import (
     AfterValidator,
@@ -12,6 +12,7 @@ from pydantic import (
     GetCoreSchemaHandler,
     GetJsonSchemaHandler,
     ValidationError,
+    model_validator,
 )
 from pydantic.json_schema import JsonSchemaValue
 from pydantic_core import InitErrorDetails, core_schema
@@ -30,22 +31,31 @@ Label = Annotated[str, Field(max_length=100), AfterValidator(_printable)]
 """Name for logs, titles and folders: no control character and no mark that reverses the text around it."""
 
 
+Problem = tuple[tuple[str | int, ...], str]
+"""Place inside the part that is checked, and message: expected and found."""
+
+
 class Part(BaseModel):
-    """Frozen part of a scene; unknown keys are rejected."""
+    """Frozen part of a scene; unknown keys are rejected, and values that contradict each other."""
 
     model_config = ConfigDict(extra="forbid", frozen=True)
 
+    @model_validator(mode="after")
+    def _fits_together(self) -> Self:
+        if found := list(self.problems()):
+            raise refuse_all(found)
+        return self
 
-def refuse_all(problems: Iterable[tuple[tuple[str | int, ...], str]]) -> ValidationError:
+    def problems(self) -> Iterator[Problem]:
+        """Yield the contradictions between the values of this part, each of which is valid by itself."""
+        yield from ()
+
+
+def refuse_all(problems: Iterable[Problem]) -> ValidationError:
     """Make a validation error of several problems, each with its place inside the part being checked."""
     return ValidationError.from_exception_data(
         "scene", [InitErrorDetails(type=refuse(text), loc=place, input=None) for place, text in problems]
     )
-
-
-def refuse_at(place: tuple[str | int, ...], message: str) -> ValidationError:
-    """Make a validation error at a place inside the part being checked."""
-    return refuse_all([(place, message)])
 
 
 class OrAuto:

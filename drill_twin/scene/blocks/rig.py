@@ -1,13 +1,14 @@
 # SPDX-License-Identifier: Apache-2.0
 """The `rig:` part of a scene: weight on bit and rotation over time, top drive, recorded table."""
 
+from collections.abc import Iterator
 from importlib import metadata
-from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
 
 from pydantic import Field, model_validator
 
-from drill_twin.core.units import AngularSpeed, Force, Length, Speed, Stiffness, Time, Torque, Within, refuse
-from drill_twin.scene.blocks.part import Part, refuse_all, refuse_at
+from drill_twin.core.units import AngularSpeed, Force, Length, Speed, Stiffness, Time, Torque, Within
+from drill_twin.scene.blocks.part import Part, Problem, refuse_all
 from drill_twin.scene.blocks.top_drive import TopDrive
 
 GROUP = "drill_twin.schedules"
@@ -33,6 +34,8 @@ _SpeedRange = Within(at_least="-100 rev/s", at_most="100 rev/s", reason="no rig 
 class SetPoint(Part):
     """Set-point over time."""
 
+    needs_value: ClassVar[bool] = True
+    """False for a set-point that is zero unless the scene has a `value`."""
     shape: Shape = "constant"
     """`constant`: `value` throughout; `step`: smooth cubic from `initial` to `value` (STEP of ADAMS); `ramp`: straight
     line; `table`: the column in `rig.table`; or a shape of another package (entry points `drill_twin.schedules`)."""
@@ -46,26 +49,20 @@ class SetPoint(Part):
     @model_validator(mode="before")
     @classmethod
     def _has_a_value(cls, data: Any) -> Any:
-        rests = isinstance(data, dict) and (data.get("shape") == "table" or data.get("at") == "block")
-        if isinstance(data, dict) and not rests and "value" not in data:
+        needed = isinstance(data, dict) and cls.needs_value and data.get("shape") != "table"
+        if needed and data.get("at") != "block" and "value" not in data:
             field = cls.model_fields["value"]
             expected = next(part.dimension.expected for part in field.metadata if hasattr(part, "dimension"))
-            raise refuse_at(("value",), f"expected {expected}, found nothing (the key is required)")
+            raise refuse_all([(("value",), f"expected {expected}, found nothing (the key is required)")])
         return data
 
-    @model_validator(mode="after")
-    def _has_no_unused_keys(self) -> Self:
-        unused = {
-            "constant": ("initial", "start", "duration"),
-            "table": ("value", "initial", "start", "duration"),
-        }.get(self.shape, ())
-        if found := [key for key in unused if getattr(self, key) != 0.0]:
-            others = 'shapes "step" and "ramp" take it; `{}: ~` takes away that of a base'
-            raise refuse_all(
-                ((key,), f'expected no `{key}` with shape "{self.shape}", found one; {others.format(key)}')
-                for key in found
-            )
-        return self
+    def problems(self) -> Iterator[Problem]:
+        """Keys that the shape does not use."""
+        changes = ("initial", "start", "duration")
+        for key in {"constant": changes, "table": ("value", *changes)}.get(self.shape, ()):
+            if getattr(self, key) != 0.0:
+                others = f'shapes "step" and "ramp" take it; `{key}: ~` takes away that of a base'
+                yield (key,), f'expected no `{key}` with shape "{self.shape}", found one; {others}'
 
 
 class WeightOnBit(SetPoint):
@@ -106,6 +103,7 @@ class AutoDriller(Part):
 class Block(SetPoint):
     """Speed of the travelling block, which carries the string's top on the drilling lines; positive is upwards."""
 
+    needs_value: ClassVar[bool] = False
     value: Annotated[Speed, _BlockRange] = 0.0
     """Final speed [m/s]; none with an auto-driller."""
     initial: Annotated[Speed, _BlockRange] = 0.0
@@ -117,16 +115,11 @@ class Block(SetPoint):
     auto_driller: AutoDriller | None = None
     """Auto-driller, whose set-point is `rig.weight_on_bit`; it moves the block from the start on."""
 
-    @model_validator(mode="before")
-    @classmethod
-    def _has_a_value(cls, data: Any) -> Any:
-        return data  # a block rests unless told
-
-    @model_validator(mode="after")
-    def _is_moved_by_one(self) -> Self:
+    def problems(self) -> Iterator[Problem]:
+        """As of every set-point, and a speed beside an auto-driller."""
+        yield from super().problems()
         if self.auto_driller is not None and (self.value != 0.0 or self.initial != 0.0):
-            raise refuse("expected either a speed or `auto_driller`, which moves the block itself, found both")
-        return self
+            yield (), "expected either a speed or `auto_driller`, which moves the block itself, found both"
 
 
 class Column(Part):
@@ -142,7 +135,7 @@ class RecordedTable(Part):
     """Recorded set-points of a rig; without `file` the scene loads, but cannot be run."""
 
     file: str = ""
-    """CSV, MAT, LAS or WITSML file; paths begin at the scene file, those of overrides in the working folder."""
+    """CSV, MAT, LAS or WITSML file; paths begin at the scene file, in overrides at the working folder."""
     time: Column | None = None
     """Time stamps."""
     weight_on_bit: Column | None = None
@@ -152,7 +145,7 @@ class RecordedTable(Part):
     start: Annotated[Time, Within(at_least="0 s", at_most="1e6 s")] = 0.0
     """Start of the playback in the record, from its first stamp [s]."""
     longest_gap: Annotated[Time, Within(above="0 s", at_most="1e6 s")] = 1.0
-    """Longest gap to be interpolated linearly [s]; a longer one is an error."""
+    """Longest gap to be interpolated linearly [s]; longer gaps are errors."""
     spike_window: Annotated[Time, Within(at_least="0 s", at_most="100 s")] = 0.1
     """Width of the median filter that detects spikes [s]; 0 s = keep them."""
 
@@ -178,30 +171,22 @@ class Rig(Part):
     table: RecordedTable | None = None
     """Recorded table of the set-points of shape `table`."""
 
-    @model_validator(mode="after")
-    def _has_the_columns(self) -> Self:
+    def problems(self) -> Iterator[Problem]:
+        """A shape `table` without a table, a start that does not fit, and what contradicts the block."""
         for key in ("weight_on_bit", "rotation"):
-            shape = getattr(self, key).shape
-            if shape == "table" and self.table is None:
-                raise refuse_at((key, "shape"), 'expected `rig.table` with shape "table", found none')
-            if shape == "table" and self.start != "axis":
-                raise refuse_at(
-                    ("start",),
-                    f'expected "axis" with a recorded `{key}`, found "{self.start}": a record has no final value',
-                )
-        return self
-
-    @model_validator(mode="after")
-    def _moves_what_it_has(self) -> Self:
+            is_recorded = getattr(self, key).shape == "table"
+            if is_recorded and self.table is None:
+                yield (key, "shape"), 'expected `rig.table` with shape "table", found none'
+            if is_recorded and self.start != "axis":
+                text = f'expected "axis" with a recorded `{key}`, found "{self.start}": a record has no final value'
+                yield ("start",), text
         weight, block = self.weight_on_bit, self.block
         if (weight.at == "block") != (block is not None):
             found = "no `rig.block`" if block is None else f"`at: {weight.at}`"
-            raise refuse_at(
-                ("weight_on_bit", "at"),
-                f"expected `rig.weight_on_bit.at: block` and `rig.block` together, found {found}",
-            )
-        if block is None:
-            return self
+            text = f"expected `rig.weight_on_bit.at: block` and `rig.block` together, found {found}"
+            yield ("weight_on_bit", "at"), text
+        if block is None or weight.at != "block":
+            return
         driller = block.auto_driller
         checks = (
             (block.shape == "table", ("block", "shape"), 'expected "constant", "step" or "ramp", found "table"'),
@@ -216,8 +201,7 @@ class Rig(Part):
         )  # fmt: skip
         for wrong, place, text in checks:
             if wrong:
-                raise refuse_at(place, text)
-        return self
+                yield place, text
 
     @property
     def moves_block(self) -> bool:
@@ -226,6 +210,6 @@ class Rig(Part):
 
     @property
     def first(self) -> tuple[float, float]:
-        """Weight on bit [N] and speed of the top drive [rad/s] at the first instant; 0 for recorded ones."""
+        """Weight on bit [N] and speed of the top drive [rad/s] at the first instant; 0 for recorded set-points."""
         load, turn = self.weight_on_bit, self.rotation
         return (load.value, turn.value) if self.start != "axis" else (load.initial, turn.initial)

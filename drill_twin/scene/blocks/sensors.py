@@ -4,9 +4,10 @@
 Noise and bias are drawn from `numerics.seed`.
 """
 
-from typing import TYPE_CHECKING, Annotated, Any, Self
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, Annotated, Any
 
-from pydantic import Field, create_model, model_validator
+from pydantic import Field, create_model
 
 from drill_twin.core.units import (
     Acceleration,
@@ -20,8 +21,8 @@ from drill_twin.core.units import (
     Torque,
     Within,
 )
-from drill_twin.scene.blocks.part import Part, refuse_at
-from drill_twin.scene.blocks.string import Name
+from drill_twin.scene.blocks.part import Part, Problem
+from drill_twin.scene.blocks.string import Name, repeated_names
 
 _Rate = Annotated[Frequency, Within(above="0 Hz", at_most="10 kHz")]
 _Delay = Annotated[Time, Within(at_least="0 s", at_most="1e4 s")]
@@ -35,12 +36,11 @@ class Channel(Part):
     range: float = 0.0
     resolution: float = 0.0
 
-    @model_validator(mode="after")
-    def _is_not_negative(self) -> Self:
+    def problems(self) -> Iterator[Problem]:
+        """Negative values."""
         for key in _MEANINGS:
             if getattr(self, key) < 0.0:
-                raise refuse_at((key,), f"expected 0 or more, found {getattr(self, key):g}")
-        return self
+                yield (key,), f"expected 0 or more, found {getattr(self, key):g}"
 
 
 _MEANINGS = {
@@ -84,7 +84,7 @@ class Sub(Part):
     angle: Angle = 0.0
     """Direction of the sensor in the collar, from the zero of the spin [rad]."""
     rate: _Rate
-    """Samples in a second, at most `numerics.frame_rate` [Hz]; a sample is the mean since the one before."""
+    """Samples in a second, at most `numerics.frame_rate` [Hz]; a sample is the mean since the last sample."""
     delay: _Delay = 0.0
     """Time from the measurement to its message [s]; the stamp is the time of the measurement."""
     summary: Annotated[Time, Within(at_least="0 s", at_most="1e4 s")] = 0.5
@@ -103,7 +103,8 @@ class Surface(Part):
     delay: _Delay = 0.0
     """Time from the measurement to its message [s]; the stamp is the time of the measurement."""
     drive_inertia: Annotated[Inertia, Within(at_least="0 kg m^2", at_most="1e6 kg m^2")] | None = None
-    """Inertia of the drive, whose acceleration its torque includes [kg m^2]; left out: that of `rig.top_drive`."""
+    """Inertia of the drive, whose acceleration its torque includes [kg m^2]; left out: the inertia of
+    `rig.top_drive`."""
     speed: SpeedChannel = SpeedChannel()
     """Speed of the top drive."""
     torque: TorqueChannel = TorqueChannel()
@@ -122,10 +123,6 @@ class Sensors(Part):
     surface: Surface | None = None
     """Surface channels; left out: none."""
 
-    @model_validator(mode="after")
-    def _have_names_of_their_own(self) -> Self:
-        names = [sub.name for sub in self.subs]
-        for index, name in enumerate(names):
-            if name in names[:index]:
-                raise refuse_at(("subs", index, "name"), f'expected a name of its own, found "{name}" again')
-        return self
+    def problems(self) -> Iterator[Problem]:
+        """Names that two subs have."""
+        yield from repeated_names("subs", self.subs)

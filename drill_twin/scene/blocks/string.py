@@ -1,14 +1,21 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The `string:` part of a scene: sections from the bit up, marks, and the constraint of the bit."""
+"""The `string:` part of a scene: sections from the bit up, marks, and the constraint of the bit.
+
+A section is a tube with its material, blades and tool joints.
+"""
+
+from __future__ import annotations
 
 import math
-from typing import Annotated, Literal, Self
+from collections.abc import Iterator, Sequence
+from itertools import accumulate
+from typing import Annotated, Any, Literal, NamedTuple
 
-from pydantic import Field, model_validator
+from pydantic import Field
 
-from drill_twin.core.units import Length, Within
-from drill_twin.scene.blocks.part import Part, refuse_at
-from drill_twin.scene.blocks.section import Piece, Section
+from drill_twin.core.units import Density, Dimensionless, Length, LinearMass, Pressure, Torque, Within
+from drill_twin.physics.effects.config import Incompatibility
+from drill_twin.scene.blocks.part import Label, Part, Problem
 
 Name = Annotated[str, Field(pattern=r"^[A-Za-z][A-Za-z0-9_]*$", max_length=60)]
 """Name that is valid inside a joint name on a topic."""
@@ -17,6 +24,127 @@ LONGEST_STRING = 20_000.0
 """Longest string [m]; the longest wells reach 15 km."""
 
 BitEnd = Literal["guided", "pinned", "sliding", "free", "stabilised"]
+
+
+MOST_JOINTS = 2000
+"""Most tool joints of a section; each needs an element or two."""
+
+
+class Piece(NamedTuple):
+    """Uniform piece of the string: a section, or the pipe or a tool joint of a section."""
+
+    length: float
+    """Length [m]."""
+    outer_diameter: float
+    """Outer diameter of the body [m]."""
+    contact_diameter: float
+    """Diameter in contact with the wall, blades included [m]."""
+    section: Section
+    """Section of the piece, with inner diameter and material."""
+
+
+class Joints(Part):
+    """Tool joints of a section: short lengths of larger outer diameter; bore and material are the section's."""
+
+    spacing: Annotated[Length, Within(above="0 m", at_most="1 km")]
+    """Distance between joints [m]; the upper end of each such length of the section is a joint."""
+    length: Annotated[Length, Within(above="0 m", at_most="10 m")]
+    """Length of a joint [m]."""
+    diameter: Annotated[Length, Within(above="0 m", at_most="5 m")]
+    """Outer diameter of a joint [m], for stiffness, mass and wall contact."""
+
+
+class Section(Part):
+    """Section of the string: a uniform tube or rod, with or without tool joints."""
+
+    name: Label = ""
+    """Name in reports."""
+    length: Annotated[Length, Within(above="0 m", at_most="20 km")]
+    """Length [m]."""
+    outer_diameter: Annotated[Length, Within(above="0 m", at_most="5 m")]
+    """Outer diameter [m]."""
+    inner_diameter: Annotated[Length, Within(at_least="0 m", at_most="5 m")] = 0.0
+    """Inner diameter [m]; 0 m = solid."""
+    youngs_modulus: Annotated[Pressure, Within(at_least="1 kPa", at_most="10000 GPa")] = 206.8e9
+    """Young's modulus E [Pa]; left out: steel's, as in the two next keys."""
+    poisson_ratio: Annotated[Dimensionless, Within(above="-1", at_most="0.5")] = 0.3
+    """Poisson's ratio [-], for the shear modulus."""
+    density: Annotated[Density, Within(above="0 kg/m^3", at_most="30000 kg/m^3", reason="osmium has 22600")] = 7850.0
+    """Density of the material [kg/m^3]."""
+    blade_diameter: Annotated[Length, Within(above="0 m", at_most="5 m")] | None = None
+    """Diameter over the blades of a stabiliser [m], for wall contact and wall marks; stiffness and mass are the tube's.
+    Left out: the outer diameter."""
+    joints: Joints | None = None
+    """Tool joints, if any."""
+    adjusted_mass: Annotated[LinearMass, Within(above="0 kg/m", at_most="1e5 kg/m")] | None = None
+    """Mass per length with upsets and tool joints spread over it (the adjusted weight of API RP 7G) [kg/m]; they
+    displace mud too. Left out: the tube's. Not with `joints`."""
+    yield_strength: Annotated[Pressure, Within(above="0 Pa", at_most="100 GPa")] | None = None
+    """Yield strength of the tube, for margins [Pa]."""
+    make_up_torque: Annotated[Torque, Within(above="0 N m", at_most="1e7 N m")] | None = None
+    """Make-up torque of its connections, for margins [N m]."""
+
+    def problems(self) -> Iterator[Problem]:
+        """A bore, blades or tool joints that do not fit the tube, and a mass that is given twice or is too small."""
+        outer, joints = f"the outer diameter ({self.outer_diameter:.6g} m)", self.joints
+        if self.inner_diameter >= self.outer_diameter:
+            yield ("inner_diameter",), f"expected less than {outer}, found {self.inner_diameter:.6g} m"
+        if self.blade_diameter is not None and self.blade_diameter < self.outer_diameter:
+            yield ("blade_diameter",), f"expected at least {outer}, found {self.blade_diameter:.6g} m"
+        if joints is not None and joints.diameter < self.outer_diameter:
+            yield ("joints", "diameter"), f"expected at least {outer}, found {joints.diameter:.6g} m"
+        if joints is not None and joints.length >= joints.spacing:
+            text = f"expected less than the spacing ({joints.spacing:.6g} m), found {joints.length:.6g} m"
+            yield ("joints", "length"), text
+        if joints is not None and not 1.0 <= self.length / joints.spacing <= MOST_JOINTS:
+            yield Incompatibility(
+                ("joints", "spacing"),
+                f"expected between 1 and {MOST_JOINTS} joints in the section ({self.length:.6g} m long), "
+                f"found {joints.spacing:.6g} m",
+            )
+        if self.adjusted_mass is not None and joints is not None:
+            yield ("adjusted_mass",), "expected either `joints` or `adjusted_mass`, found both"
+        elif self.adjusted_mass is not None and self.adjusted_mass < (tube := self.density * self.area) * (1.0 - 1e-9):
+            text = f"expected at least that of the tube ({tube:.6g} kg/m), found {self.adjusted_mass:.6g} kg/m"
+            yield ("adjusted_mass",), text
+
+    @property
+    def contact_diameter(self) -> float:
+        """Diameter in contact with the wall between joints, blades included [m]."""
+        return self.blade_diameter or self.outer_diameter
+
+    def pieces(self) -> Iterator[Piece]:
+        """Yield the uniform pieces from the bit up."""
+        rest = self.length
+        if self.joints is not None:
+            pipe = self.joints.spacing - self.joints.length
+            contact = max(self.joints.diameter, self.contact_diameter)
+            for _ in range(int(self.length / self.joints.spacing * (1.0 + 1e-12))):
+                yield Piece(pipe, self.outer_diameter, self.contact_diameter, self)
+                yield Piece(self.joints.length, self.joints.diameter, contact, self)
+                rest -= self.joints.spacing
+        if rest > 1e-9 * self.length:
+            yield Piece(rest, self.outer_diameter, self.contact_diameter, self)
+
+    @property
+    def area(self) -> float:
+        """Cross-section A [m^2]."""
+        return math.pi / 4.0 * (self.outer_diameter**2 - self.inner_diameter**2)
+
+    @property
+    def second_moment(self) -> float:
+        """Second moment of area I for bending [m^4]; the polar moment J is twice this."""
+        return math.pi / 64.0 * (self.outer_diameter**4 - self.inner_diameter**4)
+
+    @property
+    def shear_modulus(self) -> float:
+        """Shear modulus G = E / (2 (1 + nu)) [Pa]."""
+        return self.youngs_modulus / (2.0 * (1.0 + self.poisson_ratio))
+
+    @property
+    def mass_per_length(self) -> float:
+        """Mass per length, upsets and tool joints of `adjusted_mass` included [kg/m]."""
+        return self.density * self.area if self.adjusted_mass is None else self.adjusted_mass
 
 
 class Mark(Part):
@@ -28,6 +156,25 @@ class Mark(Part):
     """Arc length from the bit [m]."""
     on: Literal["wall", "centre"] = "wall"
     """`wall`: on the outer surface (on a blade, if any), rotating with the spin; `centre`: on the centre line."""
+
+
+def repeated_names(key: str, parts: Sequence[Any]) -> Iterator[Problem]:
+    """Problems of parts under a key whose name an earlier part has."""
+    names = [part.name for part in parts]
+    for index, name in enumerate(names):
+        if name in names[:index]:
+            yield (key, index, "name"), f'expected a name of its own, found "{name}" again'
+
+
+def places_off_string(key: str, parts: Sequence[Any], length: float) -> Iterator[Problem]:
+    """Problems of parts under a key whose distance from the bit is beyond the length of the string [m]."""
+    for index, part in enumerate(parts):
+        if part.distance_from_bit > length * (1.0 + 1e-12):
+            yield Incompatibility(
+                (key, index, "distance_from_bit"),
+                f'expected "{part.name}" on the string ({length:.6g} m long), '
+                f"found {part.distance_from_bit:.6g} m from the bit",
+            )
 
 
 class String(Part):
@@ -44,27 +191,14 @@ class String(Part):
     top_end: Literal["clamped", "hinged"] = "clamped"
     """Constraint of the top across the hole. `clamped`: on the axis, no tilt; `hinged`: on the axis, tilt free."""
 
-    @model_validator(mode="after")
-    def _is_not_too_long(self) -> Self:
-        if self.length > LONGEST_STRING:
-            raise refuse_at(
-                ("sections",),
-                f"expected at most {LONGEST_STRING / 1000.0:g} km in all, found {self.length / 1000.0:.6g} km",
-            )
-        return self
-
-    @model_validator(mode="after")
-    def _marks_are_on_it(self) -> Self:
-        for index, mark in enumerate(self.marks):
-            if mark.distance_from_bit > self.length * (1.0 + 1e-12):
-                raise refuse_at(
-                    ("marks", index, "distance_from_bit"),
-                    f'expected "{mark.name}" on the string ({self.length:.6g} m long), '
-                    f"found {mark.distance_from_bit:.6g} m from the bit",
-                )
-            if mark.name in [other.name for other in self.marks[:index]]:
-                raise refuse_at(("marks", index, "name"), f'expected a name of its own, found "{mark.name}" again')
-        return self
+    def problems(self) -> Iterator[Problem]:
+        """A string that is too long, marks beyond its end, and names that two marks have."""
+        length = self.length
+        if length > LONGEST_STRING:
+            text = f"expected at most {LONGEST_STRING / 1000.0:g} km in all, found {length / 1000.0:.6g} km"
+            yield ("sections",), text
+        yield from places_off_string("marks", self.marks, length)
+        yield from repeated_names("marks", self.marks)
 
     @property
     def length(self) -> float:
@@ -72,7 +206,9 @@ class String(Part):
         return math.fsum(section.length for section in self.sections)
 
     def section_at(self, distance_from_bit: float) -> Section:
-        """Section at an arc length from the bit [m]: the upper of two at their joint, the last one beyond an end."""
+        """Section at an arc length from the bit [m]: the upper one at a joint of two, the top one beyond the
+        end.
+        """
         return self._piece_at(distance_from_bit).section
 
     def radius_at(self, distance_from_bit: float) -> float:
@@ -85,9 +221,6 @@ class String(Part):
         return tuple(piece for section in self.sections for piece in section.pieces())
 
     def _piece_at(self, distance_from_bit: float) -> Piece:
-        bottom = 0.0
-        for piece in self.pieces:
-            bottom += piece.length
-            if distance_from_bit < bottom:
-                return piece
-        return self.pieces[-1]
+        pieces = self.pieces
+        tops = accumulate(piece.length for piece in pieces)
+        return next((piece for piece, top in zip(pieces, tops, strict=True) if distance_from_bit < top), pieces[-1])

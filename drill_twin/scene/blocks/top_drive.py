@@ -2,13 +2,12 @@
 """Top drive: prescribed speed, speed controller, or impedance control."""
 
 import math
-from typing import Annotated, Literal, Self
-
-from pydantic import model_validator
+from collections.abc import Iterator
+from typing import Annotated, Literal
 
 from drill_twin.core.units import Dimensionless, Inertia, Quantity, RotationalDamping, Torque, Within
 from drill_twin.core.units.dimension import ROTATIONAL_DAMPING, ROTATIONAL_STIFFNESS
-from drill_twin.scene.blocks.part import OrAuto, Part, refuse_at
+from drill_twin.scene.blocks.part import OrAuto, Part, Problem
 
 SLOWER = 10.0
 """First torsional frequency of the string over the corner frequency of the integral part tuned by `auto`."""
@@ -45,8 +44,8 @@ class TopDrive(Part):
     """Reflection coefficient of torsional waves at the top, for their velocity [-]; with `impedance` and gains of
     `auto`."""
 
-    @model_validator(mode="after")
-    def _has_no_unused_keys(self) -> Self:
+    def problems(self) -> Iterator[Problem]:
+        """Keys that the model does not use, and gains that it does not tune."""
         unused: tuple[str, ...] = ()
         if self.model == "prescribed":
             unused = ("inertia", "damping", "torque_limit", "proportional_gain", "integral_gain", "reflection")
@@ -55,14 +54,10 @@ class TopDrive(Part):
         for key in unused:
             if key in self.model_fields_set and getattr(self, key) != type(self).model_fields[key].default:
                 why = " and a `proportional_gain` of its own" if self.model == "impedance" else ""
-                raise refuse_at((key,), f'expected no `{key}` with model "{self.model}"{why}, found one')
-        if self.model == "speed_controller":
-            for key in ("proportional_gain", "integral_gain"):
-                if getattr(self, key) == "auto":
-                    raise refuse_at(
-                        (key,), 'expected a number with model "speed_controller", found "auto": only "impedance" tunes'
-                    )
-        return self
+                yield (key,), f'expected no `{key}` with model "{self.model}"{why}, found one'
+        for key in ("proportional_gain", "integral_gain"):
+            if self.model == "speed_controller" and getattr(self, key) == "auto":
+                yield (key,), 'expected a number with model "speed_controller", found "auto": only "impedance" tunes'
 
     def gains(self, impedance: float, delay: float) -> tuple[float, float]:
         """Proportional [N m s/rad] and integral gain [N m/rad] of the motor.

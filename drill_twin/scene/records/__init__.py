@@ -6,9 +6,9 @@ from __future__ import annotations
 from pathlib import Path
 
 from drill_twin.scene.records.columns import CHANNELS, Columns
-from drill_twin.scene.records.csv_file import read_csv
 from drill_twin.scene.records.las_file import read_las
 from drill_twin.scene.records.matlab_file import read_matlab
+from drill_twin.scene.records.rows import read_csv
 from drill_twin.scene.records.witsml_file import read_witsml
 
 __all__ = ["CHANNELS", "RECORDS", "Columns", "read_columns"]

@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import difflib
 import math
 from collections import defaultdict
 from collections.abc import Mapping
@@ -15,15 +14,15 @@ import numpy as np
 
 from drill_twin.core import numerals
 from drill_twin.core.arrays import Array
-from drill_twin.core.errors import TableError
+from drill_twin.core.errors import TableError, nearest
 from drill_twin.core.rig_channels import RECORDED, RIG_CHANNELS
 from drill_twin.core.units import Dimension, UnitError
 from drill_twin.core.units.dimension import TIME
 from drill_twin.core.units.parse import name_and_unit, record_factor
 
 
-class Channel(NamedTuple):
-    """Channel of a record, and the names of its column, those to be preferred first."""
+class RecordChannel(NamedTuple):
+    """Channel of a record, and the names of its column in the order of preference."""
 
     dimension: Dimension
     mnemonics: tuple[str, ...]
@@ -36,20 +35,20 @@ _PATTERNS = {
     "weight_on_bit": r"(^|[^a-z])(wob|weight[ _-]?on[ _-]?bit)([^a-z]|$)",
     "rotation": r"(^|[^a-z])(rpm|rps|top[ _-]?(drive)?[ _-]?(speed|rpm)|rotary[ _-]?speed|rotation)([^a-z]|$)",
 }
-CHANNELS: Mapping[str, Channel] = {
-    "time": Channel(TIME, ("time", "etim", "timestamp_utc_iso", "datetime", "dtim"), _PATTERNS["time"])
+CHANNELS: Mapping[str, RecordChannel] = {
+    "time": RecordChannel(TIME, ("time", "etim", "timestamp_utc_iso", "datetime", "dtim"), _PATTERNS["time"])
 } | {
-    name: Channel(found.dimension, (*found.mnemonics, found.heading), _PATTERNS.get(name, ""))
+    name: RecordChannel(found.dimension, (*found.mnemonics, found.heading), _PATTERNS.get(name, ""))
     for name, found in ((name, RIG_CHANNELS[field]) for name, field in RECORDED.items())
 }
 """Time and the channels of `drill_twin.core.rig_channels` that records have."""
 
 
 def null_values(given: str, place: str) -> frozenset[float]:
-    """Numbers that stand for no value: -999.25, and the one that a file gives.
+    """Numbers that stand for no value: -999.25, and the null value that a file gives.
 
     Raises:
-        TableError: The one given is no number.
+        TableError: The null value of the file is no number.
     """
     null = math.nan if given.lower() in {"", "nan"} else numerals.number(given)
     if null is None:
@@ -58,7 +57,7 @@ def null_values(given: str, place: str) -> frozenset[float]:
 
 
 _MOST_NAMES, _LONGEST_NAME = 20, 60  # in a message
-_LONGEST = 1000  # characters of a name
+_LONGEST_HEADING = 1000  # characters
 
 
 class Columns(dict[str, Array]):
@@ -83,10 +82,10 @@ class Columns(dict[str, Array]):
             TableError: A name is endless.
         """
         for name in (*values, *(texts or {})):
-            if len(name) > _LONGEST:
+            if len(name) > _LONGEST_HEADING:
                 raise TableError(
-                    f"{file}: expected names of columns of at most {_LONGEST} characters, found one of {len(name)}, "
-                    f'"{name[:_LONGEST_NAME]}..."'
+                    f"{file}: expected names of columns of at most {_LONGEST_HEADING} characters, found one of "
+                    f'{len(name)}, "{name[:_LONGEST_NAME]}..."'
                 )
         super().__init__(values)
         self.file = file
@@ -116,7 +115,7 @@ class Columns(dict[str, Array]):
         return ending
 
     def si(self, name: str, unit: str, dimension: Dimension, meant: str) -> Array:
-        """Values of a column in SI; one that is too large for a double there is missing.
+        """Values of a column in SI; a value that is too large for a double in SI is missing.
 
         Args:
             name: The column.
@@ -130,8 +129,7 @@ class Columns(dict[str, Array]):
         if name in self._texts:
             raise TableError(f'{self.file}: expected numbers in column "{name}" for {meant}, found {self._texts[name]}')
         if name not in self:
-            close = difflib.get_close_matches(name, [one for one in self if len(one) <= _LONGEST_NAME], n=1, cutoff=0.5)
-            hint = f', did you mean "{close[0]}"?' if close else ""
+            hint = nearest(name, [known for known in self if len(known) <= _LONGEST_NAME], 0.5)
             raise TableError(f'{self.file}: expected a column "{name}" for {meant}, found {self.listed}{hint}')
         try:
             factor = record_factor(unit, dimension)

@@ -22,13 +22,13 @@ def read_las(path: Path) -> Columns:
     """Read a LAS file over time; its NULL and -999.25 are missing values, columns of text are left out.
 
     Raises:
-        TableError: It is no such file, or one over depth.
+        TableError: The file is no LAS 2.0 file, or a log over depth.
     """
     lines = _used(path)
     version, well, curves = _header(path, lines)
     count = Counter(name for name, _ in curves)
     place, names, units = dict.fromkeys(count, 0), list[str](), dict[str, str]()
-    for name, unit in curves:  # those of one name are numbered
+    for name, unit in curves:  # curves of the same name are numbered
         place[name] += 1
         names.append(name if count[name] == 1 else f"{name}:{place[name]}")
         units[names[-1]] = unit

@@ -53,7 +53,7 @@ sys.stdout.buffer.write(out.getvalue())
 
 
 def read_matlab(path: Path) -> Columns:
-    """Read a MAT file by scipy in a separate process: a damaged one can crash it or request any amount of memory.
+    """Read a MAT file by scipy in a separate process: a damaged file can crash scipy or request any amount of memory.
 
     Raises:
         TableError: It is no such file, or a damaged one.

@@ -1,18 +1,20 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Rows of a record as numbers, for all kinds of text: CSV, LAS and WITSML."""
+"""Rows of a record as numbers, for all kinds of text: LAS, WITSML, and the CSV file that is read here."""
 
 from __future__ import annotations
 
 import csv
 import math
 from array import array
-from collections.abc import Mapping, Sequence
+from collections import Counter
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
 
-from drill_twin.core.errors import DrillTwinError
+from drill_twin.core.errors import DrillTwinError, TableError
+from drill_twin.core.files.foreign_file import ForeignFile
 from drill_twin.scene.records.columns import Columns, date, from_first, null_values, number
 
 LARGEST_FILE = 200_000_000
@@ -22,7 +24,7 @@ _LONGEST_CELL = 40  # characters, in a message
 
 
 class RowError(DrillTwinError):
-    """A row that has not as many cells as there are columns."""
+    """A row whose number of cells is not the number of columns."""
 
 
 class Text(NamedTuple):
@@ -56,10 +58,10 @@ class RecordRows:
         self.count, self.texts = 0, dict[int, Text]()
 
     def add(self, line: str) -> None:
-        """Append a line; each column has numbers or ISO 8601 dates, as the first of its cells that is not missing.
+        """Append a line; the first cell of a column that is not missing decides between numbers and ISO 8601 dates.
 
         Raises:
-            RowError: It has not as many cells as there are columns.
+            RowError: The number of cells is not the number of columns.
         """
         cells = split(line, self._delimiter)
         if len(cells) != len(self._names):
@@ -76,7 +78,7 @@ class RecordRows:
         self._numbers.fromlist([self._value(k, cell.strip()) for k, cell in enumerate(cells)])
 
     def columns(self, path: Path, units: Mapping[str, str], null: str = "") -> Columns:
-        """The columns; what is infinite, -999.25 or the null value is missing.
+        """The columns; a number that is infinite, -999.25 or the null value is missing.
 
         Args:
             path: The file, for messages.
@@ -84,7 +86,7 @@ class RecordRows:
             null: Number that stands for no value, as the file gives it; empty for none.
 
         Raises:
-            TableError: The null value is none, or a name is endless.
+            TableError: The null value is no number, or a name is endless.
         """
         nulls, units = list(null_values(null, str(path))), dict(units)
         table, values = np.frombuffer(self._numbers).reshape(-1, len(self._names)), {}
@@ -126,3 +128,57 @@ def split(line: str, delimiter: str) -> list[str]:
         return next(csv.reader([line.strip(" \r\n")], delimiter=delimiter, skipinitialspace=True), [])
     except csv.Error as error:
         raise RowError(f"expected cells in quotes, found {error}") from None
+
+
+CSV = ForeignFile("a CSV file", LARGEST_FILE, TableError, may_be_empty=False)
+_DELIMITERS = ",;\t|"
+
+
+def read_csv(path: Path) -> Columns:
+    """Read a CSV file.
+
+    Raises:
+        TableError: It is none, or has a cell that is not a number (with its line).
+    """
+    lines = used_lines(CSV, path)
+    place, header = next(lines, (0, ""))
+    try:
+        names, rows = _begin(header)
+        for place, line in lines:  # noqa: B007  the place is told
+            rows.add(line)
+            if rows.texts:
+                column, text = next(iter(rows.texts.items()))
+                raise RowError(f'expected a number in column "{names[column][:40]}", found "{text.cell}"')
+    except RowError as error:
+        raise TableError(f"{path}:{place}: {error}") from None
+    if not rows.count:
+        raise TableError(f"{path}: expected a header and rows of numbers, found {1 if header else 0} lines")
+    return rows.columns(path, {})
+
+
+def _begin(header: str) -> tuple[list[str], RecordRows]:
+    """Names of the columns, and their rows to be filled.
+
+    Raises:
+        RowError: The header is none.
+    """
+    delimiter = delimiter_of(header)
+    names = [cell.strip() for cell in split(header, delimiter)]
+    if len(names) > MOST_COLUMNS:
+        raise RowError(f"expected at most {MOST_COLUMNS} columns, found {len(names)}")
+    if names and all(number(name if delimiter == "," else name.replace(",", ".")) is not None for name in names):
+        raise RowError("expected a header with column names, found numbers")
+    if twice := sorted(name for name, count in Counter(names).items() if count > 1):
+        raise RowError(f"expected each column once, found {', '.join(twice)[:100]} again")
+    return names, RecordRows(names, delimiter)
+
+
+def used_lines(kind: ForeignFile, path: Path) -> Iterator[tuple[int, str]]:
+    """Lines of a table that are neither empty nor a comment, with their numbers."""
+    return ((place, line) for place, line in kind.lines(path) if line.strip() and not line.startswith("#"))
+
+
+def delimiter_of(header: str) -> str:
+    """Most frequent delimiter of the header; a space if there is no other."""
+    best = max(_DELIMITERS, key=header.count)
+    return best if header.count(best) else " "

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """Time log of WITSML 1.4.1 (Energistics 2011), read as a stream by expat.
 
-A document type is refused, and with it every entity, internal or external, that expat would expand or fetch: no log has
-one. So the standard library is as safe here as defusedxml, which refuses the same; and as no tree is built, a file of
-200 MB takes the memory of its numbers.
+A document type, which no log has, is refused. So is every entity, internal or external, that expat would expand or
+fetch. Therefore the standard library is as safe here as defusedxml, which refuses the same; and as no tree is built, a
+file of 200 MB takes the memory of its numbers.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ WITSML = ForeignFile("a WITSML log", LARGEST_FILE, TableError, may_be_empty=Fals
 _VERSION = "1.4.1"
 _TIME = ("date time", "elapsed time")
 _TEXTS = ("indexType", "indexCurve", "nullValue", "dataDelimiter", "mnemonicList", "unitList", "data")
-_DEEPEST, _LONGEST, _CHUNK = 20, 1_000_000, 2**18
+_DEEPEST, _LONGEST_TEXT, _CHUNK = 20, 1_000_000, 2**18
 _NONE = ("unitless", "none", "euc", "----")
 """Units of WITSML that say that there is none."""
 
@@ -58,8 +58,8 @@ class _LogReader:
 
     def text(self, data: str) -> None:
         self._length += len(data)
-        if self._length > _LONGEST:
-            raise _RefusedError(f"expected texts of at most {_LONGEST} characters, found a longer one")
+        if self._length > _LONGEST_TEXT:
+            raise _RefusedError(f"expected texts of at most {_LONGEST_TEXT} characters, found a longer one")
         self._text.append(data)
 
     def end(self, name: str) -> None:
@@ -128,8 +128,8 @@ def read_witsml(path: Path) -> Columns:
             while chunk := stream.read(_CHUNK):
                 parser.Parse(chunk, False)
                 fed += len(chunk)
-                if fed - parser.CurrentByteIndex > 2 * _LONGEST:  # expat begins such a tag anew with each chunk
-                    raise _RefusedError(f"expected tags of at most {_LONGEST} characters, found a longer one")
+                if fed - parser.CurrentByteIndex > 2 * _LONGEST_TEXT:  # expat begins such a tag anew with each chunk
+                    raise _RefusedError(f"expected tags of at most {_LONGEST_TEXT} characters, found a longer one")
             parser.Parse(b"", True)
         return reader.columns(path)
     except (expat.ExpatError, _RefusedError, OSError, ValueError, LookupError) as error:

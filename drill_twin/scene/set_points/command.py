@@ -16,8 +16,8 @@ from drill_twin.core.arrays import Array
 class Command:
     """Set-points of the rig.
 
-    One made from others is made by a method here, which has all values in hand: a place that names some of them forgets
-    the rest.
+    A command that is made from other commands is made by a method of this class. Code elsewhere that names single
+    set-points would forget the set-points that are added later.
     """
 
     weight_on_bit: float
@@ -29,7 +29,7 @@ class Command:
 
     @property
     def values(self) -> tuple[float, float, float]:
-        """All set-points, in the order of the fields, which is that of arrays, shape (3,) or (F, 3)."""
+        """All set-points in the order of the fields, which arrays of set-points have too, shape (3,) or (F, 3)."""
         return self.weight_on_bit, self.rotation, self.block
 
     def is_finite(self) -> bool:
@@ -41,17 +41,17 @@ class Command:
         return np.array(self.values)
 
     def completed(self, other: Self) -> Self:
-        """These set-points, with those of another where they are not finite: NaN is no set-point."""
+        """This command, with the set-points of another command where its own are not finite: NaN is no set-point."""
         pairs = zip(self.values, other.values, strict=True)
         return type(self)(*(own if math.isfinite(own) else spare for own, spare in pairs))
 
     def mixed(self, other: Self, share: float) -> Self:
-        """These set-points, and a share of the way to another."""
+        """The command at a share of the way from this command to another."""
         pairs = zip(self.values, other.values, strict=True)
         return type(self)(*(own + share * (wanted - own) for own, wanted in pairs))
 
     def towards(self, target: Self, begun: Self, share: float) -> Self:
-        """These set-points, each moved towards a target by at most a share of the way from where it `begun`."""
+        """This command, each set-point moved to a target by at most a share of the way from `begun` to the target."""
         moved = []
         for own, wanted, start in zip(self.values, target.values, begun.values, strict=True):
             step = min(abs(share * (start - wanted)), abs(wanted - own))

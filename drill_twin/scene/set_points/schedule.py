@@ -27,7 +27,7 @@ def shape(set_point: SetPoint) -> SetPointAt:
     """Function of time of a set-point that is not recorded.
 
     Raises:
-        SceneError: Its shape is `table`, or one of another package that cannot be loaded.
+        SceneError: The shape is `table`, or a shape of another package that cannot be loaded.
     """
     initial, final, start, duration = set_point.initial, set_point.value, set_point.start, set_point.duration
     if set_point.shape == "constant":
@@ -164,7 +164,7 @@ def _read(
     )
 
 
-SAMPLES = 10_001
+SHAPE_TIMES = 10_001
 """Times at which a shape of another package is evaluated, evenly over the run."""
 
 
@@ -187,7 +187,7 @@ def extremes(scene: Scene) -> Command:
             if set_point.shape not in ADDED:
                 return float(ends)
             over_time = shape(set_point)
-            return float(max(ends, *(abs(over_time(time)) for time in np.linspace(0.0, rig.duration, SAMPLES))))
+            return float(max(ends, *(abs(over_time(time)) for time in np.linspace(0.0, rig.duration, SHAPE_TIMES))))
         if record is None or rig.table is None:
             return 0.0
         values = record.column(name)

@@ -127,7 +127,7 @@ def _unit_of(columns: Columns, column: str, name: str) -> str:
 
 
 def _increasing(file: Path, stamps: Array) -> tuple[npt.NDArray[np.intp], str]:
-    """Rows with a distinct stamp, and a note on those left out."""
+    """Rows with a distinct stamp, and a note on the rows left out."""
     rows = np.flatnonzero(np.isfinite(stamps))
     missing = len(stamps) - len(rows)
     steps = np.diff(stamps[rows])
@@ -140,8 +140,8 @@ def _increasing(file: Path, stamps: Array) -> tuple[npt.NDArray[np.intp], str]:
     if len(rows) < 2:
         raise TableError(f"{file}: expected at least two time stamps, found {len(rows)}")
     twice = len(stamps) - missing - len(rows)
-    said = [f"{_count(missing, 'row')} without a stamp"] * bool(missing) + [_count(twice, "repeated stamp")] * bool(
-        twice
+    said = [f"{_count(missing, 'row')} without a stamp"] * (missing > 0) + [_count(twice, "repeated stamp")] * (
+        twice > 0
     )
     return rows, f"; left out {' and '.join(said)}" if said else ""
 
@@ -173,7 +173,7 @@ def _count(number: int, noun: str) -> str:
 CORE = 0.5
 """Least deviation of a spike's peak from the running median, over the 5 to 95 percentile range [-]."""
 FLANK = 0.1
-"""Least deviation of its other samples from the median, over the same range [-]."""
+"""Least deviation of the other samples of a spike from the median, over the same range [-]."""
 SCATTER = 6.0
 """Least deviation in standard deviations of the scatter about the median [-]."""
 
@@ -217,7 +217,7 @@ def clean(time: Array, values: Array, *, name: str, longest_gap: float, spike_wi
     good = valid & ~spikes
     cleaned = np.interp(time, time[good], values[good])
     return cleaned, Cleaning(
-        spikes=_runs(spikes),
+        spikes=int(np.count_nonzero(np.diff(spikes.astype(np.int8), prepend=0) == 1)),
         spike_samples=int(spikes.sum()),
         gaps=len(gaps),
         gap_samples=sum(max(1, round((end - begin) / spacing) - 1) for begin, end in gaps),
@@ -251,7 +251,3 @@ def _gaps(time: Array, valid: Mask, spacing: float) -> list[tuple[float, float]]
     if known[-1] < time[-1]:
         edges.append((float(known[-1]), float(time[-1])))
     return edges
-
-
-def _runs(mask: Mask) -> int:
-    return int(np.count_nonzero(np.diff(np.concatenate(([False], mask)).astype(np.int8)) == 1))

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """Catalogue of pipe: API drill pipe, heavy-weight drill pipe, grades.
 
-Drill pipe after API Spec 5DP and API RP 7G (new pipe): outer and inner diameter of the body; the adjusted weight with
-tool joints and upsets is approximate, it depends on the joint; the make-up torque is that of a usual connection of the
-size, for a plan. A tally may give its own.
+Drill pipe after API Spec 5DP and API RP 7G (new pipe): outer and inner diameter of the body. The adjusted weight with
+tool joints and upsets depends on the joint, and is approximate. The make-up torque is of a usual connection of the
+size, good enough for a plan.
 """
 
 from __future__ import annotations
@@ -12,16 +12,10 @@ from typing import Any, NamedTuple
 
 from drill_twin.core.units import parse
 from drill_twin.core.units.dimension import LENGTH
-from drill_twin.physics.model.steel import COLLAR, GRADES, LARGE_COLLAR
-from drill_twin.physics.model.steel import HEAVY_WEIGHT as HEAVY_WEIGHT_STEEL
 
 INCH, POUND_PER_FOOT, FOOT_POUND = 0.0254, 1.48816394, 1.3558179
-YIELD = {name: steel.yield_strength for name, steel in GRADES.items()}
-"""Yield strength of the grades of drill pipe [Pa]."""
-COLLAR_YIELD, LARGE_COLLAR_YIELD = COLLAR.yield_strength, LARGE_COLLAR.yield_strength
 LARGEST_COLLAR = 7.0 * INCH
-"""Outer diameter of collars from which their steel is that of large ones [m]."""
-HEAVY_WEIGHT_YIELD = HEAVY_WEIGHT_STEEL.yield_strength
+"""Outer diameter above which a collar is of the steel of large collars [m]."""
 DENSITY = 7850.0
 """Density of steel, the default of a scene [kg/m^3]."""
 ALUMINIUM = {"youngs_modulus": "69 GPa", "poisson_ratio": 0.33, "density": "2700 kg/m^3"}
@@ -72,9 +66,9 @@ _CASING = (
     "4 1/2", "5", "5 1/2", "6 5/8", "7", "7 5/8", "7 3/4", "8 5/8", "9 5/8", "10 3/4", "11 3/4", "13 3/8", "16",
     "18 5/8", "20",
 )  # fmt: skip
-"""Outer diameters of API 5CT casing [in]; no bore of it is one of them within `SAME`."""
+"""Outer diameters of API 5CT casing [in]; no bore of such casing is an outer diameter within `SAME`."""
 SAME = 1e-3
-"""Relative difference up to which a size of a tally is one of the catalogue."""
+"""Relative difference up to which a size of a tally counts as a size of the catalogue."""
 
 
 def drill_pipe(outer_diameter: float, mass: float) -> Pipe | None:

@@ -19,7 +19,7 @@ from drill_twin.scene import Scene
 from drill_twin.scene.load import build_scene
 from drill_twin.scene.well_plan.catalogue import INCH, casing_size
 from drill_twin.scene.well_plan.table import Row, read_table
-from drill_twin.scene.well_plan.tally import Piece, marks, read_tally
+from drill_twin.scene.well_plan.tally import TallyPiece, marks, read_tally
 
 NAMES: dict[str, tuple[str, ...]] = {
     "md": ("md", "measured depth", "depth", "measured_depth"),
@@ -89,7 +89,7 @@ def _follows(row: Row, above: dict[str, float], here: dict[str, float]) -> None:
     if run < 0.0:
         raise SceneError(
             f"{row.place}: expected a depth below the row above ({row.length_text('md', above['depth'])}), "
-            f"found {depth}: the survey goes back; sort the rows, or correct this one"
+            f"found {depth}: the survey goes back; sort the rows, or correct this row"
         )
     pair = np.array([[above["inclination"], above["azimuth"]], [here["inclination"], here["azimuth"]]])
     turn = float(dogleg(pair[:, 0], pair[:, 1])[0])
@@ -114,9 +114,9 @@ def as_block(stations: list[dict[str, float]]) -> list[dict[str, Any]]:
 
 BIT_TORQUE = {"sliding": 0.4, "sticking": 0.5, "decay": "0.9 s/rad", "specific_energy": "170 MPa"}
 """Friction of the bit on rock, at a third of its diameter, and specific energy of the rock (25 ksi): stand-ins, to be
-replaced by measured ones."""
+replaced by measured values."""
 LONG = 200.0
-"""Length from which a string is one of a well and not of a bench, for wall, eccentricity and frame rate [m]."""
+"""Length from which wall, eccentricity and frame rate are chosen for a well and not for a test bench [m]."""
 
 
 class WellPlan(NamedTuple):
@@ -130,14 +130,14 @@ class WellPlan(NamedTuple):
     casing: tuple[str, ...] = ()
     """Inner diameter and shoe of each casing from the top down: `12.415 in to 1500 m`; after `ID` any diameter."""
     bit: str = ""
-    """Diameter of the bit; empty: that of the hole."""
+    """Diameter of the bit; empty: the diameter of the hole."""
     depth: str = ""
     """Measured depth of the bit; empty: the last station."""
     mud: str = "1.2 sg"
     viscosity: str = "20 cP"
     friction: float = 0.25
     cased_friction: float | None = None
-    """Friction coefficient in the casing; None: that of the open hole."""
+    """Friction coefficient in the casing; None: the coefficient of the open hole."""
     weight_on_bit: str = "100 kN"
     rotation: str = "120 rpm"
     units: str = ""
@@ -238,8 +238,8 @@ class WellPlan(NamedTuple):
             if bore == inner.strip() and (size := casing_size(diameter)):
                 raise SceneError(
                     f'--casing "{short(casing)}": expected the inner diameter of the casing, found {size} in, an outer '
-                    f'diameter of API 5CT; give the one that its weight leaves, as "12.415 in to 1500 m" for 13 3/8 in '
-                    f'of 68 lb/ft, or "ID {short(casing)}" if it is the inner one'
+                    f'diameter of API 5CT; give the inner diameter that its weight leaves, as "12.415 in to 1500 m" '
+                    f'for 13 3/8 in of 68 lb/ft, or "ID {short(casing)}" if that is the inner diameter'
                 )
             if depth <= top:
                 raise SceneError(
@@ -251,7 +251,7 @@ class WellPlan(NamedTuple):
         return found
 
 
-def _check_fit(pieces: list[Piece], hole: float, casing: list[tuple[float, float, float]]) -> None:
+def _check_fit(pieces: list[TallyPiece], hole: float, casing: list[tuple[float, float, float]]) -> None:
     """Refuse pipe wider than the hole: a piece passes every diameter above its lower end."""
     shoe = casing[-1][1] if casing else 0.0
     depth = math.fsum(piece.length for piece in pieces)

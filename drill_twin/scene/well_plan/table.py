@@ -14,7 +14,7 @@ from drill_twin.core.files.foreign_file import ForeignFile
 from drill_twin.core.units import UnitError, factor_of, parse
 from drill_twin.core.units.dimension import ANGLE, LENGTH, LINEAR_MASS, Dimension
 from drill_twin.core.units.parse import name_and_unit
-from drill_twin.scene.records.csv_file import delimiter_of, used_lines
+from drill_twin.scene.records.rows import delimiter_of, used_lines
 
 MOST_ROWS = 10_000
 TABLE = ForeignFile("a CSV table", 4_000_000, SceneError)
@@ -57,7 +57,7 @@ class Row(NamedTuple):
             kind: `depth`, `diameter`, `mass` or `angle`: what a number without a unit is in.
 
         Raises:
-            SceneError: It is no such number, or its unit is not that of the column.
+            SceneError: The cell is no such number, or has another unit than the column.
         """
         text = self.text(column)
         if not text:

@@ -11,15 +11,13 @@ from typing import Any, NamedTuple
 from drill_twin.core.errors import SceneError
 from drill_twin.core.units import parse
 from drill_twin.core.units.dimension import LENGTH
+from drill_twin.physics.model.steel import COLLAR, GRADES, HEAVY_WEIGHT, LARGE_COLLAR, Steel
 from drill_twin.scene.well_plan.catalogue import (
-    COLLAR_YIELD,
     DENSITY,
-    HEAVY_WEIGHT_YIELD,
     INCH,
-    LARGE_COLLAR_YIELD,
     LARGEST_COLLAR,
     MATERIALS,
-    YIELD,
+    Pipe,
     drill_pipe,
     heavy_weight,
     named_sizes,
@@ -52,7 +50,7 @@ MARKED = ("stabiliser", "stabilizer", "stab", "mwd", "motor", "sub")
 """Kinds with a mark at their middle."""
 
 
-class Piece(NamedTuple):
+class TallyPiece(NamedTuple):
     """Row of a tally."""
 
     row: Row
@@ -67,13 +65,13 @@ class Piece(NamedTuple):
     """Largest outer diameter, blades and tool joints included [m]."""
 
 
-def read_tally(file: Path, system: str, bottom: float) -> list[Piece]:
+def read_tally(file: Path, system: str, bottom: float) -> list[TallyPiece]:
     """Read the tally, from the bit up.
 
     Args:
         file: Table with the columns kind, length and od; id, weight, grade, gauge and name as far as they apply.
         system: `si` or `field`.
-        bottom: Measured depth of the bit [m]; a length `rest` takes what the others leave of it.
+        bottom: Measured depth of the bit [m]; a row of the length `rest` takes what the other rows leave of that depth.
 
     Raises:
         SceneError: A row that cannot be read, or a tally longer than the well; with file, line and remedy.
@@ -99,7 +97,7 @@ def read_tally(file: Path, system: str, bottom: float) -> list[Piece]:
     ]
 
 
-def marks(pieces: Sequence[Piece]) -> list[dict[str, Any]]:
+def marks(pieces: Sequence[TallyPiece]) -> list[dict[str, Any]]:
     """Marks of a string from the bit up: near the bit, at stabilisers and tools, in the longest collar and half-way up.
 
     The bit itself is held, so its mark is a metre above its face, or less in a short string.
@@ -129,7 +127,7 @@ def _positive(row: Row, column: str, kind: str) -> float:
     return value
 
 
-def _piece(row: Row, length: float) -> Piece:
+def _piece(row: Row, length: float) -> TallyPiece:
     word = row.text("kind").lower()
     if word not in KINDS:
         raise SceneError(f'{row.place}, kind: expected one of {", ".join(KINDS)}, found "{row.text("kind")}"')
@@ -146,7 +144,7 @@ def _piece(row: Row, length: float) -> Piece:
         section["blade_diameter"] = f"{gauge:.10g} m"
     section |= _material(row)
     widest = section.get("blade_diameter", section["outer_diameter"])
-    return Piece(row, section, word, length, parse(widest, LENGTH))
+    return TallyPiece(row, section, word, length, parse(widest, LENGTH))
 
 
 def _drill_pipe(row: Row, outer: float) -> dict[str, Any]:
@@ -157,10 +155,7 @@ def _drill_pipe(row: Row, outer: float) -> dict[str, Any]:
             f"{row.place}: expected drill pipe of API 5DP ({named_sizes()}), found od {row.text('od')}, weight "
             f"{row.text('weight')}; the weight is the nominal one. For another pipe edit the scene"
         )
-    return _tube(outer, pipe.inner_diameter, _grade(row)) | {
-        "adjusted_mass": f"{pipe.adjusted_mass:.6g} kg/m", "blade_diameter": f"{pipe.joint_diameter:.10g} m",
-        "make_up_torque": f"{pipe.make_up_torque:.6g} N m",
-    }  # fmt: skip
+    return _jointed(outer, pipe, _grade(row))
 
 
 def _heavy(row: Row, outer: float) -> dict[str, Any]:
@@ -169,31 +164,36 @@ def _heavy(row: Row, outer: float) -> dict[str, Any]:
         raise SceneError(
             f"{row.place}, od: expected heavy-weight pipe of 3 1/2 to 6 5/8 in, found {outer / INCH:.4g} in"
         )
-    return _tube(outer, pipe.inner_diameter, HEAVY_WEIGHT_YIELD) | {
+    return _jointed(outer, pipe, HEAVY_WEIGHT)
+
+
+def _jointed(outer: float, pipe: Pipe, steel: Steel) -> dict[str, Any]:
+    """Pipe of the catalogue, with its tool joints."""
+    return _tube(outer, pipe.inner_diameter, steel) | {
         "adjusted_mass": f"{pipe.adjusted_mass:.6g} kg/m", "blade_diameter": f"{pipe.joint_diameter:.10g} m",
         "make_up_torque": f"{pipe.make_up_torque:.6g} N m",
     }  # fmt: skip
 
 
 def _collar(row: Row, outer: float) -> dict[str, Any]:
-    return _tube(outer, _bore(row, outer), LARGE_COLLAR_YIELD if outer > LARGEST_COLLAR else COLLAR_YIELD)
+    return _tube(outer, _bore(row, outer), LARGE_COLLAR if outer > LARGEST_COLLAR else COLLAR)
 
 
 def _plain(row: Row, outer: float) -> dict[str, Any]:
     """Tube of any size, without tool joints."""
-    return _tube(outer, _bore(row, outer), _grade(row) if row.text("grade") else math.nan)
+    return _tube(outer, _bore(row, outer), _grade(row) if row.text("grade") else None)
 
 
 def _bore(row: Row, outer: float) -> float:
-    """Bore of a row, or that which a steel tube of its weight has, as a motor's is seldom told."""
+    """Bore of a row; without one the bore of a steel tube of its weight, as tables seldom give the bore of a motor."""
     if not row.text("id"):
         if not row.text("weight"):
-            raise SceneError(
-                f"{row.place}, id: expected the bore, or in `weight` that of which it follows, found neither"
-            )
+            raise SceneError(f"{row.place}, id: expected the bore, or a `weight` from which it follows, found neither")
         square = outer**2 - _positive(row, "weight", "mass") / (0.25 * math.pi * DENSITY)
         if not square > 0.0:
-            raise SceneError(f"{row.place}, weight: expected less than that of a bar, found {row.text('weight')}")
+            raise SceneError(
+                f"{row.place}, weight: expected less than the weight of a bar of that od, found {row.text('weight')}"
+            )
         return math.sqrt(square)
     inner = _positive(row, "id", "diameter")
     if inner >= outer:
@@ -211,16 +211,16 @@ def _material(row: Row) -> dict[str, Any]:
     return MATERIALS[word]
 
 
-def _grade(row: Row) -> float:
+def _grade(row: Row) -> Steel:
     grade = row.text("grade").upper().replace("-", "").replace(" ", "")
-    if grade not in YIELD:
+    if grade not in GRADES:
         raise SceneError(
-            f'{row.place}, grade: expected one of {", ".join(YIELD)}, found "{row.text("grade")}"; the weight has a '
+            f'{row.place}, grade: expected one of {", ".join(GRADES)}, found "{row.text("grade")}"; the weight has a '
             "column of its own"
         )
-    return YIELD[grade]
+    return GRADES[grade]
 
 
-def _tube(outer: float, inner: float, strength: float) -> dict[str, Any]:
+def _tube(outer: float, inner: float, steel: Steel | None) -> dict[str, Any]:
     tube = {"outer_diameter": f"{outer:.10g} m", "inner_diameter": f"{inner:.10g} m"}
-    return tube if math.isnan(strength) else tube | {"yield_strength": f"{strength / 1e6:.6g} MPa"}
+    return tube if steel is None else tube | {"yield_strength": f"{steel.yield_strength / 1e6:.6g} MPa"}

@@ -8,9 +8,8 @@ import pytest
 
 from drill_twin.api.result import Result
 from drill_twin.core.errors import ArgumentError
-from drill_twin.dynamics.sensors.sampling import Instrument, ReadingNoise, errors_of, with_errors
+from drill_twin.dynamics.sensors.sampling import Instrument, ReadingNoise, drive_torque, errors_of, with_errors
 from drill_twin.dynamics.sensors.subs import SUMMARY, summary
-from drill_twin.dynamics.sensors.surface import drive_torque
 from drill_twin.io.bag.virtual_bags import MemoryBag
 from drill_twin.io.messages.decode import read_joint_state
 from drill_twin.io.messages.sensor_messages import read_imu, read_summary
@@ -47,8 +46,7 @@ def test_a_sample_is_the_mean_over_its_interval_and_comes_after_its_delay() -> N
     instrument = Instrument([SpeedChannel()], 20.0, 0.1, 1, 0)
     times, readings = [], []
     for frame in range(1, 41):
-        sample = instrument.sample(frame / 100.0, 0.01, np.array([float(frame)]))
-        for reading in instrument.delayed(frame / 100.0, [] if sample is None else [sample]):
+        for reading in instrument.advance(frame / 100.0, 0.01, np.array([float(frame)])):
             times.append(frame / 100.0)
             readings.append(reading)
     assert readings[0].time == pytest.approx(0.025)

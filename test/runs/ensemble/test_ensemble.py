@@ -11,9 +11,8 @@ import drill_twin as dt
 from drill_twin.dynamics.twin.twin import Twin
 from drill_twin.runs.ensemble import parts
 from drill_twin.runs.ensemble import run as member_run
-from drill_twin.runs.ensemble.outputs import Request
+from drill_twin.runs.ensemble.outputs import Request, Spectra
 from drill_twin.runs.ensemble.parts import frames_of, planned
-from drill_twin.runs.ensemble.time_outputs import Spectra
 from drill_twin.scene.set_points import Command
 
 COARSE = {

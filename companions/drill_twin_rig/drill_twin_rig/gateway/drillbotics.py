@@ -30,7 +30,7 @@ from drill_twin.io.bag.reader import Bag
 from drill_twin.io.messages.topics import RIG_STATE, TWIN_SCENE
 from drill_twin.report.rig_table import Channel, las_text
 from drill_twin.report.selection import Selection
-from drill_twin.scene.records.csv_file import CSV
+from drill_twin.scene.records.rows import CSV
 from drill_twin_rig.gateway.quantities import QUANTITIES, TwinQuantities
 from drill_twin_rig.gateway.signals import ShownSignal, read_signals, signals_path
 

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from drill_twin.core.errors import MessageError
-from drill_twin.core.rig_channels import channel_of, field_of
+from drill_twin.core.rig_channels import FIELDS, channel_of
 from drill_twin.core.units import Dimension
 from drill_twin.core.units.dimension import ACCELERATION, ANGULAR_SPEED, DIMENSIONLESS, FORCE, LENGTH, TIME
 from drill_twin.dynamics.sensors.subs import SUMMARY
@@ -150,7 +150,7 @@ class TwinQuantities:
 
     def _on_rig(self, message: JointState) -> bool:
         state, time = read_rig_state(message), seconds(message.stamp)
-        self.values.update({name: getattr(state, field_of(name)) for name in _RIG})
+        self.values.update({name: getattr(state, FIELDS[name]) for name in _RIG})
         if state.drilled == 0.0:  # this bit does not drill, or not yet
             del self.values["rate_of_penetration"]
         if self._bit is not None and 0.0 < time - self._bit[0] < 1.0:

@@ -15,11 +15,10 @@ import numpy as np
 
 from drill_twin.api.scenes import Overrides, as_scene, range_of
 from drill_twin.core.arrays import Array
-from drill_twin.core.errors import ArgumentError, SceneError
+from drill_twin.core.errors import ArgumentError, SceneError, nearest
 from drill_twin.core.rig_channels import INSTANT
 from drill_twin.core.units.ranges import parse_range
 from drill_twin.scene import Scene
-from drill_twin.scene.problems import nearest
 from drill_twin_studies.estimation import CHANNELS, LOAD, SET_POINTS, EnsembleFilter, Estimate, EstimatorOptions, Intake
 from drill_twin_studies.estimation.subs import VALUES
 from drill_twin_studies.fitting import Record

@@ -18,8 +18,7 @@ from drill_twin.dynamics.twin.frame_record import RigSeries
 from drill_twin.dynamics.twin.twin import Twin
 from drill_twin.io.messages.topic_words import SENSORS
 from drill_twin.physics.model.section_stress import bending_stress
-from drill_twin.runs.ensemble.outputs import Request
-from drill_twin.runs.ensemble.time_outputs import Channels, Instants
+from drill_twin.runs.ensemble.outputs import Channels, Instants, Request
 from drill_twin.scene import Scene
 from drill_twin.scene.load import override
 from drill_twin.scene.overrides import full_key

@@ -12,11 +12,10 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from drill_twin.core.arrays import Array
-from drill_twin.core.errors import ArgumentError, TableError
-from drill_twin.core.rig_channels import INSTANT, RECORDED, channel_of, field_of
+from drill_twin.core.errors import ArgumentError, TableError, nearest
+from drill_twin.core.rig_channels import FIELDS, INSTANT, RECORDED, channel_of
 from drill_twin.core.units import Dimension
 from drill_twin.core.units.dimension import ANGULAR_SPEED, TIME
-from drill_twin.scene.problems import nearest
 from drill_twin.scene.records import Columns, read_columns
 
 if TYPE_CHECKING:
@@ -24,14 +23,14 @@ if TYPE_CHECKING:
 
 _COMPUTED = ("torque", "motor_torque", "top_drive_speed", "bit_speed", "bit_torque", "bit_force", "hookload")
 CHANNELS: Mapping[str, Dimension] = {name: channel_of(name).dimension for name in _COMPUTED}
-"""Channels that a run computes (`drill_twin.runs.ensemble.time_outputs.Channels`), and their dimensions."""
+"""Channels that a run computes (`drill_twin.runs.ensemble.outputs.Channels`), and their dimensions."""
 SET_POINTS: Mapping[str, Dimension] = {name: channel_of(name).dimension for name in ("weight_on_bit", "rotation")}
 """Set-points of a rig, as commanded or indicated, and dimensions: inputs of the estimator."""
 _KNOWN = {**CHANNELS, **SET_POINTS}
 GAP = 2.5
 """Distance of two samples over the usual one, from which there is a gap between them."""
-_OF_BAG = {name: field_of(name) for name in _KNOWN if name != "motor_torque"}
-_MNEMONICS = {name: record for name in _KNOWN for record, field in RECORDED.items() if field == field_of(name)}
+_OF_BAG = {name: FIELDS[name] for name in _KNOWN if name != "motor_torque"}
+_MNEMONICS = {name: record for name in _KNOWN for record, field in RECORDED.items() if field == FIELDS[name]}
 """Channels, and the names of their columns in records."""
 
 

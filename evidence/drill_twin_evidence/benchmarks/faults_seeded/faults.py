@@ -128,8 +128,8 @@ FAULTS = (
     Fault(
         "real-time factor over computing time instead of wall time",
         "drill_twin/runs/monitor.py",
-        "return _ratio(self._total[0], self._total[3])",
-        "return _ratio(self._total[0], self._total[1])",
+        "return _ratio(self.simulated, self._wall)",
+        "return _ratio(self.simulated, self._computing)",
         "test/runs/test_run_timing.py",
     ),
     Fault(
