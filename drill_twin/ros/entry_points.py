@@ -39,7 +39,7 @@ NODES = {
 """Module and class of each node of the core."""
 PROGRAMS = {
     "twin": "drill_twin.ros.composed_twin:run",
-    "demo": "drill_twin.ros.demo.demo:run",
+    "demo": "drill_twin.ros.demo:run",
 }
 """Module and function of what starts several nodes, or takes other arguments than those of ROS."""
 GROUP = "drill_twin.nodes"
@@ -53,8 +53,9 @@ def executables() -> tuple[str, ...]:
 
 
 def node_names() -> tuple[str, ...]:
-    """Names of the nodes that are installed, those of other packages too."""
-    return (*NODES, *(entry.name for entry in entries(GROUP) if entry.name != "watch"))
+    """Names of the nodes that are installed, also in other packages; without programs."""
+    programs = frozenset().union(*(companion.programs for companion in COMPANIONS))
+    return (*NODES, *(entry.name for entry in entries(GROUP) if entry.name not in programs))
 
 
 def load(name: str) -> Any:
@@ -70,7 +71,7 @@ def load(name: str) -> Any:
         raise not_installed(f"the node {name}", _OF_COMPANIONS[name])
     module, _, attribute = place.partition(":")
     try:
-        if find_spec("rclpy") is None:  # the demo loads it in its nodes only
+        if find_spec("rclpy") is None:  # a program may import it late
             raise ModuleNotFoundError(name="rclpy")
         return getattr(importlib.import_module(module), attribute)
     except ModuleNotFoundError as error:

@@ -32,7 +32,7 @@ if __name__ == "__main__":
 NODE = """
 import os
 from pathlib import Path
-from drill_twin.ros.demo.processes import Child
+from drill_twin_evidence.benchmarks.processes import Child
 child = Child("no_such_node", {}, os.environ, Path("log"))
 print(child.wait(60.0), child.log_tail())
 """

@@ -8,19 +8,19 @@ command, or at the time of a checkpoint.
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from contextlib import suppress
 from pathlib import Path
 from types import SimpleNamespace
 from typing import TYPE_CHECKING, ClassVar
 
 from rclpy.context import Context
-from rclpy.lifecycle import LifecycleState, TransitionCallbackReturn
 
 from drill_twin.core.errors import RunStopped
 from drill_twin.dynamics.solver.slices import checked
 from drill_twin.io.messages.diagnostics import Level, Status
 from drill_twin.io.messages.topics import CLOCK_TOPIC, COMMANDER, RIG_COMMAND, RPS_COMMAND, WOB_COMMAND
-from drill_twin.ros.core.node import AUTOSTART, DONE, TwinNode
+from drill_twin.ros.core.node import AUTOSTART, TwinNode
 from drill_twin.ros.core.parameters import Parameter
 from drill_twin.ros.core.scene_parameters import OVERRIDES, SCENE
 from drill_twin.ros.core.stop_request import StopRequest
@@ -138,13 +138,13 @@ class Simulator(TwinNode):
     _run: SimulatorRun | None = None
     _control: RunControl | None = None
 
-    def __init__(self, context: Context) -> None:
-        super().__init__(context)
+    def __init__(self, context: Context, others: Iterable[str] = ()) -> None:
+        super().__init__(context, others)
         self._start_up, self._places = StartUp(self), CheckpointPlaces(self.settings)
 
     # --- life cycle -----------------------------------------------------------------------------------------------
 
-    def on_configure(self, _: LifecycleState) -> TransitionCallbackReturn:
+    def configure(self) -> None:
         """Compile and build the twin; create its publishers, the subscriptions to commands, and the services."""
         settings, start = self.settings, self._start_up
         scene = start.compiled_scene()
@@ -165,8 +165,9 @@ class Simulator(TwinNode):
             run.resume(self._places.file(settings.checkpoint))
         run.loop.announce()
         self.topics.subscribe_raw(RIG_COMMAND, run.commands.on_command)
-        for topic, received in ((WOB_COMMAND, run.commands.on_weight_on_bit), (RPS_COMMAND, run.commands.on_speed)):
-            self.topics.subscribe(topic, received, malformed=run.commands.malformed)
+        arbiter = run.commands.arbiter
+        for topic, received in ((WOB_COMMAND, arbiter.weight_on_bit), (RPS_COMMAND, arbiter.speed)):
+            self.topics.subscribe(topic, received, malformed=arbiter.malformed)
         run.apply_settings()
         offer(self, control)
         twin = run.loop.twin
@@ -177,27 +178,23 @@ class Simulator(TwinNode):
         if run.waits_for_command:
             topics = [self.resolve_topic_name(relative(name)) for name in (RIG_COMMAND, WOB_COMMAND, RPS_COMMAND)]
             self.get_logger().info(f"time stands still until a command comes on {', '.join(topics)}")
-        return DONE
 
-    def on_activate(self, _: LifecycleState) -> TransitionCallbackReturn:
+    def activate(self) -> None:
         """Let time run from here."""
         if self._run is not None:
             self._run.stand_still(paused=True)
-        return DONE
 
-    def on_deactivate(self, _: LifecycleState) -> TransitionCallbackReturn:
+    def deactivate(self) -> None:
         """Let time stand still, in the middle of a step too."""
         if self._control is not None:
             self._control.end_steps("it was deactivated")
-        return DONE
 
-    def on_cleanup(self, _: LifecycleState) -> TransitionCallbackReturn:
+    def complete(self) -> None:
         """Write the last checkpoint, wait until the readers have received everything, and drop the twin."""
         if self._control is not None:
             self._control.end_steps("it was asked to end")
         if self._run is not None:
             self._run.close()
-        return DONE
 
     # --- the loop -------------------------------------------------------------------------------------------------
 

@@ -32,8 +32,8 @@ _PROTOCOL = Subprotocol("foxglove.sdk.v1")
 
 def main(seconds: float = 15.0) -> None:
     """Measure, and print the result."""
-    from drill_twin.ros.demo.processes import processes
     from drill_twin.ros.deployment import own_domain
+    from drill_twin_evidence.benchmarks.processes import processes
 
     rate = {"overrides": "numerics.frame_rate=200 Hz"}
     nodes = {"analyzer": {}, "simulator": rate, "rig_driver": rate}

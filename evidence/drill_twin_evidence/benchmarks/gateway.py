@@ -32,8 +32,8 @@ _PASSWORD = "bench and bench"  # noqa: S105 - of this benchmark only
 
 def main(seconds: float = 20.0) -> None:
     """Measure, and print the result."""
-    from drill_twin.ros.demo.processes import processes
     from drill_twin.ros.deployment import own_domain
+    from drill_twin_evidence.benchmarks.processes import processes
     from drill_twin_rig.gateway.opc_ua.keys import CERTIFICATE, TRUSTED, make_keys
 
     with tempfile.TemporaryDirectory() as name, own_domain(Path(name)), socket.socket() as free:
