@@ -8,9 +8,7 @@ of the separate nodes, so other nodes can observe, command and record the twin.
 from __future__ import annotations
 
 import importlib
-import math
 import threading
-import time
 from collections.abc import Callable, Iterable, Sequence
 from types import SimpleNamespace
 
@@ -32,8 +30,8 @@ _OF_COMPANIONS = tuple(
     if node not in companion.programs
 )
 """Flag, name and package of each node of a companion."""
-_NAME, _PURPOSE = "twin", "Nodes in one process, with a flag for each; a parameter reaches all that have it."
-_PARAMETERS = (
+NAME, PURPOSE = "twin", "Nodes in one process, with a flag for each; a parameter reaches all that have it."
+PARAMETERS = (
     Parameter("drive", True, "whether to run the rig driver"),
     Parameter("analyze", True, "whether to run the analyzer"),
     Parameter("record", False, "whether to record a bag"),
@@ -55,20 +53,19 @@ Kind = Callable[[Context, Iterable[str]], TwinNode]
 class NodeThread:
     """Runs a node in a thread of its own."""
 
-    def __init__(self, node: TwinNode, failed: StopRequest) -> None:
-        self.error: BaseException | None = None
-        self.failed_at = math.inf
-        """Wall time of the error [s]; infinite without one."""
-        self._node, self._failed, self._stop = node, failed, StopRequest()
-        self._thread = threading.Thread(target=self._run, name=node.NAME)
-        self._thread.start()
+    def __init__(self, node: TwinNode, all_stop: StopRequest, errors: list[BaseException]) -> None:
+        """Start the thread; an error of the node is appended to `errors`, and asks all nodes to stop."""
+        self._stop = StopRequest()
 
-    def _run(self) -> None:
-        try:
-            run_in_order(self._node, self._stop)
-        except BaseException as error:  # noqa: BLE001 - handed to the main thread by `end`
-            self.error, self.failed_at = error, time.monotonic()
-            self._failed.set()
+        def run() -> None:
+            try:
+                run_in_order(node, self._stop)
+            except BaseException as error:  # noqa: BLE001 - raised by the main thread
+                errors.append(error)
+                all_stop.set()
+
+        self._thread = threading.Thread(target=run, name=node.NAME)
+        self._thread.start()
 
     def end(self) -> None:
         """Request the node to stop, and wait until it has."""
@@ -78,15 +75,15 @@ class NodeThread:
 
 def _flags(context: Context) -> SimpleNamespace:
     """Flags among the parameters given; the nodes judge the other ones."""
-    node = Node(_NAME, context=context)
+    node = Node(NAME, context=context)
     try:
-        return declare(node, _PARAMETERS, other_names=given_parameters(node))
+        return declare(node, PARAMETERS, other_names=given_parameters(node))
     finally:
         node.destroy_node()
 
 
 def _table(kinds: Iterable[type[TwinNode]]) -> dict[str, Parameter]:
-    rows = (*_PARAMETERS, *(parameter for kind in kinds for parameter in kind.PARAMETERS))
+    rows = (*PARAMETERS, *(parameter for kind in kinds for parameter in kind.PARAMETERS))
     return {parameter.name: parameter for parameter in rows}
 
 
@@ -97,11 +94,11 @@ def run(arguments: Sequence[str], stop: StopRequest, *observers: Kind) -> None:
         DrillTwinError: A node refused to start or could not go on.
     """
     kinds = {name: load(name) for name in _ALWAYS_KNOWN}
-    if print_help(_NAME, _PURPOSE, tuple(_table(kinds.values()).values()), arguments):
+    if print_help(NAME, PURPOSE, tuple(_table(kinds.values()).values()), arguments):
         return
     context = init_context(arguments, stop)
     threads: list[NodeThread] = []
-    failed_at = math.inf
+    errors: list[BaseException] = []  # the first is the cause; the other nodes were stopped because of it
     try:
         with stop.at_once(), readable_refusal():
             flags = _flags(context)
@@ -118,16 +115,13 @@ def run(arguments: Sequence[str], stop: StopRequest, *observers: Kind) -> None:
             for module in ("drill_twin.dynamics.twin.twin", "drill_twin.io.whirl_pipeline"):
                 importlib.import_module(module)
         # Ended in this order: subscribers after publishers.
-        threads = [NodeThread(node, stop) for node in nodes]
+        threads = [NodeThread(node, stop, errors) for node in nodes]
         run_in_order(simulator, stop)
-    except BaseException:
-        failed_at = time.monotonic()
-        raise
+    except BaseException as error:  # noqa: BLE001 - raised below
+        errors.append(error)
     finally:
         for thread in threads:
             thread.end()
         context.try_shutdown()
-        # The first error is the cause; the others were stopped because of it.
-        first = min(threads, key=lambda thread: thread.failed_at, default=None)
-        if first is not None and first.error is not None and first.failed_at < failed_at:
-            raise first.error
+    if errors:
+        raise errors[0]

@@ -3,10 +3,9 @@
 
 Exit codes: 0 ended as asked (also by SIGINT or SIGTERM), 1 the run could not go on, 2 refused to start.
 
-A new node is a class of `core.node.TwinNode`, a row in `NODES` and a row in `permissions.RIGHTS` (in another package:
-an entry point of `GROUP` and an entry point of `permissions.GROUP`), and the two files printed from its tables:
-`config/nodes/NAME.yaml` by `drill-twin ros node NAME --parameters`, and `config/security/NAME.policy.xml` by
-`policy_text`. Its help text and tests follow from these; its executable is a copy of the others in
+A new node is a class of `core.node.TwinNode`, a row in `NODES` (in another package: an entry point of `GROUP`), its
+parameter file `config/nodes/NAME.yaml`, which `drill-twin ros node NAME --parameters` prints, and its security policy
+`config/security/NAME.policy.xml`. Its help text and tests follow from these; its executable is a copy of the others in
 `resource/executables/`.
 """
 
@@ -32,7 +31,7 @@ from drill_twin.ros.core.stop_request import Stopped, StopRequest
 NODES = {
     "simulator": "drill_twin.ros.simulator.node:Simulator",
     "rig_driver": "drill_twin.ros.rig_driver.node:RigDriver",
-    "analyzer": "drill_twin.ros.analyzer.node:Analyzer",
+    "analyzer": "drill_twin.ros.analyzer:Analyzer",
     "recorder": "drill_twin.ros.bag.recorder:Recorder",
     "replayer": "drill_twin.ros.bag.replayer:Replayer",
 }
