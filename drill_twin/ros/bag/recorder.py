@@ -191,6 +191,6 @@ class Recorder(TwinNode):
 
 
 def _new_folder() -> str:
-    """Folder of this second; a recorder that is configured twice in it counts on."""
+    """Folder named by date and time, with the first number of which there is no folder yet."""
     stem = time.strftime("bags/%Y%m%d_%H%M%S_")
     return next(f"{stem}{number}" for number in count() if not Path(f"{stem}{number}").exists())

@@ -79,7 +79,6 @@ class Replayer(TwinNode):
 
         settings = self.settings
         self._over = self._repeating = False
-        self._sent = 0
         self._skipped = SkippedMessages()
         if not settings.bag:
             raise ParameterError("parameter bag: expected the path of a bag, found none; add -p bag:=PATH")

@@ -24,13 +24,8 @@ Answer = Callable[[Any, Any], Any]
 class Later:
     """Answer of a service that is sent after its callback has returned this."""
 
-    def __init__(self) -> None:
-        self.send: Callable[[Any], object] = _not_yet
-        """Send the response; known to rclpy once the callback has returned."""
-
-
-def _not_yet(response: Any) -> None:
-    raise RuntimeError(f"expected a callback that has returned before its answer is sent, found none: {response}")
+    send: Callable[[Any], object]
+    """Sends the response; set once the callback has returned."""
 
 
 def sending_later(service: Service) -> None:

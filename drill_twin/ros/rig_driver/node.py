@@ -15,7 +15,7 @@ from typing import ClassVar
 
 from drill_twin.io.messages.diagnostics import Level, Status
 from drill_twin.io.messages.rig_messages import CommandEncoder
-from drill_twin.io.messages.stamps import NANOSECONDS, seconds
+from drill_twin.io.messages.stamps import NANOSECONDS, seconds, within_range
 from drill_twin.io.messages.topics import CLOCK_TOPIC, RIG_COMMAND
 from drill_twin.ros.core.node import AUTOSTART, TwinNode
 from drill_twin.ros.core.parameters import Parameter
@@ -159,7 +159,7 @@ class RigDriver(TwinNode):
         """Send the set-points for the end of the frame that begins at this time [ns]."""
         if not self._drives:
             return
-        stamp = min(clock + self._plan.period, 2**31 * NANOSECONDS - 1)  # the last one that a message can have
+        stamp = within_range(clock + self._plan.period)
         self._publish(stamp, self._plan.at(seconds(stamp)))
 
     def _publish(self, stamp: int, command: Command) -> None:
