@@ -2,8 +2,8 @@
 """Service requests that cannot be answered: an error in the answer or the log, and the node goes on.
 
 rclpy (7.1) raises in the requested node, and so ends it, where a request cannot be decoded (text that is no UTF-8) or
-where its own parameter services meet a type of parameter that there is none of, or a parameter of rclpy itself
-(`use_sim_time`) of another type.
+where its own parameter services meet an unknown type of parameter, or another type for a parameter of rclpy itself
+(`use_sim_time`).
 """
 
 from __future__ import annotations

@@ -21,7 +21,7 @@ from drill_twin.scene.set_points.command import Command
 _REFUSAL_TOLD = 10.0  # s; for so long a refusal is a warning
 _LETTERS_OF_A_NAME = 200
 _AT_A_RATE = 3  # commands in a row, from which their source is one that goes on to send
-_FRAMES = 20  # without a command, before its source is lost: after a pause, or where frames are slow, it needs a moment
+_FRAMES = 20  # without a command until its source is lost; after a pause or slow frames a source needs a moment
 BY_HAND, ANONYMOUS = "by hand", "anonymous"
 """Commander where single values are in force, and where the source of `/rig/command` does not say its name."""
 
@@ -134,7 +134,7 @@ class CommandArbiter:
             self._judge(replace(self._in_force, rotation=value * math.tau), by_hand=True)
 
     def _belongs_to_another(self, source: str | None, what: str) -> bool:
-        """Refuse what another than the commander sends."""
+        """Refuse a command of another source than the commander; returns True where it is refused."""
         holder = self.source
         if holder is None or source == holder or self._clock() - self._source_time > self._silence.timeout:
             return False
@@ -211,7 +211,7 @@ class CommandArbiter:
 
     @property
     def _in_force(self) -> Command:
-        """Set-points that a single value joins: not those of a source that is lost."""
+        """Set-points that a single value joins; a lost source has none among them."""
         return self._applied if self.ramps else self._good
 
     @property
