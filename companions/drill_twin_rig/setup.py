@@ -34,6 +34,5 @@ setup(
         "drill_twin.commands": ["ros keys = drill_twin_rig.cli.keys:keys"],
         "drill_twin.exports": ["drillbotics = drill_twin_rig.cli.drillbotics:competition"],
         "drill_twin.nodes": ["gateway = drill_twin_rig.ros.node:Gateway"],
-        "drill_twin.rights": ["gateway = drill_twin_rig.rights:GATEWAY"],
     },
 )

@@ -40,9 +40,5 @@ setup(
             "advisor = drill_twin_studies.ros.advisor.node:Advisor",
             "estimator = drill_twin_studies.ros.estimator.node:Estimator",
         ],
-        "drill_twin.rights": [
-            "advisor = drill_twin_studies.rights:ADVISOR",
-            "estimator = drill_twin_studies.rights:ESTIMATOR",
-        ],
     },
 )

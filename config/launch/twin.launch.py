@@ -181,7 +181,7 @@ def generate_launch_description() -> LaunchDescription:
 
 
 def _end_with_error(event: ProcessExited, context: LaunchContext) -> None:
-    """End the launch, with exit code 1, when a node dies: an error here is what launch makes that code of."""
+    """End the launch when a node dies; launch turns the error that is raised here into exit code 1."""
     if event.returncode and not context.is_shutdown:
         raise RuntimeError(f"{event.process_name} ended with exit code {event.returncode}, so the launch ends")
 

@@ -28,6 +28,8 @@ class Companion:
     """Commands by their whole name, as `ros keys`, with the panel of the help that they stand in."""
     nodes: Mapping[str, str] = field(default_factory=dict)
     """Nodes and programs by name, with the flag that asks for each."""
+    programs: frozenset[str] = frozenset()
+    """Names in `nodes` of programs with threads of their own, which no other process can run as a node."""
 
 
 COMPANIONS = (
@@ -37,7 +39,13 @@ COMPANIONS = (
         {"ros keys": ""},
         {"gateway": "gateway"},
     ),
-    Companion("drill_twin_dashboard", "the live page in a browser", {"watch": "Runs and records"}, {"watch": "watch"}),
+    Companion(
+        "drill_twin_dashboard",
+        "the live page in a browser",
+        {"watch": "Runs and records"},
+        {"watch": "watch"},
+        frozenset({"watch"}),
+    ),
     Companion(
         "drill_twin_studies",
         "operating maps with their advice, fits and the estimator",

@@ -8,13 +8,9 @@ of the separate nodes, so other nodes can observe, command and record the twin.
 from __future__ import annotations
 
 import importlib
-import math
 import threading
-import time
-from collections.abc import Iterable, Sequence
-from dataclasses import replace
+from collections.abc import Callable, Iterable, Sequence
 from types import SimpleNamespace
-from typing import ClassVar
 
 from rclpy.context import Context
 from rclpy.node import Node
@@ -22,7 +18,7 @@ from rclpy.node import Node
 from drill_twin.core.companions import COMPANIONS
 from drill_twin.ros.core.node import TwinNode
 from drill_twin.ros.core.node_main import init_context, print_help, run_in_order
-from drill_twin.ros.core.parameters import Parameter, Value, declare, given_parameters
+from drill_twin.ros.core.parameters import Parameter, declare, given_parameters
 from drill_twin.ros.core.stop_request import StopRequest
 from drill_twin.ros.deployment import readable_refusal
 from drill_twin.ros.entry_points import load
@@ -31,52 +27,45 @@ _OF_COMPANIONS = tuple(
     (flag, node, companion.name)
     for companion in COMPANIONS
     for node, flag in companion.nodes.items()
-    if node != "watch"  # a program with threads of its own
+    if node not in companion.programs
 )
 """Flag, name and package of each node of a companion."""
-
-
-class ComposedTwin:
-    """Name of the process, and its own parameters: a flag for each node but the simulator."""
-
-    NAME: ClassVar = "twin"
-    PURPOSE: ClassVar = "Nodes in one process, with a flag for each; a parameter reaches all that have it."
-    PARAMETERS: ClassVar = (
-        Parameter("drive", True, "whether to run the rig driver"),
-        Parameter("analyze", True, "whether to run the analyzer"),
-        Parameter("record", False, "whether to record a bag"),
-        *(
-            Parameter(flag, False, f"whether to run the {node} (of {package}); its parameters then stand here too")
-            for flag, node, package in _OF_COMPANIONS
-        ),
-    )
-
-
+NAME, PURPOSE = "twin", "Nodes in one process, with a flag for each; a parameter reaches all that have it."
+PARAMETERS = (
+    Parameter("drive", True, "whether to run the rig driver"),
+    Parameter("analyze", True, "whether to run the analyzer"),
+    Parameter("record", False, "whether to record a bag"),
+    *(
+        Parameter(flag, False, f"whether to run the {node} (of {package}); its parameters then stand here too")
+        for flag, node, package in _OF_COMPANIONS
+    ),
+)
 _ALWAYS_KNOWN = ("simulator", "rig_driver", "analyzer", "recorder")
 """Nodes whose parameters the process takes whether they run or not."""
 _FLAGS = {"analyze": "analyzer", "record": "recorder"} | {flag: node for flag, node, _ in _OF_COMPANIONS}
 """Nodes by their flag, without the rig driver, which comes after them."""
 _WAITED_FOR = ("analyzer", "recorder")
 """Nodes that must miss no message."""
+Kind = Callable[[Context, Iterable[str]], TwinNode]
+"""Class of a node, or a function that makes one, from a context and the names of the parameters of other nodes."""
 
 
 class NodeThread:
     """Runs a node in a thread of its own."""
 
-    def __init__(self, node: TwinNode, failed: StopRequest) -> None:
-        self.error: BaseException | None = None
-        self.failed_at = math.inf
-        """Wall time of the error [s]; infinite without one."""
-        self._node, self._failed, self._stop = node, failed, StopRequest()
-        self._thread = threading.Thread(target=self._run, name=node.NAME)
-        self._thread.start()
+    def __init__(self, node: TwinNode, all_stop: StopRequest, errors: list[BaseException]) -> None:
+        """Start the thread; an error of the node is appended to `errors`, and asks all nodes to stop."""
+        self._stop = StopRequest()
 
-    def _run(self) -> None:
-        try:
-            run_in_order(self._node, self._stop)
-        except BaseException as error:  # noqa: BLE001 - handed to the main thread by `end`
-            self.error, self.failed_at = error, time.monotonic()
-            self._failed.set()
+        def run() -> None:
+            try:
+                run_in_order(node, self._stop)
+            except BaseException as error:  # noqa: BLE001 - raised by the main thread
+                errors.append(error)
+                all_stop.set()
+
+        self._thread = threading.Thread(target=run, name=node.NAME)
+        self._thread.start()
 
     def end(self) -> None:
         """Request the node to stop, and wait until it has."""
@@ -84,63 +73,55 @@ class NodeThread:
         self._thread.join()
 
 
-def _sharing(kind: type[TwinNode], names: Iterable[str], **defaults: Value) -> type[TwinNode]:
-    """Kind of node that accepts parameters of others in its process; `defaults` are in place of those of its table."""
-    rows = tuple(replace(row, default=defaults.get(row.name, row.default)) for row in kind.PARAMETERS)
-    return type(kind.__name__, (kind,), {"PARAMETERS": rows, "OTHER_PARAMETERS": frozenset(names)})
-
-
 def _flags(context: Context) -> SimpleNamespace:
-    """Flags among the parameters given; the other ones are judged by the nodes."""
-    node = Node(ComposedTwin.NAME, context=context)
+    """Flags among the parameters given; the nodes judge the other ones."""
+    node = Node(NAME, context=context)
     try:
-        return declare(node, ComposedTwin.PARAMETERS, other_names=given_parameters(node))
+        return declare(node, PARAMETERS, other_names=given_parameters(node))
     finally:
         node.destroy_node()
 
 
 def _table(kinds: Iterable[type[TwinNode]]) -> dict[str, Parameter]:
-    rows = (*ComposedTwin.PARAMETERS, *(parameter for kind in kinds for parameter in kind.PARAMETERS))
+    rows = (*PARAMETERS, *(parameter for kind in kinds for parameter in kind.PARAMETERS))
     return {parameter.name: parameter for parameter in rows}
 
 
-def run(arguments: Sequence[str], stop: StopRequest) -> None:
-    """Run the nodes until the simulator is done or one fails.
+def run(arguments: Sequence[str], stop: StopRequest, *observers: Kind) -> None:
+    """Run the nodes until the simulator is done or one fails, and nodes that observe them.
 
     Raises:
         DrillTwinError: A node refused to start or could not go on.
     """
     kinds = {name: load(name) for name in _ALWAYS_KNOWN}
-    if print_help(ComposedTwin.NAME, ComposedTwin.PURPOSE, tuple(_table(kinds.values()).values()), arguments):
+    if print_help(NAME, PURPOSE, tuple(_table(kinds.values()).values()), arguments):
         return
     context = init_context(arguments, stop)
     threads: list[NodeThread] = []
-    failed_at = math.inf
+    errors: list[BaseException] = []  # the first is the cause; the other nodes were stopped because of it
     try:
         with stop.at_once(), readable_refusal():
             flags = _flags(context)
             wanted = [name for flag, name in _FLAGS.items() if getattr(flags, flag)]
             kinds |= {name: load(name) for name in wanted}
             table = _table(kinds.values())
-            nodes = [_sharing(kinds[name], table)(context) for name in wanted]
+            nodes: list[TwinNode] = [kinds[name](context, table) for name in wanted]
             if flags.drive:
                 waited = " ".join(["simulator", *(name for name in wanted if name in _WAITED_FOR)])
-                nodes.insert(0, _sharing(kinds["rig_driver"], table, wait_for=waited)(context))
-            simulator = _sharing(kinds["simulator"], table)(context)
+                nodes.insert(0, kinds["rig_driver"](context, table, wait_for=waited))
+            nodes += [observer(context, table) for observer in observers]
+            simulator = kinds["simulator"](context, table)
             # Imported while there is one thread: a signal during an import would leave the others a partial module.
             for module in ("drill_twin.dynamics.twin.twin", "drill_twin.io.whirl_pipeline"):
                 importlib.import_module(module)
         # Ended in this order: subscribers after publishers.
-        threads = [NodeThread(node, stop) for node in nodes]
+        threads = [NodeThread(node, stop, errors) for node in nodes]
         run_in_order(simulator, stop)
-    except BaseException:
-        failed_at = time.monotonic()
-        raise
+    except BaseException as error:  # noqa: BLE001 - raised below
+        errors.append(error)
     finally:
         for thread in threads:
             thread.end()
         context.try_shutdown()
-        # The first error is the cause; the others were stopped because of it.
-        first = min(threads, key=lambda thread: thread.failed_at, default=None)
-        if first is not None and first.error is not None and first.failed_at < failed_at:
-            raise first.error
+    if errors:
+        raise errors[0]

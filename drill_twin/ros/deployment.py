@@ -31,17 +31,12 @@ def prepare() -> None:
     """
     refuse_unsecured()
     os.environ.setdefault("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
-    profile = profile_path()
+    profile = config_dir() / "dds" / "discovery.xml"
     if profile.is_file():
         os.environ.setdefault("FASTRTPS_DEFAULT_PROFILES_FILE", str(profile))
     if "HOME" not in os.environ:
         os.environ.setdefault("ROS_LOG_DIR", str(Path.cwd() / "log"))
     domain_of_environment()
-
-
-def profile_path() -> Path:
-    """Path of the Fast DDS profile of this package."""
-    return config_dir() / "dds" / "discovery.xml"
 
 
 def domain_of_environment() -> int | None:

@@ -3,10 +3,9 @@
 
 Exit codes: 0 ended as asked (also by SIGINT or SIGTERM), 1 the run could not go on, 2 refused to start.
 
-A new node is a class of `core.node.TwinNode`, a row in `NODES` and a row in `permissions.RIGHTS` (in another package:
-an entry point of `GROUP` and an entry point of `permissions.GROUP`), and the two files printed from its tables:
-`config/nodes/NAME.yaml` by `drill-twin ros node NAME --parameters`, and `config/security/NAME.policy.xml` by
-`policy_text`. Its help text and tests follow from these; its executable is a copy of the others in
+A new node is a class of `core.node.TwinNode`, a row in `NODES` (in another package: an entry point of `GROUP`), its
+parameter file `config/nodes/NAME.yaml`, which `drill-twin ros node NAME --parameters` prints, and its security policy
+`config/security/NAME.policy.xml`. Its help text and tests follow from these; its executable is a copy of the others in
 `resource/executables/`.
 """
 
@@ -32,14 +31,14 @@ from drill_twin.ros.core.stop_request import Stopped, StopRequest
 NODES = {
     "simulator": "drill_twin.ros.simulator.node:Simulator",
     "rig_driver": "drill_twin.ros.rig_driver.node:RigDriver",
-    "analyzer": "drill_twin.ros.analyzer.node:Analyzer",
+    "analyzer": "drill_twin.ros.analyzer:Analyzer",
     "recorder": "drill_twin.ros.bag.recorder:Recorder",
     "replayer": "drill_twin.ros.bag.replayer:Replayer",
 }
 """Module and class of each node of the core."""
 PROGRAMS = {
     "twin": "drill_twin.ros.composed_twin:run",
-    "demo": "drill_twin.ros.demo.demo:run",
+    "demo": "drill_twin.ros.demo:run",
 }
 """Module and function of what starts several nodes, or takes other arguments than those of ROS."""
 GROUP = "drill_twin.nodes"
@@ -53,8 +52,9 @@ def executables() -> tuple[str, ...]:
 
 
 def node_names() -> tuple[str, ...]:
-    """Names of the nodes that are installed, those of other packages too."""
-    return (*NODES, *(entry.name for entry in entries(GROUP) if entry.name != "watch"))
+    """Names of the nodes that are installed, also in other packages; without programs."""
+    programs = frozenset().union(*(companion.programs for companion in COMPANIONS))
+    return (*NODES, *(entry.name for entry in entries(GROUP) if entry.name not in programs))
 
 
 def load(name: str) -> Any:
@@ -70,7 +70,7 @@ def load(name: str) -> Any:
         raise not_installed(f"the node {name}", _OF_COMPANIONS[name])
     module, _, attribute = place.partition(":")
     try:
-        if find_spec("rclpy") is None:  # the demo loads it in its nodes only
+        if find_spec("rclpy") is None:  # a program may import it late
             raise ModuleNotFoundError(name="rclpy")
         return getattr(importlib.import_module(module), attribute)
     except ModuleNotFoundError as error:

@@ -82,13 +82,13 @@ def test_scene_keys_are_those_of_the_models(printed):
 def test_commands_and_parameters(printed):
     from drill_twin.cli.app import commands
     from drill_twin.ros import entry_points
-    from drill_twin.ros.composed_twin import ComposedTwin
+    from drill_twin.ros.composed_twin import PARAMETERS
 
     assert _headings(printed("commands")) == [name for name, _ in commands()]
     text = printed("nodes")
     assert _headings(text) == [*entry_points.node_names(), "twin"]
     wanted = {item.name for name in entry_points.node_names() for item in entry_points.load(name).PARAMETERS}
-    assert _keys(text) == wanted | {item.name for item in ComposedTwin.PARAMETERS}
+    assert _keys(text) == wanted | {item.name for item in PARAMETERS}
 
 
 def test_names_of_the_python_api(printed):

@@ -29,11 +29,13 @@ if __name__ == "__main__":
     with process_pool(1) as pool:
         print(pool.submit(math.sqrt, 4.0).result())
 """
-NODE = """
+NODE = f"""
 import os
+import sys
 from pathlib import Path
-from drill_twin.ros.demo.processes import Child
-child = Child("no_such_node", {}, os.environ, Path("log"))
+sys.path.insert(0, {str(ROOT / "evidence")!r})
+from drill_twin_evidence.benchmarks.processes import Child
+child = Child("no_such_node", {{}}, os.environ, Path("log"))
 print(child.wait(60.0), child.log_tail())
 """
 

@@ -47,8 +47,8 @@ def arbiter(clock):
 )
 def test_a_command_that_cannot_be_meant_is_refused_whole(arbiter, command, kind):
     good = Command(40.0, 12.0)
-    arbiter.both(1, good)
-    arbiter.both(2, command)
+    arbiter.command(1, good)
+    arbiter.command(2, command)
     assert arbiter.good == good
     assert arbiter.set_point(0.01) == good
     assert arbiter.refused == {kind: 1}
@@ -68,9 +68,9 @@ def test_a_speed_of_the_block_that_nothing_follows_is_refused_by_itself(clock, b
     scene = load_scene("pa6_bench") if block is None else rig({"weight_on_bit": {"at": "block"}, "block": block})
     limits = limits_for(scene, max_weight_on_bit=400.0, max_speed=0.0, negative=False)
     arbiter = CommandArbiter(limits, Silence(1.0), Command(0.0, 0.0), clock=clock)
-    arbiter.both(1, Command(40.0, 6.0))
+    arbiter.command(1, Command(40.0, 6.0))
     assert not arbiter.refused
-    arbiter.both(2, Command(30.0, 6.0, 0.1))
+    arbiter.command(2, Command(30.0, 6.0, 0.1))
     if not reason:
         assert arbiter.good == Command(30.0, 6.0, 0.1)
         return
@@ -85,7 +85,7 @@ def test_silence_ramps_every_set_point(clock):
     """The block comes to rest with the others, and not at once."""
     silence = Silence(1.0, ramp=True, safe=Command(10.0, 1.0), ramp_time=4.0)
     arbiter = CommandArbiter(LIMITS, silence, Command(0.0, 0.0), clock=clock)
-    arbiter.both(1, Command(50.0, 9.0, -0.008))
+    arbiter.command(1, Command(50.0, 9.0, -0.008))
     assert arbiter.set_point(1.0) == arbiter.good
     clock.now += 1.5
     assert arbiter.set_point(1.0) == Command(40.0, 7.0, -0.006)
@@ -94,7 +94,7 @@ def test_silence_ramps_every_set_point(clock):
 
 def test_limits_include_their_ends(arbiter):
     for command in (Command(0.0, 0.0), Command(400.0, 20.0 * TURN)):
-        arbiter.both(1, command)
+        arbiter.command(1, command)
         assert arbiter.good == command
 
 
@@ -112,8 +112,8 @@ DRIVER, OTHER = "/rig_driver", "/other"
 @pytest.mark.parametrize(("first", "second"), [(DRIVER, OTHER), (DRIVER, ""), ("", OTHER)])
 def test_the_first_commander_keeps_the_rig_until_it_is_silent(arbiter, clock, first, second):
     for stamp in range(50):
-        arbiter.both(stamp, Command(40.0, 12.0), first)
-        arbiter.both(1000 + stamp, Command(77.0, 6.0), second)
+        arbiter.command(stamp, Command(40.0, 12.0), first)
+        arbiter.command(1000 + stamp, Command(77.0, 6.0), second)
         clock.now += 0.01
     assert arbiter.good == Command(40.0, 12.0)
     assert arbiter.refused == {"other_source": 50}
@@ -125,31 +125,31 @@ def test_the_first_commander_keeps_the_rig_until_it_is_silent(arbiter, clock, fi
     assert arbiter.commander == (first or "anonymous")
     clock.now += 1.1
     assert arbiter.commander == ""
-    arbiter.both(60, Command(77.0, 6.0), second)
+    arbiter.command(60, Command(77.0, 6.0), second)
     assert arbiter.good == Command(77.0, 6.0)
     assert arbiter.commander == (second or "anonymous")
-    arbiter.both(61, Command(40.0, 12.0), first)  # who comes back is the second now
+    arbiter.command(61, Command(40.0, 12.0), first)  # who comes back is the second now
     assert arbiter.good == Command(77.0, 6.0)
 
 
 def test_who_sends_nothing_good_does_not_get_the_rig(arbiter):
-    arbiter.both(1, Command(1e9, 12.0), OTHER)
-    arbiter.both(2, Command(40.0, 12.0), DRIVER)
+    arbiter.command(1, Command(1e9, 12.0), OTHER)
+    arbiter.command(2, Command(40.0, 12.0), DRIVER)
     assert arbiter.good == Command(40.0, 12.0)
     assert arbiter.commander == DRIVER
 
 
 def test_a_bad_command_is_no_silence(arbiter, clock):
-    arbiter.both(1, Command(40.0, 12.0), DRIVER)
+    arbiter.command(1, Command(40.0, 12.0), DRIVER)
     for stamp in range(2, 30):
         clock.now += 0.1
-        arbiter.both(stamp, Command(math.nan, 12.0), DRIVER)
-    arbiter.both(1, Command(77.0, 12.0), OTHER)
+        arbiter.command(stamp, Command(math.nan, 12.0), DRIVER)
+    arbiter.command(1, Command(77.0, 12.0), OTHER)
     assert arbiter.good == Command(40.0, 12.0)
 
 
 def test_a_single_value_beside_a_commander_is_refused_and_told(arbiter, clock):
-    arbiter.both(1, Command(40.0, 12.0), DRIVER)
+    arbiter.command(1, Command(40.0, 12.0), DRIVER)
     arbiter.weight_on_bit(55.0)
     arbiter.speed(1.0)
     assert arbiter.good == Command(40.0, 12.0)
@@ -161,23 +161,23 @@ def test_a_single_value_beside_a_commander_is_refused_and_told(arbiter, clock):
 
 
 def test_a_commander_that_fell_silent_loses_its_say(arbiter, clock):
-    arbiter.both(1, Command(40.0, 12.0), DRIVER)
+    arbiter.command(1, Command(40.0, 12.0), DRIVER)
     clock.now += 1.1
     arbiter.weight_on_bit(55.0)
     assert arbiter.good == Command(55.0, 12.0)
     assert arbiter.commander == "by hand"
-    arbiter.both(2, Command(40.0, 12.0), OTHER)  # a commander goes before single values
+    arbiter.command(2, Command(40.0, 12.0), OTHER)  # a commander goes before single values
     assert arbiter.good == Command(40.0, 12.0)
 
 
 def test_a_name_cannot_write_into_the_log(arbiter):
-    arbiter.both(1, Command(40.0, 12.0), "\x1b[2J" + 1000 * "x")
+    arbiter.command(1, Command(40.0, 12.0), "\x1b[2J" + 1000 * "x")
     assert arbiter.commander.isprintable()
     assert len(arbiter.commander) < 210
 
 
 def test_silence_holds_the_last_set_point_unless_a_ramp_is_wanted(arbiter, clock):
-    arbiter.both(1, Command(40.0, 12.0))
+    arbiter.command(1, Command(40.0, 12.0))
     assert not arbiter.silent
     clock.now += 1.1
     assert arbiter.silent
@@ -189,14 +189,14 @@ def test_the_ramp_to_the_safe_set_point_takes_its_time_and_ends_there(clock):
     arbiter = CommandArbiter(
         LIMITS, Silence(1.0, ramp=True, safe=Command(10.0, 0.0), ramp_time=2.0), Command(0.0, 0.0), clock=clock
     )
-    arbiter.both(1, Command(40.0, 12.0))
+    arbiter.command(1, Command(40.0, 12.0))
     assert arbiter.set_point(0.01) == Command(40.0, 12.0)
     clock.now += 5.0
     path = [arbiter.set_point(0.01) for _ in range(300)]
     assert path[99] == Command(pytest.approx(25.0), pytest.approx(6.0))
     assert path[199] == Command(pytest.approx(10.0), pytest.approx(0.0))
     assert path[-1] == path[200]
-    arbiter.both(2, Command(40.0, 12.0))
+    arbiter.command(2, Command(40.0, 12.0))
     assert arbiter.set_point(0.01) == Command(40.0, 12.0)
 
 
@@ -216,7 +216,7 @@ def advance(arbiter, clock, frames, each):
 
 def test_a_source_that_sent_at_a_rate_and_is_lost_is_followed_by_the_ramp(watched, clock):
     for stamp in range(3):
-        watched.both(stamp, Command(40.0, 12.0))
+        watched.command(stamp, Command(40.0, 12.0))
         advance(watched, clock, 1, 0.1)
     assert advance(watched, clock, 10, 0.1) == Command(40.0, 12.0)
     assert advance(watched, clock, 25, 0.1) == Command(10.0, 0.0)
@@ -226,24 +226,24 @@ def test_a_source_that_sent_at_a_rate_and_is_lost_is_followed_by_the_ramp(watche
 
 def test_a_source_of_which_all_is_refused_is_followed_by_the_ramp_and_keeps_the_rig(watched, clock):
     for stamp in range(3):
-        watched.both(stamp, Command(40.0, 12.0), DRIVER)
+        watched.command(stamp, Command(40.0, 12.0), DRIVER)
         advance(watched, clock, 1, 0.1)
     for stamp in range(3, 40):
-        watched.both(stamp, Command(5000.0, 12.0), DRIVER)
+        watched.command(stamp, Command(5000.0, 12.0), DRIVER)
         applied = advance(watched, clock, 1, 0.1)
     assert applied == Command(10.0, 0.0)
     assert watched.last_was_refused
     assert (watched.commander, watched.source) == ("", DRIVER)
-    watched.both(40, Command(20.0, 12.0), OTHER)
+    watched.command(40, Command(20.0, 12.0), OTHER)
     assert watched.set_point(0.1) == Command(10.0, 0.0)
-    watched.both(41, Command(40.0, 12.0), DRIVER)
+    watched.command(41, Command(40.0, 12.0), DRIVER)
     assert (watched.commander, watched.last_was_refused) == (DRIVER, False)
 
 
 def test_what_was_sent_once_or_by_hand_is_held(watched, clock):
     """As `ros2 topic pub --once`: who sends one value wants it until the next."""
     for stamp in range(4):
-        watched.both(stamp, Command(40.0, 12.0))
+        watched.command(stamp, Command(40.0, 12.0))
         assert advance(watched, clock, 100, 0.1) == Command(40.0, 12.0)
     for value in (30.0, 31.0, 32.0, 33.0):
         watched.weight_on_bit(value)
@@ -252,7 +252,7 @@ def test_what_was_sent_once_or_by_hand_is_held(watched, clock):
 
 def test_neither_a_pause_nor_slow_frames_are_the_loss_of_a_source(watched, clock):
     for stamp in range(50):
-        watched.both(stamp, Command(40.0, 12.0))
+        watched.command(stamp, Command(40.0, 12.0))
         assert advance(watched, clock, 2, 3.0) == Command(40.0, 12.0)
     clock.now += 100.0
     assert advance(watched, clock, 5, 0.01) == Command(40.0, 12.0)
@@ -293,18 +293,18 @@ def test_a_refusal_is_news_for_a_while_and_counted_for_good(arbiter, clock):
 
 
 def test_a_hand_command_is_known_from_that_of_a_driver(arbiter, clock):
-    arbiter.both(1, Command(40.0, 12.0))
+    arbiter.command(1, Command(40.0, 12.0))
     assert not arbiter.by_hand
     clock.now += 1.1
     arbiter.speed(1.0)
     assert arbiter.by_hand
-    arbiter.both(2, Command(40.0, 12.0))
+    arbiter.command(2, Command(40.0, 12.0))
     assert not arbiter.by_hand
 
 
 def test_what_is_applied_during_a_ramp_is_not_the_last_command(arbiter, clock):
     arbiter.set_limits(LIMITS, Silence(1.0, ramp=True, safe=Command(0.0, 0.0), ramp_time=4.0))
-    arbiter.both(1, Command(40.0, 12.0))
+    arbiter.command(1, Command(40.0, 12.0))
     arbiter.set_point(0.01)
     assert arbiter.applied == Command(40.0, 12.0)
     clock.now += 2.0

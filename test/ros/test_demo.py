@@ -2,18 +2,16 @@
 """The demo, shortened: what it leaves, and that it fails when anything in it does."""
 
 import json
-import os
+import shutil
 import signal
 import sys
-from pathlib import Path
 
 import pytest
 
 from drill_twin.core.errors import RunError
 from drill_twin.io.bag.reader import Bag
 from drill_twin.io.messages.topics import OF_EVERY_RUN
-from drill_twin.ros.demo.demo import check_bag
-from drill_twin.ros.demo.processes import StallDetector
+from drill_twin.ros.demo import StallDetector, check_bag
 
 
 @pytest.fixture
@@ -25,23 +23,6 @@ def demo(bench):
         return bench.command("demo", command)
 
     return start
-
-
-def _children(pid):
-    """Process ids of a process's children, by /proc."""
-    found = []
-    for stat in Path("/proc").glob("[0-9]*/stat"):
-        try:
-            state, parent = stat.read_text("utf-8").rpartition(")")[2].split()[:2]
-        except OSError:
-            continue
-        if int(parent) == pid and state != "Z":
-            found.append(int(stat.parent.name))
-    return found
-
-
-def _any_left(pids):
-    return any(Path(f"/proc/{pid}").exists() for pid in pids)
 
 
 def test_a_short_demo_leaves_bag_report_figures_and_summary_and_moves_an_older_one_aside(bench, demo):
@@ -80,43 +61,36 @@ def test_a_folder_that_is_not_a_demo_is_never_moved(bench, demo):
     assert (out / "thesis.tex").read_text("utf-8") == "precious"
 
 
-def test_a_demo_whose_simulator_is_killed_fails_and_leaves_no_process(bench, demo):
+def test_a_demo_whose_recorder_fails_fails_too(bench, demo):
     process = demo("--duration", "60")
-    children = _started(bench, process)
-    victim = next(pid for pid in children if b"simulator" in Path(f"/proc/{pid}/cmdline").read_bytes())
-    os.kill(victim, signal.SIGKILL)
+    _started(bench, process)
+    shutil.rmtree(bench.folder / "demo" / "bag_0")
     assert process.wait() == 1, process.text
-    assert "simulator ended with exit code -9" in process.text
-    assert not _any_left(children)
-    assert not Bag(bench.folder / "demo" / "bag_0").truncated
+    assert "found it removed; record again" in process.text
+    assert "Traceback" not in process.text
 
 
-@pytest.mark.long
 def test_a_demo_that_is_interrupted_ends_its_nodes_in_order(bench, demo):
     process = demo("--duration", "60")
-    children = _started(bench, process)
+    _started(bench, process)
     process.send(signal.SIGINT)
     assert process.wait() == 1, process.text
     assert "stopped before it was over" in process.text
-    assert not _any_left(children)
     assert not Bag(bench.folder / "demo" / "bag_0").truncated
 
 
 @pytest.mark.long
-def test_a_demo_that_is_killed_takes_its_nodes_with_it(bench, demo):
+def test_a_demo_that_is_killed_leaves_a_bag_that_can_be_read(bench, demo):
     process = demo("--duration", "60")
-    children = _started(bench, process)
+    _started(bench, process)
     process.kill()
-    bench.until(lambda: not _any_left(children), what="the nodes to end")
+    assert Bag(bench.folder / "demo" / "bag_0").topics["/rig/state"].count
 
 
 def _started(bench, process):
-    """Process ids of the nodes, once the string moves."""
+    """Wait until the string moves."""
     bench.until(lambda: "rotation about" in process.text or process.code is not None, 150.0, "the string to move")
     assert process.code is None, process.text
-    children = _children(process.pid)
-    assert len(children) == 4
-    return children
 
 
 def test_a_demo_with_an_unknown_scene_starts_nothing(bench, demo):

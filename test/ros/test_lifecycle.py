@@ -7,7 +7,6 @@ from lifecycle_msgs.srv import ChangeState, GetState
 
 from drill_twin.io.messages.topics import CLOCK_TOPIC, DIAGNOSTICS, STRING_POSES
 from drill_twin.ros.entry_points import node_names
-from drill_twin.ros.permissions import all_rights
 
 
 def _set(bench, transition, node="simulator"):
@@ -21,7 +20,7 @@ def _state(bench, node="simulator"):
 
 def _publishes(bench, node):
     names = {name for name, _ in bench.node.get_publisher_names_and_types_by_node(node, "/")}
-    return names & set(all_rights()[node].publish) - {DIAGNOSTICS}
+    return names - {DIAGNOSTICS, "/parameter_events", "/rosout", f"/{node}/transition_event"}
 
 
 def test_a_manager_configures_activates_deactivates_cleans_up_and_ends_it(bench):

@@ -16,10 +16,8 @@ from process_bench import config_file
 
 import drill_twin
 from drill_twin.core.companions import COMPANIONS
-from drill_twin.ros import entry_points
-from drill_twin.ros.composed_twin import ComposedTwin
+from drill_twin.ros import composed_twin, entry_points
 from drill_twin.ros.core.parameters import file_text
-from drill_twin.ros.permissions import all_rights
 from drill_twin.scene import presets
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -77,7 +75,8 @@ def test_the_table_of_companions_has_what_they_bring(setup_arguments):
         brought = {group: {line.partition(" = ")[0] for line in lines} for group, lines in points.items()}
         assert brought["drill_twin.commands"] == set(companion.commands)
         assert brought["drill_twin.nodes"] == set(companion.nodes)
-        assert brought.get("drill_twin.rights", set()) == set(companion.nodes) - {"watch"}
+        policies = {file.name for file in (FOLDERS[companion.name] / "config/security").glob("*")}
+        assert policies == {f"{name}.policy.xml" for name in set(companion.nodes) - companion.programs}
 
 
 def test_commands_carry_the_name_of_the_package_and_ros2_run_finds_every_node(setup_arguments):
@@ -90,7 +89,9 @@ def test_commands_carry_the_name_of_the_package_and_ros2_run_finds_every_node(se
     assert {file.name for file in executables} == EXECUTABLES <= set(entry_points.executables())
     assert len({file.read_bytes() for file in executables}) == 1
     assert all(os.access(file, os.X_OK) for file in executables)
-    assert set(NODES) == set(all_rights())
+    assert {file.name for file in (ROOT / "config/security").iterdir()} == {
+        f"{name}.policy.xml" for name in entry_points.NODES
+    }
     assert all(name == entry_points.load(name).NAME for name in NODES)
 
 
@@ -224,12 +225,12 @@ def test_a_parameter_file_is_what_the_table_of_the_node_prints(node):
 
 def test_the_parameter_file_of_the_twin_holds_defaults_of_its_nodes():
     values = yaml.safe_load((ROOT / "config" / "nodes" / "twin.yaml").read_text("utf-8"))["/**"]["ros__parameters"]
-    nodes = (ComposedTwin, *(NODES[name] for name in ("simulator", "rig_driver", "analyzer", "recorder")))
+    nodes = (composed_twin, *(NODES[name] for name in ("simulator", "rig_driver", "analyzer", "recorder")))
     known = {parameter.name: parameter.default for make in nodes for parameter in make.PARAMETERS}
     # A parameter given to the process reaches every node that has it, so one name must have one default.
     assert all(known[parameter.name] == parameter.default for make in nodes for parameter in make.PARAMETERS)
     assert values.items() <= known.items()
-    assert {parameter.name for parameter in ComposedTwin.PARAMETERS} <= values.keys()
+    assert {parameter.name for parameter in composed_twin.PARAMETERS} <= values.keys()
     all_known = [p for make in (*nodes, *(NODES[name] for name in ("advisor", "estimator", "gateway")))
                  for p in make.PARAMETERS]  # fmt: skip
     assert len({(p.name, p.default) for p in all_known}) == len({p.name for p in all_known})

@@ -9,20 +9,39 @@ import pytest
 from process_bench import config_file
 
 from drill_twin.io.messages.topics import (
+    DIAGNOSTICS,
     MEASURED_RIG_STATE,
     OF_EVERY_RUN,
+    OF_SUBS,
     RIG_COMMAND,
     RIG_STATE,
     STRING_STRESS,
     SURFACE_STATE,
     TOPICS,
 )
-from drill_twin.ros.permissions import WHERE_INSTALLED, all_rights, policy_text
+from drill_twin.ros.entry_points import node_names
+from drill_twin.ros.simulator.run_control import SERVICES
+
+ALL_TOPICS = {*TOPICS, *(row.name.replace("SUB", "*") for row in OF_SUBS)}
+OF_ROS = {"/parameter_events", "/rosout", "/tf", "/tf_static"}
+WHERE_INSTALLED = {
+    "tf2_msgs": {"/tf", "/tf_static"},
+    "simulation_interfaces": {f"/simulator/{name}" for name in SERVICES},
+}
+"""Topics and services that the simulator has if these packages are installed; the wheels have neither."""
 
 
-@pytest.mark.parametrize("node", sorted(all_rights()))
-def test_a_policy_file_is_what_the_table_prints(node):
-    assert config_file(f"security/{node}.policy.xml").read_text("utf-8") == policy_text(node)
+@pytest.mark.parametrize("node", node_names())
+def test_a_policy_names_topics_of_the_contract_only(node):
+    rights = _allowed(node)
+    own = {name for name in rights["publish"] if name.startswith((f"/{node}/", "/estimate/"))}
+    assert rights["publish"] - own <= ALL_TOPICS | OF_ROS
+    assert rights["publish"] >= {DIAGNOSTICS, "/parameter_events", "/rosout", f"/{node}/transition_event"}
+    assert rights["subscribe"] <= ALL_TOPICS
+    if node == "recorder":
+        assert rights["subscribe"] == ALL_TOPICS
+    if node == "replayer":
+        assert rights["publish"] >= ALL_TOPICS
 
 
 def _allowed(node):
@@ -38,7 +57,7 @@ def _allowed(node):
 
 
 @pytest.mark.long
-@pytest.mark.parametrize("node", sorted(all_rights()))
+@pytest.mark.parametrize("node", node_names())
 def test_a_policy_allows_what_the_running_node_does_and_no_more(bench, small_bag, node):
     given = {"recorder": {"bag": str(bench.folder / "bag_0")}, "replayer": {"bag": str(small_bag), "rate": 0.001}}
     given["rig_driver"] = {"wait_for": "simulator analyzer recorder"}
@@ -53,8 +72,7 @@ def test_a_policy_allows_what_the_running_node_does_and_no_more(bench, small_bag
     wanted = _allowed(node)
     for package, more in WHERE_INSTALLED.items():
         if node == "simulator" and find_spec(package) is None:
-            absent = {name.replace("~", f"/{node}") for name in more}
-            wanted = {right: names - absent for right, names in wanted.items()}
+            wanted = {right: names - more for right, names in wanted.items()}
 
     def done():
         present = node in {name for name, _ in graph.get_node_names_and_namespaces()}

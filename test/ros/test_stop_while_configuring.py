@@ -51,7 +51,7 @@ def test_a_stop_at_any_line_of_the_configuration_closes_the_node(bench, monkeypa
         context = init_context(arguments, StopRequest())
         try:
             node = kind(context)
-            with suppress(Stopped), StopAtLine(kind.on_configure, line) as stopped:
+            with suppress(Stopped), StopAtLine(kind.configure, line) as stopped:
                 node.start()
             node.close()
         finally:

@@ -13,15 +13,21 @@ from drill_twin.io.messages.cdr import ClockTemplate
 from drill_twin.io.messages.encode import encode_string
 from drill_twin.io.messages.topics import CLOCK_TOPIC, TOPICS, TWIN_SCENE, WHIRL_ONSET
 from drill_twin.io.messages.whirl_encode import OnsetMessage, encode_onset
+from drill_twin.ros.core.node import TwinNode
 from drill_twin.ros.core.topics import message_class
-from drill_twin.ros.demo.demo_observer import DemoObserver
+
+
+class Observer(TwinNode):
+    """Node that is never configured."""
+
+    NAME = "observer"
 
 
 @pytest.fixture
 def observer(bench):
     context = Context()
     rclpy.init(args=[], context=context, domain_id=bench.domain, signal_handler_options=SignalHandlerOptions.NO)
-    node = DemoObserver(context, lambda _: None)
+    node = Observer(context)
     yield node
     node.destroy_node()
     context.try_shutdown()
@@ -41,6 +47,9 @@ def until(node, happened):
 
 
 def test_a_message_that_cannot_be_used_is_counted_and_the_next_one_is_taken(bench, observer):
+    clocks, onsets = [], []
+    observer.topics.subscribe(CLOCK_TOPIC, clocks.append)
+    observer.topics.subscribe(WHIRL_ONSET, onsets.append)
     clock, onset = bench.publisher(CLOCK_TOPIC), latched(bench, WHIRL_ONSET)
     clock.publish(b"\x00\x01\x00\x00\x07")  # no Clock
     onset.publish(encode_string("a message of another type"))
@@ -48,8 +57,8 @@ def test_a_message_that_cannot_be_used_is_counted_and_the_next_one_is_taken(benc
     assert observer.samples.values()[f"unreadable {CLOCK_TOPIC}"] == "1"
     clock.publish(ClockTemplate().fill(2_500_000_000))
     onset.publish(encode_onset(2_500_000_000, OnsetMessage(1.25, "mark")))
-    until(observer, lambda: observer.time > 0.0 and observer.onset is not None)
-    assert (observer.time, observer.onset.time) == (2.5, 1.25)
+    until(observer, lambda: clocks and onsets)
+    assert (clocks[0], onsets[0][1].time) == (2_500_000_000, 1.25)
     assert observer.samples.values()[f"unreadable {WHIRL_ONSET}"] == "1"
 
 

@@ -6,8 +6,9 @@ from __future__ import annotations
 import os
 from collections.abc import Iterable, Mapping, Sequence
 from contextlib import suppress
+from io import BufferedWriter, FileIO
 from pathlib import Path
-from typing import Any, cast
+from typing import Any
 
 from mcap.writer import CompressionType, Writer
 
@@ -17,8 +18,8 @@ from drill_twin.io.bag.mcap_writer import message_appender, pack_indices
 from drill_twin.io.bag.metadata import RecordedTopic, to_yaml
 
 
-class CheckedStream:
-    """Binary stream to a new file; bytes that another program cuts off are not replaced by a hole.
+class CheckedStream(BufferedWriter):
+    """Binary stream to a new file, at its end only: a file that another program has cut gets no hole.
 
     Raises:
         OSError: The file exists, or cannot be created or written.
@@ -27,37 +28,29 @@ class CheckedStream:
     def __init__(self, path: Path) -> None:
         self._path = path
         flags = os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_APPEND
-        self._stream = os.fdopen(os.open(path, flags, 0o666), "ab")
+        super().__init__(FileIO(os.open(path, flags, 0o666), "ab"))
         self._size = 0
 
-    def write(self, data: bytes) -> int:
+    def write(self, data: Any) -> int:
         """Append bytes."""
         self._size += len(data)
-        return self._stream.write(data)
+        return super().write(data)
 
     def tell(self) -> int:
         """Number of bytes written so far."""
         return self._size
 
-    def flush(self) -> None:
-        """Pass everything to the operating system."""
-        self._stream.flush()
-
-    def close(self) -> None:
-        """Close the file."""
-        self._stream.close()
-
     def close_at(self, size: int) -> None:
         """Close the file after an error of the disk, without what was begun after a size [bytes]."""
-        with suppress(OSError), os.fdopen(os.dup(self._stream.fileno()), "ab", buffering=0) as file:
+        with suppress(OSError), os.fdopen(os.dup(self.fileno()), "ab", buffering=0) as file:
             with suppress(OSError):  # fails for the same reason, or puts a part there
-                self._stream.close()
+                self.close()
             if file.tell() > size:
                 file.truncate(size)
 
     def change(self) -> str:
         """Another program's change of the flushed file, as `found it removed`; empty if there is none."""
-        size = os.fstat(self._stream.fileno()).st_size
+        size = os.fstat(self.fileno()).st_size
         if size < self._size:
             return f"found it cut to {size} of {self._size} bytes"
         if size > self._size:
@@ -66,7 +59,7 @@ class CheckedStream:
             there = self._path.stat()
         except OSError:
             return "found it removed"
-        same = os.path.samestat(there, os.fstat(self._stream.fileno()))
+        same = os.path.samestat(there, os.fstat(self.fileno()))
         return "" if same else "found another file in its place"
 
 
@@ -96,7 +89,7 @@ class FileWriter:
         self._kept = self._kept_size = 0  # messages and bytes that the operating system has
         self._open_since: int | None = None  # ns; earliest message that it does not have
         self._stream = CheckedStream(path)
-        self._writer = Writer(cast("Any", self._stream), chunk_size=_CHUNK_SIZE, compression=CompressionType.ZSTD)
+        self._writer = Writer(self._stream, chunk_size=_CHUNK_SIZE, compression=CompressionType.ZSTD)
         pack_indices(self._writer)
         self._append = message_appender(self._writer)
         self._writer.start(profile="ros2", library=f"drill_twin {__version__}")

@@ -60,7 +60,7 @@ class RecordedTopic:
     type_name: str
     """ROS type."""
     definition: str
-    """Message definition with those it depends on; empty where the bag has none."""
+    """Message definition with the definitions that it depends on; empty where the bag has none."""
     type_hash: str
     """RIHS01 hash; empty where the bag has none."""
     qos: Sequence[Qos] = field(default_factory=list)
@@ -69,11 +69,11 @@ class RecordedTopic:
     """Number of messages."""
 
 
-def contract_topic(name: str, qos: Sequence[Qos] | None = None) -> RecordedTopic:
-    """Topic of the contract, without messages; `qos` replaces the profile of the contract."""
+def contract_topic(name: str) -> RecordedTopic:
+    """Topic of the contract, without messages."""
     topic = TOPICS[name]
-    offered = [contract_qos(topic)] if qos is None else qos
-    return RecordedTopic(name, topic.type_name, definition(topic.type_name), type_hash(topic.type_name), offered)
+    kind = topic.type_name
+    return RecordedTopic(name, kind, definition(kind), type_hash(kind), [contract_qos(topic)])
 
 
 def bag_information(

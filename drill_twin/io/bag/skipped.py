@@ -9,8 +9,8 @@ from statistics import median_low
 from drill_twin.core.errors import printable
 from drill_twin.io.messages.stamps import NANOSECONDS
 
-_FAR = NANOSECONDS  # least time [ns] between a stray stamp and those around it
-_FAR_AT_END = 60 * NANOSECONDS  # of the last one, which none follows
+_FAR = NANOSECONDS  # least time [ns] between a stray stamp and the stamps around it
+_FAR_AT_END = 60 * NANOSECONDS  # for the last stamp, which no stamp follows
 _WINDOW = 5  # messages that follow
 _LONGEST_REASON = 300
 
@@ -46,7 +46,7 @@ class SkippedMessages:
 
 
 def stray_stamps(stamps: Sequence[int]) -> set[int]:
-    """Places of the stamps [ns] of one topic that are far from those before and after them.
+    """Places of the stamps [ns] of one topic that are far from the stamps before and after them.
 
     All that follows a stamp from the future would look late. A stream that starts again from an earlier time has none.
     """

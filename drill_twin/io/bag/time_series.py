@@ -118,8 +118,8 @@ class Series:
     @property
     def values(self) -> Array:
         """The rows, shape (T, ...); read-only."""
-        main, (of, stacked) = self._main, self._stacked
-        if of is not main or len(stacked) != len(main.values):
+        main, (rows, stacked) = self._main, self._stacked
+        if rows is not main or len(stacked) != len(main.values):
             stacked = np.array(main.values, np.float64)
             stacked.flags.writeable = False
             self._stacked = main, stacked

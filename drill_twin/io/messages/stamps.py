@@ -47,6 +47,11 @@ def seconds(stamp: int) -> float:
     return stamp / NANOSECONDS
 
 
+def within_range(stamp: int) -> int:
+    """The stamp [ns], or the last one that a message can hold where it is later."""
+    return min(stamp, 2**31 * NANOSECONDS - 1)
+
+
 def pack_stamp(buffer: bytearray, offset: int, stamp: int) -> None:
     """Write a stamp [ns] into CDR bytes.
 

@@ -11,14 +11,12 @@ from itertools import count
 from pathlib import Path
 from typing import Any, ClassVar
 
-from rclpy.lifecycle import LifecycleState, TransitionCallbackReturn
-
 from drill_twin.core.errors import BagError, RunError
 from drill_twin.io.bag.metadata import RecordedTopic, contract_topic
 from drill_twin.io.bag.writer import BagWriter
 from drill_twin.io.messages.diagnostics import Level, Status
 from drill_twin.io.messages.topics import DIAGNOSTICS, TOPICS, sub_of
-from drill_twin.ros.core.node import AUTOSTART, DONE, TwinNode
+from drill_twin.ros.core.node import AUTOSTART, TwinNode
 from drill_twin.ros.core.parameters import Parameter, ParameterError
 from drill_twin.ros.core.topics import Received
 
@@ -50,7 +48,7 @@ class Recorder(TwinNode):
     )
     _bag: BagWriter | None = None
 
-    def on_configure(self, _: LifecycleState) -> TransitionCallbackReturn:
+    def configure(self) -> None:
         """Create the bag, the subscriptions, and a timer that looks for topics of subs."""
         self._namespace = self.get_namespace().rstrip("/")
         self._told = 0  # sentences on changes of the bag by other programs
@@ -71,7 +69,6 @@ class Recorder(TwinNode):
         self._recorded = set(topics)
         self.every(_SEARCH_PERIOD, self._record_subs)
         self.get_logger().info(f"recording {len(topics)} topics to {bag.folder}")
-        return DONE
 
     def _record_subs(self) -> None:
         """Record the topics of downhole subs that have appeared in the namespace of this node."""
@@ -129,7 +126,7 @@ class Recorder(TwinNode):
             self.get_logger().error(f"{text}; going on in {self._bag.file}")
         self._told = len(self._bag.damage)
 
-    def on_cleanup(self, _: LifecycleState) -> TransitionCallbackReturn:
+    def complete(self) -> None:
         """Record what is still arriving, and finish the bag.
 
         Raises:
@@ -137,7 +134,7 @@ class Recorder(TwinNode):
         """
         bag = self._bag
         if bag is None:
-            return DONE
+            return
         try:
             if not self._failure:
                 self.drain(_QUIET, _LONGEST)
@@ -158,7 +155,6 @@ class Recorder(TwinNode):
             raise RunError(
                 f"{bag.folder}: expected every message in the bag, lost {', '.join(lost)}; record fewer topics"
             )
-        return DONE
 
     def not_ready(self) -> str:
         """Publishers of its topics that it is not connected to yet, in a sentence; empty when there are none."""
@@ -195,6 +191,6 @@ class Recorder(TwinNode):
 
 
 def _new_folder() -> str:
-    """Folder of this second; a recorder that is configured twice in it counts on."""
+    """Folder named by date and time, with the first number of which there is no folder yet."""
     stem = time.strftime("bags/%Y%m%d_%H%M%S_")
     return next(f"{stem}{number}" for number in count() if not Path(f"{stem}{number}").exists())

@@ -7,15 +7,13 @@ import time
 from collections.abc import Iterator
 from typing import ClassVar
 
-from rclpy.lifecycle import LifecycleState, TransitionCallbackReturn
-
 from drill_twin.core.errors import MessageError
 from drill_twin.io.bag.skipped import SkippedMessages
 from drill_twin.io.messages.cdr import ClockTemplate
 from drill_twin.io.messages.diagnostics import Level, Status
 from drill_twin.io.messages.topics import CLOCK_TOPIC, DIAGNOSTICS, TOPICS, TWIN_SCENE
 from drill_twin.io.messages.type_store import deserialize
-from drill_twin.ros.core.node import AUTOSTART, DONE, TwinNode
+from drill_twin.ros.core.node import AUTOSTART, TwinNode
 from drill_twin.ros.core.parameters import Parameter, ParameterError
 from drill_twin.ros.core.startup_barrier import StartupBarrier, unmatched_readers
 
@@ -75,13 +73,12 @@ class Replayer(TwinNode):
     _sent = 0
     _skipped = SkippedMessages()
 
-    def on_configure(self, _: LifecycleState) -> TransitionCallbackReturn:
+    def configure(self) -> None:
         """Open the bag and create its publishers."""
         from drill_twin.io.bag.reader import Bag, parse_remappings
 
         settings = self.settings
         self._over = self._repeating = False
-        self._sent = 0
         self._skipped = SkippedMessages()
         if not settings.bag:
             raise ParameterError("parameter bag: expected the path of a bag, found none; add -p bag:=PATH")
@@ -104,26 +101,22 @@ class Replayer(TwinNode):
         self.get_logger().info(f"{settings.bag}: {self._bag.message_count} messages in {length:.1f} s")
         self._began = self._rests = 0.0
         self._waits, self._steps = True, self._replay()
-        return DONE
 
-    def on_activate(self, _: LifecycleState) -> TransitionCallbackReturn:
+    def activate(self) -> None:
         """Go on where the replay rested."""
         self._began += time.monotonic() - self._rests
-        return DONE
 
-    def on_deactivate(self, _: LifecycleState) -> TransitionCallbackReturn:
+    def deactivate(self) -> None:
         """Let the replay rest."""
         self._rests = time.monotonic()
-        return DONE
 
-    def on_cleanup(self, _: LifecycleState) -> TransitionCallbackReturn:
+    def complete(self) -> None:
         """Wait until the readers have received everything."""
         if self._sent:
             self.flush()
             self.get_logger().info(f"{self._sent} messages replayed")
         for text in self._skipped.sentences():
             self.get_logger().warning(f"left out: {text}")
-        return DONE
 
     def _chosen(self) -> list[str]:
         held = [name for name, topic in self._bag.topics.items() if name in TOPICS and topic.count]

@@ -8,16 +8,14 @@ reported by no event (Fast DDS of the wheels). Both are told here, with a remedy
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-
 from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
-from rclpy.subscription import Subscription
 from rclpy.topic_endpoint_info import TopicEndpointInfo
 
-_UNKNOWN_NODE_NAME = "_NODE_NAME_UNKNOWN_"
-NOT_NAMED_YET = f"_NODE_NAMESPACE_UNKNOWN_/{_UNKNOWN_NODE_NAME}"
-"""Full name of a node whose publisher has been discovered and whose name has not."""
+UNKNOWN_NAME = "_NODE_NAME_UNKNOWN_"
+"""Name of a node whose publisher has been discovered and whose name has not."""
+NOT_NAMED_YET = f"_NODE_NAMESPACE_UNKNOWN_/{UNKNOWN_NAME}"
+"""Full name of such a node."""
 _WANTED = (  # policy, requested, not sufficient, the two in words
     ("reliability", ReliabilityPolicy.RELIABLE, ReliabilityPolicy.BEST_EFFORT, "reliable", "best_effort"),
     ("durability", DurabilityPolicy.TRANSIENT_LOCAL, DurabilityPolicy.VOLATILE, "transient_local", "volatile"),
@@ -35,30 +33,6 @@ def unmet(wanted: QoSProfile, offered: QoSProfile) -> tuple[str, str, str] | Non
 def full_name(info: TopicEndpointInfo) -> str:
     """Full name of the node of a publisher or a reader."""
     return f"{info.node_namespace.rstrip('/')}/{info.node_name}"
-
-
-def incompatible_publisher(node: Node, inputs: Iterable[tuple[Subscription, str]]) -> str:
-    """First publisher that a node is not connected to, with the reason and the remedy; empty when there is none.
-
-    Args:
-        node: The subscribing node.
-        inputs: Its subscriptions and their types.
-    """
-    for subscription, kind in inputs:
-        topic = subscription.topic_name
-        for info in node.get_publishers_info_by_topic(topic):
-            if info.node_name == _UNKNOWN_NODE_NAME:
-                continue
-            name = full_name(info)
-            if info.topic_type != kind:
-                return f"{topic}: expected {kind}, found {info.topic_type} of {name}, not received; publish {kind}"
-            if mismatch := unmet(subscription.qos_profile, info.qos_profile):
-                policy, expected, found = mismatch
-                return (
-                    f"{topic}: expected a {expected} publisher, found {name} as {found}, not received; publish "
-                    f"{expected}, or start this node with qos_overrides.{topic}.subscription.{policy}:={found}"
-                )
-    return ""
 
 
 def readers_of(node: Node, topic: str) -> int:

@@ -3,8 +3,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from contextlib import suppress
+from dataclasses import replace
 from functools import partial
 from types import SimpleNamespace
 from typing import Any, ClassVar
@@ -24,7 +25,7 @@ from drill_twin.io.messages.diagnostics import Level, Status
 from drill_twin.io.messages.good_samples import GoodSamples
 from drill_twin.io.messages.topics import DIAGNOSTICS
 from drill_twin.ros.core.diagnostics_publisher import DiagnosticsPublisher
-from drill_twin.ros.core.parameters import Parameter, declare, follow_changes
+from drill_twin.ros.core.parameters import Parameter, Value, declare, follow_changes
 from drill_twin.ros.core.requests import Answer, guarded, sending_later
 from drill_twin.ros.core.spinning import SpinningNode
 from drill_twin.ros.core.startup_barrier import answer_ready
@@ -33,66 +34,59 @@ from drill_twin.ros.core.topics import NodeTopics, refuse_unused_overrides
 
 _DIAGNOSTICS_PERIOD = 1.0  # s
 _SCENE_PERIOD = 0.1  # s between two looks at the scenes that wait
-DONE, REFUSED = TransitionCallbackReturn.SUCCESS, TransitionCallbackReturn.FAILURE
-_CONFIGURED = LifecycleState("inactive", 2)
+_DONE, _REFUSED = TransitionCallbackReturn.SUCCESS, TransitionCallbackReturn.FAILURE
 AUTOSTART = Parameter(
     "autostart", True, "whether to configure and activate itself; else a lifecycle manager does (ros2 lifecycle)"
 )
 """Parameter of every node."""
 
-Transition = Callable[[LifecycleState], TransitionCallbackReturn]
-
 
 class StateChanged(BaseException):
-    """Raised by `spin_once` after a requested transition: the turn of the loop in which it came ends there."""
+    """Raised by `spin_once` after a requested transition, to end the turn of the loop in which the request came."""
 
 
 class TwinNode(LifecycleNodeMixin, SpinningNode):
     """A node of drill_twin: a lifecycle node that by default configures and activates itself.
 
-    A node implements `on_configure` (load what is needed; create topics, services and timers; an error refuses),
-    `on_cleanup` (complete what is open; called once, also at the end and after an error) and, where it has something
-    to do there, `on_activate` and `on_deactivate`. An inactive node takes no step, and of messages only latched ones.
-    Attributes that `on_configure` makes are gone after `on_cleanup`; one that `on_cleanup` reads has a default in the
-    class, since a stop may come before it is made.
+    A node implements `configure` and, where it has something to do there, `complete`, `activate` and `deactivate`. An
+    inactive node takes no step, and of messages only latched ones. Attributes that `configure` makes are gone after
+    `complete`; an attribute that `complete` reads has a default in the class, since a stop may come before it is made.
 
     Raises:
-        ParameterError: A parameter with which it cannot start.
+        ParameterError: The node cannot start with a parameter that was given.
     """
 
     NAME: ClassVar[str]
     PURPOSE: ClassVar[str]
     PARAMETERS: ClassVar[tuple[Parameter, ...]] = ()
-    OTHER_PARAMETERS: ClassVar[frozenset[str]] = frozenset()
-    """Names of parameters of other nodes in this process."""
     ON_CHANGE: ClassVar[tuple[str, ...]] = ()
     """Topics of which this node expects a message on change only, so that their silence is no fault."""
     configured = False
-    """True from the beginning of `on_configure` until `on_cleanup` is over."""
+    """True from the beginning of `configure` until `complete` is over."""
 
-    def __init__(self, context: Context) -> None:
-        """Create the node without topics but the diagnostics."""
+    def __init__(self, context: Context, others: Iterable[str] = (), **defaults: Value) -> None:
+        """Create the node without topics but the diagnostics.
+
+        Args:
+            context: The rclpy context.
+            others: Names of parameters of other nodes in this process.
+            defaults: Values of parameters in place of the defaults of the table.
+        """
         SpinningNode.__init__(self, self.NAME, context)
-        self.settings: SimpleNamespace = declare(self, self.PARAMETERS, other_names=self.OTHER_PARAMETERS)
-        follow_changes(self, self.PARAMETERS, self.settings, check=self.check_change, changed=self._changed)
+        table = [replace(row, default=defaults.get(row.name, row.default)) for row in self.PARAMETERS]
+        self.settings: SimpleNamespace = declare(self, table, other_names=others)
+        self._shares_its_process = bool(others)
+        follow_changes(self, table, self.settings, check=self.check_change, changed=self._changed)
         self.samples = GoodSamples(on_change=self.ON_CHANGE)
         self.topics = NodeTopics(self, lambda topic: self.samples.unreadable(topic), self._keep)  # noqa: PLW0108 - it changes
         self._starts = False
-        self._attributes: frozenset[str] = frozenset()  # those of an unconfigured node
+        self._attributes: frozenset[str] = frozenset()  # of the unconfigured node
         self.active = self.ended = self.ends = False
         """True while active; true once closed in order; true once asked by a service to end."""
         self._endpoints: list[Service | Timer] = []
         self._ready: Service | None = None
         self._refusal: Exception | None = None
         self._unfinished: Exception | None = None  # of a requested clean-up, raised at the end
-        for name, then in (
-            ("on_configure", self._configured),
-            ("on_activate", partial(self._set_active, active=True)),
-            ("on_deactivate", partial(self._set_active, active=False)),
-            ("on_cleanup", self._clean),
-            ("on_shutdown", self.end),
-        ):
-            setattr(self, name, self._refusable(getattr(self, name), then, begins=name == "on_configure"))
         LifecycleNodeMixin.__init__(self)
         for service in self.services:
             if service.srv_type is ChangeState:  # rclpy raises where the present state does not have the transition
@@ -103,6 +97,18 @@ class TwinNode(LifecycleNodeMixin, SpinningNode):
         self._every(_SCENE_PERIOD, self.topics.pass_on_scenes)
 
     # --- implemented by nodes -------------------------------------------------------------------------------------
+
+    def configure(self) -> None:
+        """Load what is needed; create topics, services and timers. An error refuses the transition."""
+
+    def activate(self) -> None:
+        """Begin to work."""
+
+    def deactivate(self) -> None:
+        """Rest, until `activate`."""
+
+    def complete(self) -> None:
+        """Complete what is open; called once after `configure`, also at the end of the node and after an error."""
 
     def step(self) -> None:
         """Do one turn of the loop, while active."""
@@ -145,7 +151,7 @@ class TwinNode(LifecycleNodeMixin, SpinningNode):
         return self.create_timer(period, lambda: self._keep(callback), clock=Clock(clock_type=ClockType.STEADY_TIME))
 
     def offer_ready(self) -> None:
-        """Create the service `~/ready`, unless it is there: after all topics of this node."""
+        """Create the service `~/ready`, unless it exists; called after all topics of this node were created."""
         if self._ready is None:
             self._ready = super().create_service(Trigger, "~/ready", lambda _, response: answer_ready(self, response))
 
@@ -161,7 +167,7 @@ class TwinNode(LifecycleNodeMixin, SpinningNode):
         """Configure and activate, unless a lifecycle manager is to do it.
 
         Raises:
-            Exception: That with which the node refused.
+            Exception: The node refused.
         """
         if not getattr(self.settings, "autostart", True):
             name = self.get_fully_qualified_name()
@@ -175,7 +181,7 @@ class TwinNode(LifecycleNodeMixin, SpinningNode):
         self._starts = False
 
     def _change_state(self, change: Answer, request: Any, response: Any) -> Any:
-        """Answer a requested transition, after which the turn of the loop ends: what it would use may be gone."""
+        """Answer a requested transition, then end the turn of the loop: what the rest of it would use may be gone."""
         if self._starts or self.ended:
             does = "ends" if self.ended else "starts by itself"
             raise DrillTwinError(f"expected a node that can change its state, found one that {does}")
@@ -187,33 +193,48 @@ class TwinNode(LifecycleNodeMixin, SpinningNode):
         self._raised.append(StateChanged())
         return response
 
-    def _refusable(self, transition: Transition, then: Callable[[], object], *, begins: bool) -> Transition:
-        """Callback of a transition whose error is told, where rclpy would swallow it, and what follows a success."""
+    def on_configure(self, _: LifecycleState) -> TransitionCallbackReturn:
+        """Configure the node, or leave it as it was."""
+        done = self._carried_out(self._configure)
+        if done == _REFUSED:
+            self.clean_up()
+        return done
 
-        def callback(state: LifecycleState) -> TransitionCallbackReturn:
-            if begins:
-                self._attributes = frozenset(vars(self))
-                self.configured, self.samples = True, GoodSamples(on_change=self.ON_CHANGE)
-            try:
-                if (found := transition(state)) == DONE:
-                    then()
-                    return found
-            except Exception as error:  # noqa: BLE001 - told here, or raised by `start`
-                self._refusal = error
-                if not self._starts:
-                    self.get_logger().error(str(error))
-            if begins:
-                self.clean_up()
-            elif then == self._clean:  # what could not be completed is dropped all the same
-                self._unfinished = self._refusal
-                self._clean()
-                return DONE
-            return REFUSED
+    def on_activate(self, _: LifecycleState) -> TransitionCallbackReturn:
+        """Let the node work."""
+        return self._carried_out(self.activate, partial(self._set_active, active=True))
 
-        return callback
+    def on_deactivate(self, _: LifecycleState) -> TransitionCallbackReturn:
+        """Let the node rest."""
+        return self._carried_out(self.deactivate, partial(self._set_active, active=False))
 
-    def _configured(self) -> None:
-        if not self.OTHER_PARAMETERS:
+    def on_cleanup(self, _: LifecycleState) -> TransitionCallbackReturn:
+        """Complete what is open, and drop what could not be completed all the same."""
+        if self._carried_out(self.clean_up) == _REFUSED:
+            self._unfinished = self._refusal
+        return _DONE
+
+    def on_shutdown(self, _: LifecycleState) -> TransitionCallbackReturn:
+        """Ask the node to end."""
+        return self._carried_out(self.end)
+
+    def _carried_out(self, *changes: Callable[[], object]) -> TransitionCallbackReturn:
+        """Result of a transition; an error is logged, or kept for `start`, because rclpy would swallow it."""
+        try:
+            for change in changes:
+                change()
+        except Exception as error:  # noqa: BLE001 - logged here, or raised by `start`
+            self._refusal = error
+            if not self._starts:
+                self.get_logger().error(str(error))
+            return _REFUSED
+        return _DONE
+
+    def _configure(self) -> None:
+        self._attributes = frozenset(vars(self))
+        self.configured, self.samples = True, GoodSamples(on_change=self.ON_CHANGE)
+        self.configure()
+        if not self._shares_its_process:
             refuse_unused_overrides(self)
         self.topics.muted = not self.active
         self.offer_ready()
@@ -221,28 +242,29 @@ class TwinNode(LifecycleNodeMixin, SpinningNode):
     def _set_active(self, *, active: bool) -> None:
         self.active, self.topics.muted = active, not active
 
-    def _clean(self) -> None:
-        """Destroy all topics, services and timers of a configured node; the diagnostics remain."""
-        self.configured = False
-        self.withdraw_ready()
-        for endpoint in self._endpoints:
-            self.destroy_timer(endpoint) if isinstance(endpoint, Timer) else self.destroy_service(endpoint)
-        self._endpoints.clear()
-        self.topics.destroy_all_but(DIAGNOSTICS)
-        for name in vars(self).keys() - self._attributes:
-            delattr(self, name)
-
     def _changed(self) -> None:
         if self.configured:
             self.on_change()
 
     def clean_up(self) -> None:
-        """Complete what is open and drop it, if anything is."""
-        if self.configured:
-            try:
-                type(self).on_cleanup(self, _CONFIGURED)
-            finally:
-                self._clean()
+        """Complete what is open, then destroy all topics, services and timers but the diagnostics.
+
+        Raises:
+            Exception: What is open could not be completed; the rest is destroyed all the same.
+        """
+        if not self.configured:
+            return
+        try:
+            self.complete()
+        finally:
+            self.configured = False
+            self.withdraw_ready()
+            for endpoint in self._endpoints:
+                self.destroy_timer(endpoint) if isinstance(endpoint, Timer) else self.destroy_service(endpoint)
+            self._endpoints.clear()
+            self.topics.destroy_all_but(DIAGNOSTICS)
+            for name in vars(self).keys() - self._attributes:
+                delattr(self, name)
 
     def end(self) -> None:
         """Ask the node to end."""
@@ -262,8 +284,6 @@ class TwinNode(LifecycleNodeMixin, SpinningNode):
             self.destroy_node()
         if self._unfinished is not None:
             raise self._unfinished
-
-    # --- the loop -------------------------------------------------------------------------------------------------
 
     def run(self, stop: StopRequest) -> None:
         """Work until finished or asked to stop."""

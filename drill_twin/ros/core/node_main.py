@@ -12,11 +12,10 @@ from rclpy.signals import SignalHandlerOptions
 from rclpy.utilities import remove_ros_args
 
 from drill_twin.core.errors import DrillTwinError
-from drill_twin.ros import deployment as discovery
 from drill_twin.ros.core.node import TwinNode
 from drill_twin.ros.core.parameters import Parameter, file_text, help_text
 from drill_twin.ros.core.stop_request import StopRequest
-from drill_twin.ros.deployment import readable_refusal
+from drill_twin.ros.deployment import prepare, readable_refusal
 
 
 def run_node(kind: type[TwinNode], arguments: Sequence[str], stop: StopRequest) -> None:
@@ -43,7 +42,7 @@ def init_context(arguments: Sequence[str], stop: StopRequest) -> Context:
         DrillTwinError: The arguments are not valid ROS arguments.
     """
     _refuse_misplaced(arguments)
-    discovery.prepare()
+    prepare()
     context = Context()
     try:
         with stop.at_once():

@@ -71,6 +71,6 @@ class Tick:
         if now < self._next:
             return False
         self._next += self._period
-        if self._next <= now:  # late by more than a period: those that were missed are left out
+        if self._next <= now:  # late by more than a period: the turns that were missed are left out
             self._next = now + self._period
         return True

@@ -9,7 +9,7 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 _CHEAP = 0.05  # s; an ordinary scene takes less, and is never put off
-_SHARE = 0.1  # of a node's time for scenes that take longer
+_SHARE = 0.1  # of a node's time, for scenes that take longer
 
 
 class DropCounter:
@@ -29,10 +29,10 @@ class DropCounter:
         self._went_back: set[str] = set()
 
     def take(self, topic: str, info: Mapping[str, Any]) -> None:
-        """Note the times and the number of a message that was taken; an empty topic: its number is no matter."""
+        """Note the times of a message that was taken and, unless the topic is empty, its number."""
         if info["received_timestamp"] > self._first_taken:
             self._waited, self._first_taken = 0, time.time_ns()
-        self._waited += 1  # of those that were waiting when the first of them was taken
+        self._waited += 1  # messages that were waiting when the first of them was taken
         self._longest = max(self._longest, self._waited)
         if topic:
             self.add_sequence_number(topic, info["publication_sequence_number"])
@@ -63,7 +63,7 @@ class DropCounter:
 
 
 class SceneGate:
-    """Passes scenes on at once, or after one that took long the newest of those that came meanwhile.
+    """Passes scenes on; after a scene that took long, only the newest of the scenes that have come since.
 
     A flood of large texts must not keep a node from its frames.
     """

@@ -2,8 +2,8 @@
 """Service requests that cannot be answered: an error in the answer or the log, and the node goes on.
 
 rclpy (7.1) raises in the requested node, and so ends it, where a request cannot be decoded (text that is no UTF-8) or
-where its own parameter services meet a type of parameter that there is none of, or a parameter of rclpy itself
-(`use_sim_time`) of another type.
+where its own parameter services meet an unknown type of parameter, or another type for a parameter of rclpy itself
+(`use_sim_time`).
 """
 
 from __future__ import annotations
@@ -24,13 +24,8 @@ Answer = Callable[[Any, Any], Any]
 class Later:
     """Answer of a service that is sent after its callback has returned this."""
 
-    def __init__(self) -> None:
-        self.send: Callable[[Any], object] = _not_yet
-        """Send the response; known to rclpy once the callback has returned."""
-
-
-def _not_yet(response: Any) -> None:
-    raise RuntimeError(f"expected a callback that has returned before its answer is sent, found none: {response}")
+    send: Callable[[Any], object]
+    """Sends the response; set once the callback has returned."""
 
 
 def sending_later(service: Service) -> None:

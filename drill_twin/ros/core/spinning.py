@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """Events of a node: messages, services and timers, processed by the loop of the node when it has time for them.
 
-They are those of `EventsExecutor` of rclpy (7.1.4 or later), driven by one event a turn: a turn then needs no look at
-every entity of the node, some forty of them, which takes `SingleThreadedExecutor` a millisecond in Python. Errors of
-callbacks are raised after the turn (`_keep`): the executor would print a traceback of them first. `docs/design.md` has
-the load of both.
+`EventsExecutor` of rclpy (7.1.4 or later) delivers them, one a turn, and does not look at every entity of the node.
+That look, at some forty entities, takes `SingleThreadedExecutor` a millisecond in Python. Errors of callbacks are
+raised after the turn (`_keep`), because the executor would print a traceback. The load of the nodes is in
+`evidence/docs/cost.md`.
 """
 
 from __future__ import annotations
@@ -91,7 +91,7 @@ class SpinningNode(Node):
                     return
 
     def _keep(self, callback: Callable[[], object]) -> None:
-        """Call a function within the executor; an error is raised once that has returned."""
+        """Call a function within the executor; an error is raised once the executor has returned."""
         try:
             callback()
         except BaseException as error:  # noqa: BLE001 - raised by `spin_once`

@@ -1,15 +1,15 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Start-up barrier: the service `~/ready` of a node, and the wait of one that sends for those that must not miss it.
+"""Start-up barrier: the service `~/ready` of a node, and the wait of a sending node until its readers can receive.
 
 Two nodes that a third one waits for may both be running and not be connected to each other yet. A ready node therefore
 answers with the number of readers of each of its topics. The waiting node has discovered all readers of every node
 that answers, because `~/ready` is created last; it compares the two numbers. A node that compiles offers the service
-meanwhile too, and answers that it does: the waiting node waits as long.
+too, and answers that it compiles; the waiting node waits until it has compiled.
 
 Latched frame topics do not replace this. In lockstep, at 5 times real time, a recorder that came a second late missed
 the first 11 s although a publisher keeps 1000 frames; and readers that ask for latched messages are not connected to
-publishers of the usual, volatile kind. Neither does `get_subscription_count` of rclpy alone: a node knows whom its own
-publishers are connected with, not whom another's are.
+publishers of the usual, volatile kind. Neither does `get_subscription_count` of rclpy alone: a node knows the readers
+that its own publishers are connected to, not the readers of another node's publishers.
 """
 
 from __future__ import annotations
@@ -52,8 +52,8 @@ class StartupBarrier:
             node: The node that waits.
             names: Node names in its namespace, or full ones, separated by spaces.
             seconds: Longest wait [s]; it begins again while a node answers that it compiles.
-            under_way: Whether this node is connected to a run that has begun: it then does not wait for a node that is
-                there and does not answer.
+            under_way: Returns True where this node is connected to a run that has begun; a node that is there and does
+                not answer is then not waited for.
         """
         self._node, self._seconds, self._under_way = node, seconds, under_way
         self._clients = {name: node.create_client(Trigger, f"{name}/ready") for name in names.split()}
@@ -103,7 +103,7 @@ class StartupBarrier:
         self._clients, self._told = {}, {}
 
     def _reason(self, name: str) -> str:
-        """Reason why a node is not waited for any more; empty where it is not."""
+        """Reason to go on waiting for a node; empty where there is none."""
         answer, client = self._answers.get(name), self._clients[name]
         if answer is None:
             return "it is not there yet"

@@ -22,14 +22,14 @@ _SET_PARENT_DEATH_SIGNAL = 1  # linux/prctl.h
 
 
 class Stopped(BaseException):
-    """Raised by a signal during the start of a node; not an Exception, so that no handler of those swallows it."""
+    """Raised by a signal during the start of a node; not an Exception, so that no handler of exceptions swallows it."""
 
 
 class StopRequest:
     """Flag that becomes true once, on SIGINT or SIGTERM, or with the end of the parent where `END_WITH_PARENT` is set.
 
-    Within `with request.at_once():` a signal ends the block immediately, and again where something swallows that;
-    within `with request.soon():` it ends the block that has not seen the request by itself.
+    Within `with request.at_once():` a signal ends the block immediately, by an exception that is raised again where
+    something has swallowed it; within `with request.soon():` it ends the block that has not seen the request by itself.
     """
 
     def __init__(self) -> None:

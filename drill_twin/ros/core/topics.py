@@ -22,7 +22,7 @@ from drill_twin.io.messages.diagnostics import Level
 from drill_twin.io.messages.readers import reader_of
 from drill_twin.io.messages.topic_row import Topic
 from drill_twin.io.messages.topics import CLOCK_TOPIC, DIAGNOSTICS, RPS_COMMAND, TOPICS, TWIN_SCENE, WOB_COMMAND
-from drill_twin.ros.core.graph import full_name, incompatible_publisher
+from drill_twin.ros.core.graph import UNKNOWN_NAME, full_name, unmet
 from drill_twin.ros.core.parameters import ParameterError, given_parameters
 from drill_twin.ros.core.queues import DropCounter, SceneGate
 
@@ -242,8 +242,22 @@ class NodeTopics:
         return f"messages were dropped unread, as this node was too slow for them: {lost}" if lost else ""
 
     def incompatible_publisher(self) -> str:
-        """First publisher that no subscription of this node can be connected to; empty when there is none."""
-        return incompatible_publisher(self._node, [(read, kind) for read, kind, _ in self._inputs])
+        """First publisher that a subscription is not connected to, with reason and remedy; empty where none is."""
+        for subscription, kind, _ in self._inputs:
+            topic = subscription.topic_name
+            for info in self._node.get_publishers_info_by_topic(topic):
+                if info.node_name == UNKNOWN_NAME:
+                    continue
+                name = full_name(info)
+                if info.topic_type != kind:
+                    return f"{topic}: expected {kind}, found {info.topic_type} of {name}, not received; publish {kind}"
+                if mismatch := unmet(subscription.qos_profile, info.qos_profile):
+                    policy, expected, found = mismatch
+                    return (
+                        f"{topic}: expected a {expected} publisher, found {name} as {found}, not received; publish "
+                        f"{expected}, or start this node with qos_overrides.{topic}.subscription.{policy}:={found}"
+                    )
+        return ""
 
 
 @contextmanager

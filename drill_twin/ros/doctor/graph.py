@@ -31,27 +31,12 @@ _SEVERAL = (DIAGNOSTICS, WOB_COMMAND, RPS_COMMAND)  # topics that several nodes 
 
 
 @dataclass(frozen=True)
-class Endpoint:
-    """A publisher or a reader of a topic."""
-
-    node: str
-    type_name: str
-    profile: QoSProfile
-
-    @property
-    def quality(self) -> str:
-        """Quality of service in words."""
-        reliable = "reliable" if self.profile.reliability == ReliabilityPolicy.RELIABLE else "best effort"
-        return reliable + (", latched" if self.profile.durability == DurabilityPolicy.TRANSIENT_LOCAL else "")
-
-
-@dataclass(frozen=True)
 class Observed:
     """Nodes, endpoints and statuses seen in the domain."""
 
     nodes: Sequence[str]
-    publishers: dict[str, list[Endpoint]]
-    readers: dict[str, list[Endpoint]]
+    publishers: dict[str, list[TopicEndpointInfo]]
+    readers: dict[str, list[TopicEndpointInfo]]
     statuses: dict[str, Status]
     """Diagnostics by full name of the node."""
     clocks: dict[str, list[tuple[float, int]]]
@@ -138,14 +123,14 @@ def _nodes(seen: Observed) -> Iterator[Check]:
         yield Check(NODES, "others", ", ".join(silent))
 
 
-def _topic(topic: str, publishers: list[Endpoint], readers: list[Endpoint]) -> Iterator[Check]:
+def _topic(topic: str, publishers: list[TopicEndpointInfo], readers: list[TopicEndpointInfo]) -> Iterator[Check]:
     row = TOPICS[_contract(topic)]
     found = f"{_list(publishers) or 'no publisher'} -> {_list(readers) or 'no reader'}"
-    wrong = [end for end in (*publishers, *readers) if end.type_name != row.type_name]
+    wrong = [end for end in (*publishers, *readers) if end.topic_type != row.type_name]
     if wrong:
         remedy = f"use {row.type_name}, or another name: -r {topic.lstrip('/')}:=OTHER"
-        yield Check(TOPIC_SECTION, topic, f"{wrong[0].type_name} of {wrong[0].node}", Verdict.PROBLEM, remedy)
-    elif len({end.node for end in publishers}) > 1 and row.name not in _SEVERAL:
+        yield Check(TOPIC_SECTION, topic, f"{wrong[0].topic_type} of {full_name(wrong[0])}", Verdict.PROBLEM, remedy)
+    elif len(set(map(full_name, publishers))) > 1 and row.name not in _SEVERAL:
         remedy = "end one, or give it a namespace"
         yield Check(TOPIC_SECTION, topic, f"several publishers: {_list(publishers)}", Verdict.PROBLEM, remedy)
     elif mismatch := _mismatch(publishers, readers):
@@ -154,16 +139,17 @@ def _topic(topic: str, publishers: list[Endpoint], readers: list[Endpoint]) -> I
         yield Check(TOPIC_SECTION, topic, found)
 
 
-def _mismatch(publishers: list[Endpoint], readers: list[Endpoint]) -> tuple[str, Verdict, str] | None:
+def _mismatch(publishers: list[TopicEndpointInfo], readers: list[TopicEndpointInfo]) -> tuple[str, Verdict, str] | None:
     """Finding, verdict and remedy for the first pair that DDS does not connect; None without one."""
     for reader in readers:
         for publisher in publishers:
-            if mismatch := unmet(reader.profile, publisher.profile):
+            if mismatch := unmet(reader.qos_profile, publisher.qos_profile):
                 word, offered = (_WORDS.get(value, value) for value in mismatch[1:])
+                asks, offers = full_name(reader), full_name(publisher)
                 return (
-                    f"{reader.node} asks for {word}, {publisher.node} offers {offered}: nothing arrives",
+                    f"{asks} asks for {word}, {offers} offers {offered}: nothing arrives",
                     Verdict.PROBLEM,
-                    f"let {publisher.node} publish {word}, or {reader.node} ask for less (qos_overrides)",
+                    f"let {offers} publish {word}, or {asks} ask for less (qos_overrides)",
                 )
     return None
 
@@ -186,10 +172,14 @@ def _contract(topic: str) -> str:
     return next((name for name in ends_of(topic) if name != DIAGNOSTICS or topic == name), "")
 
 
-def _others(infos: Sequence[TopicEndpointInfo], own: str) -> list[Endpoint]:
-    ends = (Endpoint(full_name(info), info.topic_type, info.qos_profile) for info in infos)
-    return [end for end in ends if end.node not in {own, NOT_NAMED_YET}]
+def _others(ends: Sequence[TopicEndpointInfo], own: str) -> list[TopicEndpointInfo]:
+    return [end for end in ends if full_name(end) not in {own, NOT_NAMED_YET}]
 
 
-def _list(ends: Sequence[Endpoint]) -> str:
-    return ", ".join(dict.fromkeys(f"{end.node} ({end.quality})" for end in ends))
+def _list(ends: Sequence[TopicEndpointInfo]) -> str:
+    return ", ".join(dict.fromkeys(f"{full_name(end)} ({_quality(end.qos_profile)})" for end in ends))
+
+
+def _quality(profile: QoSProfile) -> str:
+    reliable = "reliable" if profile.reliability == ReliabilityPolicy.RELIABLE else "best effort"
+    return reliable + (", latched" if profile.durability == DurabilityPolicy.TRANSIENT_LOCAL else "")

@@ -13,13 +13,11 @@ import time
 from types import SimpleNamespace
 from typing import ClassVar
 
-from rclpy.lifecycle import LifecycleState, TransitionCallbackReturn
-
 from drill_twin.io.messages.diagnostics import Level, Status
 from drill_twin.io.messages.rig_messages import CommandEncoder
-from drill_twin.io.messages.stamps import NANOSECONDS, seconds
+from drill_twin.io.messages.stamps import NANOSECONDS, seconds, within_range
 from drill_twin.io.messages.topics import CLOCK_TOPIC, RIG_COMMAND
-from drill_twin.ros.core.node import AUTOSTART, DONE, TwinNode
+from drill_twin.ros.core.node import AUTOSTART, TwinNode
 from drill_twin.ros.core.parameters import Parameter
 from drill_twin.ros.core.scene_parameters import OVERRIDES, SCENE
 from drill_twin.ros.core.startup_barrier import StartupBarrier
@@ -85,7 +83,7 @@ class RigDriver(TwinNode):
     PARAMETERS: ClassVar = PARAMETERS
     _sent = 0
 
-    def on_configure(self, _: LifecycleState) -> TransitionCallbackReturn:
+    def configure(self) -> None:
         """Load the schedule; create publishers, the subscription to the clock, and the wait for other nodes."""
         self._plan = SetPointPlan(self.settings)
         self._encoder = CommandEncoder(self.get_fully_qualified_name())
@@ -102,14 +100,12 @@ class RigDriver(TwinNode):
             self.every(seconds(self._plan.period), self._on_wall)
         self._barrier = StartupBarrier(self, self.settings.wait_for, self.settings.wait_timeout, self._joins_a_run)
         self._drives = self._holds = False
-        return DONE
 
-    def on_cleanup(self, _: LifecycleState) -> TransitionCallbackReturn:
+    def complete(self) -> None:
         """Wait until the last set-point has been received."""
         if self._sent:
             self.publish_diagnostics()
             self.flush(1.0)
-        return DONE
 
     def step(self) -> None:
         """Wait for the other nodes first: a reader that is not connected yet would miss the first set-points."""
@@ -163,7 +159,7 @@ class RigDriver(TwinNode):
         """Send the set-points for the end of the frame that begins at this time [ns]."""
         if not self._drives:
             return
-        stamp = min(clock + self._plan.period, 2**31 * NANOSECONDS - 1)  # the last one that a message can have
+        stamp = within_range(clock + self._plan.period)
         self._publish(stamp, self._plan.at(seconds(stamp)))
 
     def _publish(self, stamp: int, command: Command) -> None:

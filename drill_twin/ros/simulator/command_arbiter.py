@@ -19,9 +19,9 @@ from drill_twin.scene.blocks.rig import FASTEST_BLOCK
 from drill_twin.scene.set_points.command import Command
 
 _REFUSAL_TOLD = 10.0  # s; for so long a refusal is a warning
-_LONGEST_NAME = 200  # letters
+_LETTERS_OF_A_NAME = 200
 _AT_A_RATE = 3  # commands in a row, from which their source is one that goes on to send
-_FRAMES = 20  # without a command, before its source is lost: after a pause, or where frames are slow, it needs a moment
+_FRAMES = 20  # without a command until its source is lost; after a pause or slow frames a source needs a moment
 BY_HAND, ANONYMOUS = "by hand", "anonymous"
 """Commander where single values are in force, and where the source of `/rig/command` does not say its name."""
 
@@ -78,18 +78,20 @@ class CommandArbiter:
     def __init__(
         self, limits: CommandLimits, silence: Silence, first: Command, *, clock: Callable[[], float] = time.monotonic
     ) -> None:
-        self._limits = limits
-        self._silence = silence
+        self.set_limits(limits, silence)
         self._clock = clock
-        self._good = first
-        self._applied = first
+        self.begin(first)
+
+    def begin(self, first: Command) -> None:
+        """Begin a run: forget all that came before, and hold a set-point until the first command."""
+        self._good = self._applied = first
         self._last_time: float | None = None
         self._in_a_row = self._frames = 0  # commands on /rig/command, and frames since the last of them
         self.source: str | None = None
         """Last source of `/rig/command` that had the rig; None before the first."""
         self._source_time = -math.inf  # when it was heard
         self.last_stamp = -1
-        """Stamp [ns] of the last `/rig/command` of the commander, followed or refused; what lockstep waits for."""
+        """Stamp [ns] of the last `/rig/command` of the commander, followed or refused; lockstep waits for it."""
         self.accepted = 0
         """Commands followed."""
         self.refused: Counter[str] = Counter()
@@ -111,14 +113,15 @@ class CommandArbiter:
 
     # --- arrivals -------------------------------------------------------------------------------------------------
 
-    def both(self, stamp: int, command: Command, source: str = "") -> None:
-        """Receive a `/rig/command` with its stamp [ns], from a source."""
-        source = shortened(source, _LONGEST_NAME)
+    def command(self, stamp: int, command: Command, source: str = "") -> bool:
+        """Receive a `/rig/command` with its stamp [ns]; returns False where its source does not have the rig."""
+        source = shortened(source, _LETTERS_OF_A_NAME)
         if self._belongs_to_another(source, f"a command of {source or ANONYMOUS}"):
-            return
+            return False
         self.last_stamp = stamp
         if self._judge(self._with_followed_block(command), by_hand=False) or source == self.source:
             self.source, self._source_time = source, self._clock()
+        return True
 
     def weight_on_bit(self, value: float) -> None:
         """Receive a `/rig/wob_command` [N]."""
@@ -131,7 +134,7 @@ class CommandArbiter:
             self._judge(replace(self._in_force, rotation=value * math.tau), by_hand=True)
 
     def _belongs_to_another(self, source: str | None, what: str) -> bool:
-        """Refuse what another than the commander sends."""
+        """Refuse a command of another source than the commander; returns True where it is refused."""
         holder = self.source
         if holder is None or source == holder or self._clock() - self._source_time > self._silence.timeout:
             return False
@@ -208,7 +211,7 @@ class CommandArbiter:
 
     @property
     def _in_force(self) -> Command:
-        """Set-points that a single value joins: not those of a source that is lost."""
+        """Set-points that a single value joins; a lost source has none among them."""
         return self._applied if self.ramps else self._good
 
     @property

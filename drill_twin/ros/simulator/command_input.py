@@ -79,7 +79,7 @@ class CommandInput:
 
     def reset(self, command: Command | None = None) -> None:
         """Start anew, as time went back, or to a checkpoint with this command in force; what is under way is older."""
-        self.arbiter = CommandArbiter(*self._rules(), self._first)
+        self.arbiter.begin(self._first)
         self._went_back = True
         if command is not None:
             self.arbiter.resume(command)
@@ -124,20 +124,6 @@ class CommandInput:
                 )
                 return
         self._went_back = False
-        refused = self.arbiter.refused["other_source"]
-        self.arbiter.both(state.stamp, command, state.frame_id)
-        ours = self.arbiter.refused["other_source"] == refused
+        ours = self.arbiter.command(state.stamp, command, state.frame_id)
         if ours and self._publishers.take(info["publication_sequence_number"]):
             self._node.publish_diagnostics()
-
-    def on_weight_on_bit(self, value: float) -> None:
-        """Take a value of `/rig/wob_command` [N]."""
-        self.arbiter.weight_on_bit(value)
-
-    def on_speed(self, value: float) -> None:
-        """Take a value of `/rig/rps_command` [rev/s]."""
-        self.arbiter.speed(value)
-
-    def malformed(self, reason: str) -> None:
-        """Count a message that holds no value."""
-        self.arbiter.malformed(reason)  # of now: a reset makes another

@@ -17,14 +17,9 @@ _RECENT = 10.0  # s; for so long a single stall is told
 _SHARE = 0.01  # of the simulated time; more given up is told until the end
 
 
-def health(node: TwinNode, simulation: SimulatorRun, control: RunControl) -> Status:
-    """Status of the simulator: pace, cost and set-points; begins a new window of the timing.
-
-    Args:
-        node: The simulator.
-        simulation: The run.
-        control: Its control.
-    """
+def health(node: TwinNode, control: RunControl) -> Status:
+    """Status of the simulator: pace, cost and set-points; begins a new window of the timing."""
+    simulation = control.simulation
     values = {"state": control.state_text, **_values(node.settings, simulation)}
     if len(publishers := node.topics.publisher_nodes(STRING_POSES)) > 1:
         topic = node.resolve_topic_name(relative(STRING_POSES))

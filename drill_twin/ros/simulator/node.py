@@ -8,19 +8,19 @@ command, or at the time of a checkpoint.
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from contextlib import suppress
 from pathlib import Path
 from types import SimpleNamespace
 from typing import TYPE_CHECKING, ClassVar
 
 from rclpy.context import Context
-from rclpy.lifecycle import LifecycleState, TransitionCallbackReturn
 
 from drill_twin.core.errors import RunStopped
 from drill_twin.dynamics.solver.slices import checked
 from drill_twin.io.messages.diagnostics import Level, Status
 from drill_twin.io.messages.topics import CLOCK_TOPIC, COMMANDER, RIG_COMMAND, RPS_COMMAND, WOB_COMMAND
-from drill_twin.ros.core.node import AUTOSTART, DONE, TwinNode
+from drill_twin.ros.core.node import AUTOSTART, TwinNode
 from drill_twin.ros.core.parameters import Parameter
 from drill_twin.ros.core.scene_parameters import OVERRIDES, SCENE
 from drill_twin.ros.core.stop_request import StopRequest
@@ -29,7 +29,6 @@ from drill_twin.ros.simulator.start_up import CheckpointPlaces, StartUp
 
 if TYPE_CHECKING:
     from drill_twin.ros.simulator.run_control import RunControl
-    from drill_twin.ros.simulator.simulation import SimulatorRun
 
 PARAMETERS = (
     SCENE,
@@ -111,11 +110,17 @@ PARAMETERS = (
         "saved_checkpoint",
         "",
         "file (.npz) that ~/save_checkpoint writes, nothing else overwrites and ~/load_checkpoint reads; "
-        '"": that of checkpoint with _saved behind its name',
+        '"": the file of checkpoint with _saved after its name',
         live=True,
     ),
     Parameter(
-        "marker_rate", 25.0, "pictures for RViz and Foxglove, per second of wall time", "Hz", 0.0, 100.0, live=True
+        "marker_rate",
+        25.0,
+        "pictures for RViz and Foxglove and tf, per second of wall time",
+        "Hz",
+        0.0,
+        100.0,
+        live=True,
     ),
     Parameter(
         "exaggeration",
@@ -135,16 +140,16 @@ class Simulator(TwinNode):
     NAME: ClassVar = "simulator"
     PURPOSE: ClassVar = "Moves the drillstring of a scene under the set-points it receives."
     PARAMETERS: ClassVar = PARAMETERS
-    _run: SimulatorRun | None = None
-    _control: RunControl | None = None
+    _control: RunControl
+    """Control of the run; made by `configure`."""
 
-    def __init__(self, context: Context) -> None:
-        super().__init__(context)
+    def __init__(self, context: Context, others: Iterable[str] = ()) -> None:
+        super().__init__(context, others)
         self._start_up, self._places = StartUp(self), CheckpointPlaces(self.settings)
 
     # --- life cycle -----------------------------------------------------------------------------------------------
 
-    def on_configure(self, _: LifecycleState) -> TransitionCallbackReturn:
+    def configure(self) -> None:
         """Compile and build the twin; create its publishers, the subscriptions to commands, and the services."""
         settings, start = self.settings, self._start_up
         scene = start.compiled_scene()
@@ -158,17 +163,18 @@ class Simulator(TwinNode):
         for topic in (*topics_of(scene), COMMANDER):
             # The clock is latched, so that a driver which returns during a run learns the time at once.
             self.topics.advertise(topic, latched=True if topic == CLOCK_TOPIC else None)
-        self._run = run = SimulatorRun(self, scene, rate, self._places)
-        self._control = control = RunControl(run, self)
+        self._control = RunControl(SimulatorRun(self, scene, rate, self._places), self)
+        run = self._control.simulation
         start.refuse_second_simulator(own=1)
         if settings.checkpoint and Path(settings.checkpoint).exists():
             run.resume(self._places.file(settings.checkpoint))
         run.loop.announce()
         self.topics.subscribe_raw(RIG_COMMAND, run.commands.on_command)
-        for topic, received in ((WOB_COMMAND, run.commands.on_weight_on_bit), (RPS_COMMAND, run.commands.on_speed)):
-            self.topics.subscribe(topic, received, malformed=run.commands.malformed)
+        arbiter = run.commands.arbiter
+        for topic, received in ((WOB_COMMAND, arbiter.weight_on_bit), (RPS_COMMAND, arbiter.speed)):
+            self.topics.subscribe(topic, received, malformed=arbiter.malformed)
         run.apply_settings()
-        offer(self, control)
+        offer(self, self._control)
         twin = run.loop.twin
         self.get_logger().info(
             f"{scene.name}: {twin.elements} elements, {twin.step_size * 1e6:.0f} us steps, {rate:g} frames/s, "
@@ -177,27 +183,20 @@ class Simulator(TwinNode):
         if run.waits_for_command:
             topics = [self.resolve_topic_name(relative(name)) for name in (RIG_COMMAND, WOB_COMMAND, RPS_COMMAND)]
             self.get_logger().info(f"time stands still until a command comes on {', '.join(topics)}")
-        return DONE
 
-    def on_activate(self, _: LifecycleState) -> TransitionCallbackReturn:
+    def activate(self) -> None:
         """Let time run from here."""
-        if self._run is not None:
-            self._run.stand_still(paused=True)
-        return DONE
+        self._control.simulation.stand_still(paused=True)
 
-    def on_deactivate(self, _: LifecycleState) -> TransitionCallbackReturn:
+    def deactivate(self) -> None:
         """Let time stand still, in the middle of a step too."""
-        if self._control is not None:
-            self._control.end_steps("it was deactivated")
-        return DONE
+        self._control.end_steps("it was deactivated")
 
-    def on_cleanup(self, _: LifecycleState) -> TransitionCallbackReturn:
+    def complete(self) -> None:
         """Write the last checkpoint, wait until the readers have received everything, and drop the twin."""
-        if self._control is not None:
+        if self._is_built:
             self._control.end_steps("it was asked to end")
-        if self._run is not None:
-            self._run.close()
-        return DONE
+            self._control.simulation.close()
 
     # --- the loop -------------------------------------------------------------------------------------------------
 
@@ -213,21 +212,25 @@ class Simulator(TwinNode):
 
     def step(self) -> None:
         """Advance by a frame, or wait for what the run needs."""
-        if self._run is None or self._control is None:
-            return
-        self._run.tell_commander()
-        if self._control.runs:
-            self._run.advance()
-            self._control.frame_taken()
-            self._run.keep_pace(steps=self._control.steps > 0)
+        control, run = self._control, self._control.simulation
+        run.tell_commander()
+        if control.runs:
+            run.advance()
+            control.frame_taken()
+            run.keep_pace(steps=control.steps > 0)
         else:
-            self._run.stand_still(paused=self._control.paused)
+            run.stand_still(paused=control.paused)
             self.spin_once(0.05)
+
+    @property
+    def _is_built(self) -> bool:
+        """True from the time on at which `configure` has built the twin."""
+        return hasattr(self, "_control")
 
     @property
     def finished(self) -> bool:
         """True once the wanted duration has been simulated."""
-        return self._run is not None and self._run.complete
+        return self._control.simulation.complete
 
     def check_change(self, settings: SimpleNamespace) -> None:
         """Refuse the file of a checkpoint outside the folders that were named at the start."""
@@ -236,19 +239,19 @@ class Simulator(TwinNode):
 
     def on_change(self) -> None:
         """Apply a live parameter."""
-        if self._run is not None:
-            self._run.apply_settings()
+        if self._is_built:
+            self._control.simulation.apply_settings()
 
     # --- readiness and diagnostics --------------------------------------------------------------------------------
 
     def not_ready(self) -> str:
         """Reason why the twin cannot be driven yet; empty when it can."""
-        return self._start_up.progress or ("" if self._run is not None else "it is being configured")
+        return self._start_up.progress or ("" if self._is_built else "it is being configured")
 
     def health(self) -> Status:
         """Pace, cost, set-points and their sources."""
-        if self._run is None or self._control is None:
+        if not self._is_built:
             return Status(self.NAME, Level.OK, self.not_ready(), {"compiling": self._start_up.progress})
         from drill_twin.ros.simulator.health import health
 
-        return health(self, self._run, self._control)
+        return health(self, self._control)

@@ -55,7 +55,7 @@ class RunControl:
             simulation: The run.
             node: The simulator.
         """
-        self._simulation, self._node, self._settings = simulation, node, node.settings
+        self.simulation, self._node, self._settings = simulation, node, node.settings
         self._node_name = node.get_fully_qualified_name()
         self.paused = False
         """True while the run is paused."""
@@ -67,14 +67,14 @@ class RunControl:
     @property
     def runs(self) -> bool:
         """True while the next frame may be computed."""
-        return self._node.active and (self.steps > 0 or not (self.paused or self._simulation.waits_for_command))
+        return self._node.active and (self.steps > 0 or not (self.paused or self.simulation.waits_for_command))
 
     @property
     def state(self) -> int:
         """State by the numbers of simulation_interfaces: stopped is paused before the first frame."""
         if self._node.active and not self.paused:
             return PLAYING
-        return PAUSED if self._simulation.loop.frames else STOPPED
+        return PAUSED if self.simulation.loop.frames else STOPPED
 
     @property
     def state_text(self) -> str:
@@ -82,14 +82,9 @@ class RunControl:
         if not self._node.active or self.paused:
             return "paused" if self._node.active else "inactive"
         # In lockstep a run waits within every frame; it stands still once commands have stopped coming.
-        commands = self._simulation.commands.arbiter
-        waits = self._simulation.waits_for_command and (commands.silent or not commands.heard)
+        commands = self.simulation.commands.arbiter
+        waits = self.simulation.waits_for_command and (commands.silent or not commands.heard)
         return "waiting" if waits else "running"
-
-    def actions(self) -> dict[str, Action]:
-        """Actions offered as services, by name."""
-        offered = (self.pause, self.resume, self.reset, self.save_checkpoint, self.load_checkpoint)
-        return {action.__name__: action for action in offered}
 
     def quit(self) -> None:
         """End the node."""
@@ -99,13 +94,13 @@ class RunControl:
         """Stop simulated time."""
         self.end_steps("the run was paused")
         self.paused = True
-        return f"paused at {self._simulation.time_text}"
+        return f"paused at {self.simulation.time_text}"
 
     def resume(self) -> str:
         """Let simulated time go on."""
         self.end_steps("the run was resumed")
         self.paused = False
-        return f"running from {self._simulation.time_text}"
+        return f"running from {self.simulation.time_text}"
 
     def take_frames(self, count: int, told: Told) -> None:
         """Advance a paused run by frames, one in each turn of the loop, so that all else is answered meanwhile.
@@ -137,34 +132,34 @@ class RunControl:
             self.steps -= 1
             if not self.steps:
                 frames = f"{self._step_of} frame{'s' if self._step_of > 1 else ''}"
-                self._told(True, f"{frames} on, at {self._simulation.time_text}")
+                self._told(True, f"{frames} on, at {self.simulation.time_text}")
 
     def end_steps(self, why: str) -> None:
         """Leave the rest of a step undone, and tell it."""
         if self.steps and self._told is not None:
             taken, self.steps = self._step_of - self.steps, 0
-            at = self._simulation.time_text
+            at = self.simulation.time_text
             self._told(False, f"expected {self._step_of} frames, took {taken}, to {at}, as {why} meanwhile")
 
     def reset(self) -> str:
         """Start a new run at time zero."""
         self.end_steps("it was reset")
-        self._simulation.reset()
-        return f"began again at {self._simulation.time_text}"
+        self.simulation.reset()
+        return f"began again at {self.simulation.time_text}"
 
     def save_checkpoint(self) -> str:
         """Write the state to a file that the periodic checkpoint does not overwrite."""
         path = self._checkpoint_path()
-        self._simulation.checkpoint().save(path)
-        return f"kept {self._simulation.time_text} in {path}"
+        self.simulation.checkpoint().save(path)
+        return f"kept {self.simulation.time_text} in {path}"
 
     def load_checkpoint(self) -> str:
         """Go to the state in the file of `save_checkpoint`."""
         path = self._checkpoint_path()
         self.end_steps("a checkpoint was loaded")
-        self._simulation.resume(path)
-        self._simulation.loop.announce()
-        return f"went to {self._simulation.time_text}, from {path}"
+        self.simulation.resume(path)
+        self.simulation.loop.announce()
+        return f"went to {self.simulation.time_text}, from {path}"
 
     def _checkpoint_path(self) -> Path:
         own, periodic = self._settings.saved_checkpoint, self._settings.checkpoint
@@ -175,7 +170,7 @@ class RunControl:
             )
         if own or periodic:
             file = own or Path(periodic).with_name(f"{Path(periodic).stem}_saved.npz")
-            return self._simulation.places.file(str(file))
+            return self.simulation.places.file(str(file))
         raise CheckpointError(
             "expected a file for the checkpoint, found none; "
             f"ros2 param set {self._node_name} saved_checkpoint FILE.npz"
@@ -261,8 +256,8 @@ def _after_step(run: RunControl, count: int, response_of: Callable[[bool, str], 
 
 def offer(node: TwinNode, run: RunControl) -> None:
     """Offer the services of a run: one for each action, and those of `simulation_interfaces` where it is installed."""
-    for name, action in run.actions().items():
-        node.create_service(Trigger, f"~/{name}", _answering(node, action))
+    for action in (run.pause, run.resume, run.reset, run.save_checkpoint, run.load_checkpoint):
+        node.create_service(Trigger, f"~/{action.__name__}", _answering(node, action))
 
     def step(request: Trigger.Request, response: Trigger.Response) -> Any:
         del request

@@ -84,24 +84,24 @@ _BURST = 200  # frames; as fast as possible must not be faster than the readers
 
 
 class CheckpointWriter:
-    """Writes one checkpoint at a time, in a thread: a slow disk delays no frame, and one due meanwhile is left out."""
+    """Writes one checkpoint at a time, in a thread: a slow disk delays no frame, but leaves out the next checkpoint."""
 
     def __init__(self) -> None:
         self._writing: threading.Thread | None = None
         self.written: float | None = None
-        """Simulated time of the last one that is on the disk [s]."""
+        """Simulated time of the last checkpoint on the disk [s]; None without one."""
         self.trouble = ""
-        """Reason why the last one could not be written; empty when it could."""
+        """Reason why the last checkpoint could not be written; empty when it was."""
 
     def start(self, checkpoint: Checkpoint, path: Path) -> None:
-        """Start to write one, unless one is being written."""
+        """Start to write a checkpoint, unless another is being written."""
         if self._writing is not None and self._writing.is_alive():
             return
         self._writing = threading.Thread(target=self._write, args=(checkpoint, path), name="checkpoint")
         self._writing.start()
 
     def finish(self) -> None:
-        """Wait until it is written."""
+        """Wait until the checkpoint is written that was started last."""
         if self._writing is not None:
             self._writing.join()
 
@@ -202,7 +202,7 @@ class SimulatorRun:
             self.keep()
 
     def keep_pace(self, *, steps: bool = False) -> None:
-        """Process what comes until the next frame is due; those of a step follow each other as fast as possible."""
+        """Process what comes until the next frame is due; the frames of a step are due as fast as possible."""
         pace = "fast" if steps else self._node.settings.pace
         if pace == "realtime":
             if not self.pacer.wait(self._node.spin_once):
@@ -227,7 +227,7 @@ class SimulatorRun:
         self.loop.reset()
 
     def keep(self) -> None:
-        """Begin to write the periodic checkpoint, unless its place has become another."""
+        """Begin to write the periodic checkpoint; the diagnostics tell where its place is refused."""
         try:
             self.checkpoints.start(self.checkpoint(), self.places.file(self._node.settings.checkpoint))
         except CheckpointError as error:

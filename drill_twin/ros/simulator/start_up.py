@@ -46,7 +46,7 @@ class CheckpointPlaces:
         """File of a path, where links lead to.
 
         Raises:
-            CheckpointError: It is none of these folders, or no file.
+            CheckpointError: The path is in none of the folders, or is no path of a file.
         """
         target = Path(path).resolve()
         if not path.isprintable() or target.is_dir():

@@ -13,11 +13,10 @@ import os
 import resource
 import tempfile
 import time
-from collections.abc import Callable, Mapping
-from contextlib import closing
+from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 
@@ -25,11 +24,9 @@ from drill_twin.cli.emit import emit
 from drill_twin.cli.options import JsonOption, time_option
 from drill_twin.cli.show import shown_progress
 from drill_twin.core.table import Table
+from drill_twin.io.messages.diagnostics import Status
 from drill_twin.ros.core.stop_request import StopRequest
-from drill_twin.ros.demo.processes import Child, processes, twin_commands
-
-if TYPE_CHECKING:
-    from drill_twin.ros.demo.demo_observer import DemoObserver
+from drill_twin_evidence.benchmarks.processes import Child, processes, twin_commands
 
 _WARM_UP = 2.0  # s of simulated time after which everything has been used once
 
@@ -78,18 +75,47 @@ def run_load(options: LoadOptions) -> tuple[list[NodeLoad], Mapping[str, str]]:
         own_domain(Path(folder)),
         processes(twin_commands({}, scene, Path(folder, "bag_0")), dict(os.environ), Path(folder)) as children,
     ):
-        _observe_until(lambda observer: observer.time > _WARM_UP, children)
+        _observe(children, _WARM_UP)
         shares = _measure(children, options.seconds)
-        return shares, _observe_until(lambda observer: bool(observer.simulator), children)
+        return shares, _observe(children, 0.0)
 
 
-def _observe_until(reached: Callable[[DemoObserver], bool], children: Mapping[str, Child]) -> Mapping[str, str]:
-    """Observe the nodes until a state is reached, with a node that is gone during the measurement."""
+def _observe(children: Mapping[str, Child], until: float) -> Mapping[str, str]:
+    """Diagnostic values of the simulator after a simulated time [s]; they come from a node that is gone afterwards.
+
+    Raises:
+        RunError: A process has ended with an error.
+    """
     # Imported after the children were started: DDS threads do not survive a fork.
-    from drill_twin.ros.demo.demo_observer import observed
+    from drill_twin.io.messages.topics import DIAGNOSTICS
+    from drill_twin.ros.core.node import TwinNode
+    from drill_twin.ros.core.node_main import init_context
 
-    with closing(observed(children, StopRequest(), lambda _: None)) as turns:
-        return next(observer.simulator for observer in turns if reached(observer))
+    said: dict[str, str] = {}
+
+    class Observer(TwinNode):
+        NAME = "load"
+        PURPOSE = "Listens to the simulator."
+
+    def take(found: tuple[int, list[Status]]) -> None:
+        for status in found[1]:
+            if float(status.values.get("simulated_time", "nan")) > until:
+                said.update(status.values)
+
+    context = init_context([], StopRequest())
+    try:
+        observer = Observer(context)
+        observer.topics.subscribe(DIAGNOSTICS, take)
+        try:
+            while not said:
+                observer.spin_once(0.1)
+                for child in children.values():
+                    child.check_alive()
+        finally:
+            observer.close()  # its executor first: one that outlives its context ends in a segmentation fault
+    finally:
+        context.try_shutdown()
+    return said
 
 
 def processor_time(pid: int) -> float:

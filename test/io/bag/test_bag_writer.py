@@ -7,6 +7,7 @@ import resource
 import signal
 import subprocess
 import sys
+from dataclasses import replace
 
 import pytest
 import yaml
@@ -215,7 +216,7 @@ def test_another_qos_is_kept(tmp_path):
         "history": "unknown",
         "depth": 0,
     }
-    with BagWriter(tmp_path / "run_0", topics=[contract_topic(STRING_POSES, qos=[best_effort])]) as writer:
+    with BagWriter(tmp_path / "run_0", topics=[replace(contract_topic(STRING_POSES), qos=[best_effort])]) as writer:
         writer.write(STRING_POSES, 1, b"\0\1\0\0")
     assert metadata_of(writer.folder)["topics_with_message_count"][0]["topic_metadata"]["offered_qos_profiles"] == [
         best_effort

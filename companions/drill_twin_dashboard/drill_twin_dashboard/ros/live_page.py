@@ -17,7 +17,6 @@ from typing import Any, ClassVar
 
 from rcl_interfaces.srv import SetParameters
 from rclpy.context import Context
-from rclpy.lifecycle import LifecycleState, TransitionCallbackReturn
 from rclpy.parameter import Parameter as RosParameter
 from std_srvs.srv import Trigger
 
@@ -27,7 +26,7 @@ from drill_twin.io.messages.diagnostics import Level, Status
 from drill_twin.io.messages.good_samples import GONE
 from drill_twin.io.messages.rig_messages import CommandEncoder
 from drill_twin.io.messages.topics import RIG_COMMAND, RPS_COMMAND, TOPICS, TWIN_SCENE, WOB_COMMAND
-from drill_twin.ros.core.node import DONE, TwinNode
+from drill_twin.ros.core.node import TwinNode
 from drill_twin.ros.core.node_main import init_context, run_in_order
 from drill_twin.ros.core.stop_request import StopRequest
 from drill_twin.ros.deployment import readable_refusal
@@ -70,13 +69,12 @@ class LivePage(TwinNode):
         self._driver = self.create_client(SetParameters, "rig_driver/set_parameters")
         self._controls = {name: self.create_client(Trigger, f"simulator/{name}") for name in _CONTROLS}
 
-    def on_configure(self, _: LifecycleState) -> TransitionCallbackReturn:
+    def configure(self) -> None:
         """Create the subscriptions."""
         self.topics.subscribe_scenes(partial(self.page_state.update, TWIN_SCENE))
         for topic in set(INPUTS) - {TWIN_SCENE} if self._viewers is None else TOPICS:
             depth = 1 if TOPICS[topic].latched else _DEPTH
             self.topics.subscribe_raw(topic, partial(self._on_message, topic), depth=depth)
-        return DONE
 
     def _on_message(self, topic: str, raw: bytes, info: Mapping[str, Any]) -> None:
         message = bytes(raw)

@@ -14,7 +14,6 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar
 
-from rclpy.lifecycle import LifecycleState, TransitionCallbackReturn
 from std_srvs.srv import Trigger
 
 from drill_twin.core.errors import DrillTwinError, MessageError, missing
@@ -22,7 +21,7 @@ from drill_twin.core.loopback import is_loopback
 from drill_twin.io.messages.decode import read_string
 from drill_twin.io.messages.diagnostics import Level, Status
 from drill_twin.io.messages.topics import RIG_STATE, TOPICS, TWIN_SCENE
-from drill_twin.ros.core.node import AUTOSTART, DONE, TwinNode
+from drill_twin.ros.core.node import AUTOSTART, TwinNode
 from drill_twin.ros.core.parameters import Parameter, ParameterError
 from drill_twin.ros.simulator.command_limits import limits_for
 from drill_twin.scene import parse_scene
@@ -95,7 +94,7 @@ class Gateway(TwinNode):
     _server: OpcUaServer | None = None
     _rig: RigLink | None = None
 
-    def on_configure(self, _: LifecycleState) -> TransitionCallbackReturn:
+    def configure(self) -> None:
         """Start server and client; create subscriptions to the topics of the signals, services and timers."""
         if not self.settings.keys and not is_loopback(self.settings.host):
             raise ParameterError(
@@ -121,16 +120,14 @@ class Gateway(TwinNode):
         self.every(1.0 / self.settings.rate, self._show)
         self.every(_CONTROL_PERIOD, self._work)
         self.get_logger().info(f"{len(self._signals.show)} signals at {self._server.url}")
-        return DONE
 
-    def on_cleanup(self, _: LifecycleState) -> TransitionCallbackReturn:
+    def complete(self) -> None:
         """End server and client."""
         if self._rig is not None:
             self._rig.close()
         if self._server is not None:
             self._server.close()
         self._rig = self._server = None
-        return DONE
 
     def _on_message(self, topic: str, raw: bytes, _: Mapping[str, Any]) -> None:
         try:

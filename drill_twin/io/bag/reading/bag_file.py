@@ -25,7 +25,7 @@ WITH_HEADER = frozenset({"sensor_msgs/msg/JointState", "geometry_msgs/msg/PoseAr
 LATCHED = tuple(name for name, topic in TOPICS.items() if topic.latched)
 """Ends of the names of topics whose messages are read wherever they are."""
 MOST_LATCHED = 50
-"""Messages, or chunks with them, that are read of such a topic."""
+"""Number of messages, or of chunks with them, that are read of a latched topic."""
 _MARGIN = 1.0  # s by which topics may come after one another
 _LARGEST = 20_000  # characters of QoS profiles; one has 400
 

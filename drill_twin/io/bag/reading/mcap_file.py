@@ -41,7 +41,7 @@ class McapFile(BagFile):
         self._schemas: dict[int, Schema] = {}
         self._notes = 0
         self._places: list[int] | None = None
-        self._scanned = True  # what the search finds damaged is told where it is read
+        self._scanned = True  # damage that the search meets is noted when the messages are read
         if window is not None:
             self._places = self._places_of(*window)
         self._scanned = False

@@ -48,19 +48,19 @@ class Bounds:
     """Records so far."""
 
     def too_large(self, size: int) -> bool:
-        """Check that so many bytes more are too many; they are counted otherwise."""
+        """Return True where so many more bytes are too many; otherwise count them."""
         if self.size + size > _EXPANSION * self.file + _EXPANSION_OF_ANY or size > LARGEST_CHUNK:
             return True
         self.size += size
         return False
 
     def too_many(self) -> bool:
-        """Check the number of records so far."""
+        """Return True where there are too many records so far."""
         return self.records > self.file + _RECORDS_OF_ANY
 
 
 class _TooLargeError(Exception):
-    """A chunk that says that it is larger than the bounds."""
+    """Raised for a chunk that says that it is larger than the bounds."""
 
 
 def record_blocks(

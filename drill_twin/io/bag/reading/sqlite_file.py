@@ -21,9 +21,7 @@ _MOST_TOPICS = 10_000
 _BLOCKS = 1000  # of equal time of recording, in which a window is searched
 _SAMPLES = 16  # messages that tell the stamps of a block
 _LAST_DIAGNOSTICS = 20  # of all nodes; counts are those at the end of the run
-_OF_A_KIND = (
-    "typeof(timestamp) = 'integer' AND typeof(data) = 'blob'"  # else damaged: a column holds values of any type
-)
+_OF_A_KIND = "typeof(timestamp) = 'integer' AND typeof(data) = 'blob'"  # else damaged: SQLite checks no types
 
 
 class SqliteFile(BagFile):
@@ -138,7 +136,7 @@ class SqliteFile(BagFile):
             else:
                 continue
             query = f"SELECT timestamp, id FROM messages WHERE topic_id = ? AND {_OF_A_KIND} ORDER BY {order} LIMIT ?"  # noqa: S608
-            rows += database.execute(query, (number, limit))  # ends at the last one, and begins where it is near
+            rows += database.execute(query, (number, limit))  # the limit ends the search at the last such row
         return sorted(rows)
 
 

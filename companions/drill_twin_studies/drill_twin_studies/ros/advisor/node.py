@@ -16,8 +16,6 @@ from pathlib import Path
 from types import SimpleNamespace
 from typing import ClassVar
 
-from rclpy.lifecycle import LifecycleState, TransitionCallbackReturn
-
 from drill_twin.core.errors import DrillTwinError, RunError
 from drill_twin.core.process import child_environment
 from drill_twin.io.messages.decode import JointState, read_string
@@ -28,7 +26,7 @@ from drill_twin.io.messages.rig_messages import read_rig_state
 from drill_twin.io.messages.stamps import seconds, stamp_ns
 from drill_twin.io.messages.topic_words import digest_of
 from drill_twin.io.messages.topics import ADVICE_MAP, ADVICE_STATE, RIG_STATE, TWIN_SCENE, TWIN_SUMMARY
-from drill_twin.ros.core.node import AUTOSTART, DONE, TwinNode
+from drill_twin.ros.core.node import AUTOSTART, TwinNode
 from drill_twin.ros.core.pacing import Tick
 from drill_twin.ros.core.parameters import Parameter
 from drill_twin.scene import Scene, parse_scene
@@ -132,7 +130,7 @@ class Advisor(TwinNode):
     )
     _maker: MapMaker | None = None
 
-    def on_configure(self, _: LifecycleState) -> TransitionCallbackReturn:
+    def configure(self) -> None:
         """Read the map, and create topics and the timer of the advice.
 
         Raises:
@@ -150,12 +148,10 @@ class Advisor(TwinNode):
         self.topics.subscribe(RIG_STATE, self._on_rig, depth=1)
         self.topics.subscribe(TWIN_SUMMARY, self._on_summary)
         self.every(_PERIOD, self._look_at_map)
-        return DONE
 
-    def on_cleanup(self, _: LifecycleState) -> TransitionCallbackReturn:
+    def complete(self) -> None:
         """End a map that is being made."""
         self._drop_maker()
-        return DONE
 
     def _clear(self) -> None:
         self._tracker = Tracker()

@@ -12,7 +12,6 @@ from types import SimpleNamespace
 from typing import ClassVar, TypeVar
 
 import numpy as np
-from rclpy.lifecycle import LifecycleState, TransitionCallbackReturn
 
 from drill_twin.core.errors import RunError, RunStopped
 from drill_twin.dynamics.solver.slices import checked
@@ -32,7 +31,7 @@ from drill_twin.io.messages.topics import (
     TWIN_SCENE,
 )
 from drill_twin.io.scene_geometry import readings_topic
-from drill_twin.ros.core.node import AUTOSTART, DONE, TwinNode
+from drill_twin.ros.core.node import AUTOSTART, TwinNode
 from drill_twin.ros.core.parameters import Parameter, ParameterError
 from drill_twin.ros.core.scene_parameters import OVERRIDES, SCENE, pairs_of, scene_of
 from drill_twin.runs import compile_kernel
@@ -110,7 +109,7 @@ class Estimator(TwinNode):
     ON_CHANGE: ClassVar = (RIG_COMMAND,)
     _thread: ThreadPoolExecutor | None = None
 
-    def on_configure(self, _: LifecycleState) -> TransitionCallbackReturn:
+    def configure(self) -> None:
         """Create topics, and begin to make the ensemble on a thread of its own.
 
         Raises:
@@ -136,14 +135,12 @@ class Estimator(TwinNode):
             self.topics.subscribe(readings_topic(sub), partial(self._on_readings, sub), depth=_DEPTH)
         if self.settings.set_points == "command":
             self.topics.subscribe(RIG_COMMAND, self._on_command, depth=_DEPTH)
-        return DONE
 
-    def on_cleanup(self, _: LifecycleState) -> TransitionCallbackReturn:
+    def complete(self) -> None:
         """End a compilation, or the window that is being computed."""
         self._closing = True
         if self._thread is not None:
             self._thread.shutdown(cancel_futures=True)
-        return DONE
 
     def not_ready(self) -> str:
         """Reason while the ensemble is being made."""
@@ -166,7 +163,7 @@ class Estimator(TwinNode):
             self._step = self._thread.submit(self._stoppable, self._following.step)
 
     def _stoppable(self, function: Callable[[], Result]) -> Result:
-        """Call a function on the thread; `on_cleanup` ends what it computes."""
+        """Call a function on the thread; `complete` ends what it computes."""
 
         def check() -> None:
             if self._closing:
@@ -176,7 +173,7 @@ class Estimator(TwinNode):
             return function()
 
     def _make(self) -> Following:
-        """Make the ensemble; its kernels are compiled by a child process, which `on_cleanup` ends at once."""
+        """Make the ensemble; its kernels are compiled by a child process, which `complete` ends at once."""
         scene = scene_of(self.settings)
         compile_kernel(scene, scene.numerics.frame_period, self._on_compilation)
         return make_estimator(self.settings)

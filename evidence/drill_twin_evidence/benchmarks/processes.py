@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Nodes as child processes: each with its own log, ended in order, never orphaned, and watched for a stall."""
+"""Nodes as child processes: each with its own log, ended in order, and never orphaned."""
 
 from __future__ import annotations
 
@@ -8,8 +8,7 @@ import os
 import signal
 import subprocess
 import sys
-import time
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -19,9 +18,7 @@ from drill_twin.ros.core.stop_request import END_WITH_PARENT
 
 _SIGNAL_TIMEOUT = 10.0  # s after each signal, before the next and harsher one
 _LOG_LINES = 8
-STARTING_TIME = 150.0  # s
-"""Longest time in which the nodes compile and connect."""
-_STALL_TIME = 20.0  # s; longest time between two changes of the simulated time
+_STARTING_TIME = 150.0  # s in which the nodes compile and connect; not measured
 
 
 class Child:
@@ -92,7 +89,7 @@ def twin_commands(
     """Nodes of a twin that is recorded, and their parameters, in the order in which they are ended: readers last."""
     return {
         "simulator": {**scene, **simulator},
-        "rig_driver": {**scene, "wait_for": "simulator analyzer recorder", "wait_timeout": STARTING_TIME},
+        "rig_driver": {**scene, "wait_for": "simulator analyzer recorder", "wait_timeout": _STARTING_TIME},
         "analyzer": {},
         "recorder": {"bag": str(bag.absolute())},
     }
@@ -120,28 +117,3 @@ def processes(
                 f"{node} ended with exit code {code}; its log, {children[node].log}, ends with\n"
                 f"{children[node].log_tail()}"
             )
-
-
-class StallDetector:
-    """Ends a run whose simulated time stands still."""
-
-    def __init__(self, clock: Callable[[], float] = time.monotonic) -> None:
-        self._clock = clock
-        self._since, self._time = clock(), 0.0
-
-    def check(self, simulated: float, *, compiling: bool = False) -> None:
-        """Compare the simulated time with that of the last call.
-
-        Args:
-            simulated: Simulated time [s].
-            compiling: Whether the simulator says that it compiles: no stall, however long.
-
-        Raises:
-            RunError: It has not changed for too long.
-        """
-        now = self._clock()
-        if compiling or simulated != self._time:
-            self._since, self._time = now, simulated
-        limit = _STALL_TIME if simulated else STARTING_TIME
-        if now - self._since > limit:
-            raise RunError(f"simulated time has stood at {simulated:.2f} s for {limit:g} s; see the logs of the nodes")

@@ -11,8 +11,6 @@ from collections.abc import Iterable
 from functools import partial
 from typing import TYPE_CHECKING, ClassVar
 
-from rclpy.lifecycle import LifecycleState, TransitionCallbackReturn
-
 from drill_twin.io.messages.diagnostics import Level, Status
 from drill_twin.io.messages.topics import (
     MARKS_STATE,
@@ -24,7 +22,7 @@ from drill_twin.io.messages.topics import (
     WHIRL_ONSET,
     WHIRL_STATE,
 )
-from drill_twin.ros.core.node import AUTOSTART, DONE, TwinNode
+from drill_twin.ros.core.node import AUTOSTART, TwinNode
 from drill_twin.ros.core.parameters import Parameter
 
 if TYPE_CHECKING:
@@ -56,7 +54,7 @@ class Analyzer(TwinNode):
     )
     _pipeline: WhirlPipeline | None = None
 
-    def on_configure(self, _: LifecycleState) -> TransitionCallbackReturn:
+    def configure(self) -> None:
         """Create the pipeline, the publishers of its findings, and the subscriptions to scene and samples."""
         # Imported here: a bad parameter should be refused before.
         from drill_twin.io.scene_geometry import readings_topic
@@ -77,16 +75,14 @@ class Analyzer(TwinNode):
             self.topics.subscribe_raw(topic, partial(self._on_message, pipeline, topic), depth=_DEPTH)
             for topic in samples
         ]
-        return DONE
 
-    def on_cleanup(self, _: LifecycleState) -> TransitionCallbackReturn:
+    def complete(self) -> None:
         """Analyse what has arrived already, and wait until the findings are received."""
         if self._pipeline is not None:
             self.drain(_QUIET)
             self.publish_diagnostics()
             self.flush(2.0)
         self._pipeline = None
-        return DONE
 
     def _on_message(self, pipeline: WhirlPipeline, topic: str, raw: bytes, *_: object) -> None:
         runs, malformed = pipeline.runs, pipeline.malformed
