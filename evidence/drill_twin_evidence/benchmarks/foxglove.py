@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Load of a viewer on `drill-twin watch --foxglove`; needs foxglove-sdk.
+"""Load of a viewer on `drill-twin watch --foxglove`.
 
     python -m drill_twin_evidence.benchmarks.foxglove [SECONDS]
 
