@@ -132,7 +132,7 @@ def test_all_data_is_installed(package):
 def test_every_import_is_declared(package):
     folder = FOLDERS[package]
     given = _setup_arguments(folder)
-    extras = given["extras_require"]
+    extras = given.get("extras_require", {})
     wanted = {name for name in extras if name in {"las", "dask", "xarray"}}
     lines = [*given["install_requires"], *(line for name in wanted for line in extras[name])]
     if package != "drill_twin":  # what the core needs is there with it

@@ -20,11 +20,10 @@ from drill_twin.core.table import Table, markdown_row
 from drill_twin.runs.ensemble import Threads
 from drill_twin.scene import parse_scene
 from drill_twin_studies.maps import read_map
-from drill_twin_studies.maps.growth_hint import growth_of
 from drill_twin_studies.maps.plane import Labels, filled
 from drill_twin_studies.maps.regimes import REGIMES
 from drill_twin_studies.maps.runs import Key, Runner, RunRecord
-from drill_twin_studies.maps.search import BoundarySearch
+from drill_twin_studies.maps.search import BoundarySearch, growth_of
 
 
 @dataclass(frozen=True)

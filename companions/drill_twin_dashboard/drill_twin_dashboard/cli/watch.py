@@ -83,7 +83,7 @@ def _play(
     browser: bool,
 ) -> None:
     from drill_twin.io.bag.reading.files import bag_path
-    from drill_twin_dashboard.live.limits import parse_limit
+    from drill_twin_dashboard.live.alarms import parse_limit
     from drill_twin_dashboard.live.player import Player
     from drill_twin_dashboard.live.server import PageServer
 

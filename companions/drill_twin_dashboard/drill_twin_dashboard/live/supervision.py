@@ -14,9 +14,7 @@ from typing import Any
 from drill_twin.core.errors import DrillTwinError
 from drill_twin.io.messages.diagnostics import Level
 from drill_twin.whirl import BitMotion, MotionCode, StickSlip
-from drill_twin_dashboard.live.alarms import Alarms
-from drill_twin_dashboard.live.limits import SIDES, AlarmLimits
-from drill_twin_dashboard.live.trends import CHANNELS, Trends
+from drill_twin_dashboard.live.alarms import CHANNELS, SIDES, AlarmLimits, Alarms, Trends
 
 SEVERE_RADIUS = 0.9
 """Radius of an orbit over its clearance from which a whirl is severe: the string is on the wall."""

@@ -32,8 +32,8 @@ from drill_twin.ros.core.node_main import init_context, run_in_order
 from drill_twin.ros.core.stop_request import StopRequest
 from drill_twin.ros.deployment import readable_refusal
 from drill_twin.scene.set_points.command import Command
+from drill_twin_dashboard.live.alarms import parse_limit
 from drill_twin_dashboard.live.foxglove_server import FoxgloveServer
-from drill_twin_dashboard.live.limits import parse_limit
 from drill_twin_dashboard.live.page_state import INPUTS, PageState
 from drill_twin_dashboard.live.sources import Sources
 

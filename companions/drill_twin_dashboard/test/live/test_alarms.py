@@ -18,12 +18,10 @@ from drill_twin.io.samples import RigSample
 from drill_twin.io.scene_geometry import mark_infos
 from drill_twin.scene import load_scene
 from drill_twin.whirl import BitMotion, MotionCode, MotionState, StickSlip
-from drill_twin_dashboard.live.alarms import Alarms
-from drill_twin_dashboard.live.limits import parse_limit
+from drill_twin_dashboard.live.alarms import CHANNELS, SECONDS, Alarms, Trends, parse_limit
 from drill_twin_dashboard.live.page_state import PageState
 from drill_twin_dashboard.live.sources import Sources
 from drill_twin_dashboard.live.supervision import Supervision, stick_slip_lamp, whirl_lamp
-from drill_twin_dashboard.live.trends import CHANNELS, SECONDS, Trends
 
 VALUES = dict.fromkeys(CHANNELS, 1.0) | {"rop": math.nan}
 

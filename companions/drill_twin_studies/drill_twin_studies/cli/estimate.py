@@ -55,8 +55,8 @@ def estimate(
     """Estimate numbers, loads and the chance of whirl along a record, as the node `estimator` does along a rig."""
     import drill_twin as dt
     from drill_twin_studies.estimation import CHANNELS, SET_POINTS
+    from drill_twin_studies.estimation.estimate import HELD
     from drill_twin_studies.estimation.figure import estimate_figure
-    from drill_twin_studies.estimation.prediction import HELD
     from drill_twin_studies.fitting.posterior import of_law
     from drill_twin_studies.fitting.record import channel_column
 
@@ -99,7 +99,7 @@ def estimate(
 
 
 def _shown(found: Estimate, scene: Scene, troubles: dict[str, int]) -> Iterator[Table | str]:
-    from drill_twin_studies.estimation.prediction import HELD, shown_unit
+    from drill_twin_studies.estimation.estimate import HELD, shown_unit
     from drill_twin_studies.fitting.posterior import of_law, shown_number
     from drill_twin_studies.goodness import table as goodness_table
 

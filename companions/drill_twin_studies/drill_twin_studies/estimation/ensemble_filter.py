@@ -15,14 +15,11 @@ from drill_twin.core.arrays import Array, Mask
 from drill_twin.core.errors import ArgumentError
 from drill_twin.core.rig_channels import INSTANT
 from drill_twin.scene import Scene
-from drill_twin_studies.estimation.channel_errors import ChannelErrors
-from drill_twin_studies.estimation.doubts import JUMP_WINDOWS, Doubts
-from drill_twin_studies.estimation.estimate import Estimate, FilterWindow
-from drill_twin_studies.estimation.innovations import WINDOWS, Innovations, widening, widening_of_numbers
-from drill_twin_studies.estimation.jumps import UNEXPLAINED, Jumps
+from drill_twin_studies.estimation.doubts import JUMP_WINDOWS, UNEXPLAINED, Doubts, Jumps
+from drill_twin_studies.estimation.estimate import UNTOLD, Band, Estimate, FilterWindow, Prediction, Swing, WindowTiming
+from drill_twin_studies.estimation.innovations import WINDOWS, ChannelErrors, Innovations, widening, widening_of_numbers
 from drill_twin_studies.estimation.members import LOAD, EstimatorMembers
 from drill_twin_studies.estimation.phase import PhaseCorrection
-from drill_twin_studies.estimation.prediction import UNTOLD, Band, Prediction, Swing, WindowTiming
 from drill_twin_studies.estimation.restarts import Restarts
 from drill_twin_studies.estimation.square_root_filter import Correction, applied, corrections
 from drill_twin_studies.estimation.subs import VALUES, speed

@@ -9,8 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from drill_twin.core.units.system import UnitSystem
-from drill_twin_studies.estimation.estimate import Estimate
-from drill_twin_studies.estimation.prediction import SHARE, shown_unit
+from drill_twin_studies.estimation.estimate import SHARE, Estimate, shown_unit
 from drill_twin_studies.fitting.record import Record
 
 if TYPE_CHECKING:

@@ -14,8 +14,7 @@ from drill_twin.core.arrays import Array
 from drill_twin.scene import Scene
 from drill_twin.scene.blocks.sensors import Sub
 from drill_twin.scene.set_points import Command, Schedule
-from drill_twin_studies.estimation.estimate import FilterWindow
-from drill_twin_studies.estimation.prediction import REACH, WindowTiming
+from drill_twin_studies.estimation.estimate import REACH, FilterWindow, WindowTiming
 from drill_twin_studies.estimation.subs import SubIntake
 
 SET_POINTS = tuple(field.name for field in fields(Command))

@@ -25,11 +25,9 @@ from drill_twin.scene.load import override
 from drill_twin.scene.overrides import full_key
 from drill_twin.scene.set_points import Command
 from drill_twin.whirl.criteria import Criteria
-from drill_twin_studies.estimation.estimate import FilterWindow
-from drill_twin_studies.estimation.lateral import LateralMotion, asynchronous_radius
-from drill_twin_studies.estimation.prediction import Band, Prediction, WindowTiming, bands_of, untold_of
+from drill_twin_studies.estimation.estimate import Band, FilterWindow, Prediction, WindowTiming, bands_of, untold_of
 from drill_twin_studies.estimation.square_root_filter import Correction, applied
-from drill_twin_studies.estimation.subs import VALUES, SubReader, listed
+from drill_twin_studies.estimation.subs import VALUES, LateralMotion, SubReader, asynchronous_radius, listed
 from drill_twin_studies.fitting.sampling import Ranges, in_ranges
 
 LOAD = "load_factor"

@@ -13,7 +13,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from drill_twin.core.arrays import Array, ComplexArray
-from drill_twin_studies.estimation.channel_errors import ChannelErrors
+from drill_twin_studies.estimation.innovations import ChannelErrors
 from drill_twin_studies.estimation.members import EstimatorMembers
 from drill_twin_studies.estimation.square_root_filter import Correction, applied, correction
 from drill_twin_studies.estimation.subs import lateral_velocity, replace_outliers, velocity_noise

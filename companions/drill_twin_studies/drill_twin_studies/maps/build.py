@@ -15,12 +15,11 @@ from drill_twin.io.messages.topic_words import digest_of
 from drill_twin.runs.ensemble import Executor, Threads
 from drill_twin.scene import Scene
 from drill_twin.scene.schema import number_at
-from drill_twin_studies.maps.growth_hint import growth_of
 from drill_twin_studies.maps.operating_map import OperatingMap
 from drill_twin_studies.maps.plane import Plane
 from drill_twin_studies.maps.regimes import Regime
 from drill_twin_studies.maps.runs import FINER, Key, Runner
-from drill_twin_studies.maps.search import BoundarySearch, Progress, open_journal
+from drill_twin_studies.maps.search import BoundarySearch, Progress, growth_of, open_journal
 
 SEED = "numerics.seed"
 MOST_DRAWS = 1000

@@ -155,20 +155,10 @@ def boundary(flags: Mask) -> Iterator[tuple[Array, Array]]:
 
     Marching squares; a cell with both diagonals mixed is cut about its flagged corners.
     """
-    mixed = flags[:-1, :-1].astype(int) + flags[1:, :-1] + flags[:-1, 1:] + flags[1:, 1:]
-    for i, j in np.argwhere((mixed > 0) & (mixed < 4)).tolist():
-        around = [(i, j), (i + 1, j), (i + 1, j + 1), (i, j + 1)]
-        values = [bool(flags[node]) for node in around]
-        crossings = [
-            0.5 * (np.array(around[k], float) + np.array(around[(k + 1) % 4], float))
-            for k in range(4)
-            if values[k] != values[(k + 1) % 4]
-        ]
-        if len(crossings) == 4 and not values[0]:
-            crossings = crossings[1:] + crossings[:1]
-        if len(crossings) == 4:
-            crossings = [crossings[3], crossings[0], crossings[1], crossings[2]]
-        yield from zip(crossings[::2], crossings[1::2], strict=True)
+    from contourpy import contour_generator
+
+    for line in contour_generator(z=flags.astype(float)).lines(0.5):
+        yield from zip(line[:-1, ::-1], line[1:, ::-1], strict=True)
 
 
 def known_and_calm(made: Mask, calm: Mask) -> tuple[Mask, Mask]:
@@ -196,3 +186,41 @@ def known_and_calm(made: Mask, calm: Mask) -> tuple[Mask, Mask]:
 def corners(values: Array | Mask) -> Array:
     """Values at the four corners of each cell, shape (4, n, n)."""
     return np.array([values[:-1, :-1], values[1:, :-1], values[:-1, 1:], values[1:, 1:]])
+
+
+MOST_WINDOWS, LEAST_GAIN = 3, 0.08
+"""Largest number of windows, and share of the safe cells that each after the first must add."""
+
+
+def rectangles(safe: Mask) -> list[tuple[int, int, int, int]]:
+    """Largest rectangle of safe cells, and those that add most to it: first and last node along both ranges."""
+    found: list[tuple[int, int, int, int]] = []
+    new = safe.astype(int)
+    while len(found) < MOST_WINDOWS:
+        gain, best = _best_rectangle(safe, new)
+        if gain <= (LEAST_GAIN * safe.sum() if found else 0):
+            break
+        found.append(best)
+        i, k, j, m = best
+        new[i:k, j:m] = 0
+    return found
+
+
+def _best_rectangle(safe: Mask, new: Array) -> tuple[int, tuple[int, int, int, int]]:
+    """Rectangle of safe cells with the largest sum of `new`, and that sum."""
+    sums = np.zeros(np.add(safe.shape, 1), int)
+    sums[1:, 1:] = new.cumsum(axis=0).cumsum(axis=1)
+    heights = np.zeros(safe.shape[1], int)
+    gain, best = 0, (0, 0, 0, 0)
+    for i, row in enumerate(safe):
+        heights = np.where(row, heights + 1, 0)
+        for j in range(heights.size):
+            tall = np.minimum.accumulate(heights[j:])
+            tall = tall[: int(np.argmin(tall > 0)) if not tall.all() else tall.size]
+            if tall.size:
+                last, top = j + 1 + np.arange(tall.size), i + 1 - tall
+                sizes = sums[i + 1, last] - sums[top, last] - sums[i + 1, j] + sums[top, j]
+                k = int(np.argmax(sizes))
+                if sizes[k] > gain:
+                    gain, best = int(sizes[k]), (int(top[k]), i + 1, j, int(last[k]))
+    return gain, best

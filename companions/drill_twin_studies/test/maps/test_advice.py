@@ -11,8 +11,7 @@ from drill_twin.io.messages.decode import read_joint_state
 from drill_twin.io.messages.diagnostics import Level
 from drill_twin.io.messages.topic_words import AdviceCode
 from drill_twin_studies.maps import OperatingMap, Plane, Regime, Span
-from drill_twin_studies.maps.advice import AdviceEncoder, Adviser
-from drill_twin_studies.maps.advice_tracker import Tracker
+from drill_twin_studies.maps.advice import AdviceEncoder, Adviser, Tracker
 from drill_twin_studies.maps.runs import Key, RunRecord
 
 STEPS = 16

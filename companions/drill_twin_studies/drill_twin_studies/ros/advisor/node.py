@@ -33,8 +33,7 @@ from drill_twin.ros.core.pacing import Tick
 from drill_twin.ros.core.parameters import Parameter
 from drill_twin.scene import Scene, parse_scene
 from drill_twin.whirl import MotionCode
-from drill_twin_studies.maps.advice import Advice, AdviceEncoder, Adviser
-from drill_twin_studies.maps.advice_tracker import Tracker
+from drill_twin_studies.maps.advice import Advice, AdviceEncoder, Adviser, Tracker
 from drill_twin_studies.maps.operating_map import OperatingMap, read_map
 
 _LOW, _HIGH = 0.025, 1.1
