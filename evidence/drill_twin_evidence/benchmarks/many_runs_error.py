@@ -23,8 +23,8 @@ from drill_twin.runs.ensemble import Threads
 from drill_twin.scene import parse_scene
 from drill_twin_evidence.benchmarks.growth_prior import Replayed
 from drill_twin_evidence.benchmarks.map_boundary import lattice_points
+from drill_twin_studies.api.maps import draws_of
 from drill_twin_studies.maps import OperatingMap, read_map
-from drill_twin_studies.maps.build import draws_of
 from drill_twin_studies.maps.runs import SPEED, WEIGHT
 from drill_twin_studies.maps.search import BoundarySearch
 

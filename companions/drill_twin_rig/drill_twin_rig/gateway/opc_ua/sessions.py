@@ -85,24 +85,18 @@ class Sessions:
     def __init__(self, control: Control, keys: Keys | None) -> None:
         self._control, self.keys = control, keys
         """Keys; None: everybody reads, and nobody writes."""
-        self._names: Mapping[Any, str] = {}
+        self.names: Mapping[Any, str] = {}
+        """Names of the nodes that are written through the control, by node id."""
         self._last_refusal = ("", -_TOLD)
         self.refused: Counter[str] = Counter()
-        """Refused connections and writes, by kind: certificate, user, right, value, silent."""
-
-    def watch(self, names: Mapping[Any, str]) -> None:
-        """Name the nodes that are written through the control, by node id."""
-        self._names = names
+        """Refused connections and writes, by kind: certificate, user, right, value, and silent: closed without a session, as
+        places were short."""
 
     @property
     def refusal(self) -> str:
         """The last refusal, for some seconds; empty afterwards."""
         text, told = self._last_refusal
         return text if time.monotonic() - told < _TOLD else ""
-
-    def note_silent(self) -> None:
-        """Count a connection that was closed without a session, as places were short."""
-        self.refused["silent"] += 1
 
     def get_user(
         self, _server: Any, username: str | None = None, password: str | None = None, certificate: bytes | None = None
@@ -156,7 +150,7 @@ class Sessions:
         if not event.is_external:
             return []
         return [
-            (self._names.get(one.NodeId, ""), one.Value.Value.Value if one.Value.Value is not None else None)
+            (self.names.get(one.NodeId, ""), one.Value.Value.Value if one.Value.Value is not None else None)
             for one in event.request_params.NodesToWrite
         ]
 
