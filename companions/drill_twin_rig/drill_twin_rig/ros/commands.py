@@ -19,10 +19,10 @@ from drill_twin.ros.rig_driver.plan import SetPointTransition
 from drill_twin.scene.set_points.command import Command
 from drill_twin_rig.gateway.control import Control, Permission
 from drill_twin_rig.gateway.quantities import TwinQuantities
-from drill_twin_rig.ros.rig import RigLink
 
 if TYPE_CHECKING:
     from drill_twin_rig.gateway.opc_ua.server import OpcUaServer
+    from drill_twin_rig.ros.rig import RigLink
 
 
 class CommandOutput:

@@ -175,8 +175,7 @@ class Intake:
         if math.isfinite(after := following[1].get(name, math.nan)):
             points = [*points, (following[0], after)]
         time, value = np.array(points).T
-        held: Array = np.interp(ends, time, value)
-        return held
+        return np.asarray(np.interp(ends, time, value))
 
     def _usual(self, name: str) -> float:
         """Usual time from sample to sample of a channel [s]; NaN where it is not known yet."""

@@ -41,8 +41,7 @@ class Correction:
     def apply(self, values: Array) -> Array:
         """Corrected values of the members, of shape (N, ...)."""
         mean = values.mean(axis=0)
-        corrected: Array = mean + np.tensordot(self.transform + self.weights, values - mean, axes=1)
-        return corrected
+        return np.asarray(mean + np.tensordot(self.transform + self.weights, values - mean, axes=1))
 
     def apply_to_numbers(self, values: Array) -> Array:
         """Corrected numbers, of shape (N, d), with what the members can say of them and no more.

@@ -168,8 +168,7 @@ class WindowedRecord:
 
     def _of_mean(self, found: Array) -> Array:
         """Covariance of the mean of features, shape (windows, F)."""
-        covariance: Array = np.cov(found.T) + np.diag(self._counted)
-        return covariance / (1.0 + (len(found) - 1) / OVERLAP)
+        return np.asarray((np.cov(found.T) + np.diag(self._counted)) / (1.0 + (len(found) - 1) / OVERLAP))
 
 
 def features_goodness(record: Channels, run: Channels, period: float, window: float) -> dict[str, Goodness]:
@@ -216,5 +215,4 @@ def _shrunk(covariance: Array, freedom: float) -> Array:
     above = (1.0 - 2.0 / count) * square + count**2
     below = (freedom + 1.0 - 2.0 / count) * max(square - count, 1e-9)
     share = min(1.0, above / below)
-    found: Array = covariance * ((1.0 - share) + share * np.eye(count))
-    return found
+    return np.asarray(covariance * ((1.0 - share) + share * np.eye(count)))

@@ -100,8 +100,7 @@ class Posterior:
         spread = self.values - weights @ self.values
         covariance = (spread.T * weights) @ spread
         size = np.sqrt(np.maximum(np.diag(covariance), np.finfo(float).tiny))
-        found: Array = covariance / np.outer(size, size)
-        return found
+        return np.asarray(covariance / np.outer(size, size))
 
     @cached_property
     def undetermined(self) -> list[str]:
@@ -130,8 +129,7 @@ class Posterior:
 
     def residual(self, channel: str) -> Array:
         """Measured less computed by the best run, shape (T,); NaN where the record has no sample."""
-        found: Array = self.measured[channel] - self.runs[channel][self.best_run]
-        return found
+        return np.asarray(self.measured[channel] - self.runs[channel][self.best_run])
 
     @cached_property
     def goodness(self) -> dict[str, Goodness]:

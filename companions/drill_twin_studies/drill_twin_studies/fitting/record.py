@@ -90,8 +90,7 @@ class Record:
             return np.where(missing, np.nan, np.interp(middle, stamps, values))
         edges = np.clip(np.append(time - spacing, time[-1]), stamps[0], stamps[-1])
         total = np.concatenate(([0.0], np.cumsum(0.5 * (values[1:] + values[:-1]) * np.diff(stamps))))
-        means: Array = np.diff(np.interp(edges, stamps, total)) / np.diff(edges)
-        return np.where(missing, np.nan, means)
+        return np.where(missing, np.nan, np.diff(np.interp(edges, stamps, total)) / np.diff(edges))
 
 
 def channel_column(text: str) -> ChannelColumn:

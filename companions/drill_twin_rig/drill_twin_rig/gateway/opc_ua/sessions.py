@@ -89,8 +89,8 @@ class Sessions:
         """Names of the nodes that are written through the control, by node id."""
         self._last_refusal = ("", -_TOLD)
         self.refused: Counter[str] = Counter()
-        """Refused connections and writes, by kind: certificate, user, right, value, and silent: closed without a session, as
-        places were short."""
+        """Refused connections and writes, by kind: certificate, user, right, value; and silent, for connections
+        without a session that were closed as places were short."""
 
     @property
     def refusal(self) -> str:
