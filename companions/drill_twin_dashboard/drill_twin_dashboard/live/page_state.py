@@ -43,6 +43,7 @@ from drill_twin.report.string_curve import along_hole
 from drill_twin.scene import Scene, parse_scene
 from drill_twin.whirl import MotionCode
 from drill_twin_dashboard.live.shown import (
+    Sources,
     number,
     rig_values,
     short,
@@ -50,9 +51,9 @@ from drill_twin_dashboard.live.shown import (
     shown_estimates,
     shown_map,
     shown_scene,
+    without_old_values,
 )
-from drill_twin_dashboard.live.sources import Sources, without_old_values
-from drill_twin_dashboard.live.supervision import Supervision
+from drill_twin_dashboard.live.supervision import UNKNOWN, Supervision, whirl_lamp
 
 _TRAIL = 400  # most positions of a mark between two snapshots
 _LARGEST = 1e6  # m
@@ -157,7 +158,7 @@ class PageState:
         except (KeyError, ValueError, OverflowError) as error:
             raise MessageError(f"expected the code and the severity of whirl on {TWIN_SUMMARY}, found none") from error
         self._shown["motion"]["whirls"] = code.whirls
-        self._supervision.motion(code, severity)
+        self._supervision.light("whirl", whirl_lamp(code, severity))
 
     def _on_motion(self, found: tuple[int, list[SubjectMotion]]) -> None:
         for motion in found[1]:
@@ -250,7 +251,7 @@ class PageState:
             with self._lock:
                 self._supervision.nodes(self._sources.nodes())
                 if (self._sources.age("analyzer") or 0.0) > GONE:
-                    self._supervision.no_findings()
+                    self._supervision.lamps["whirl"] = UNKNOWN
 
     def fill_trends(self, messages: Iterable[tuple[str, bytes]]) -> None:
         """Compute the trends of a recording from its messages."""

@@ -32,10 +32,6 @@ class Lamp:
     share: float | None
     """Largest radius of an orbit over its clearance; or the stick-slip index."""
 
-    def to_json(self) -> dict[str, Any]:
-        """Plain values."""
-        return asdict(self)
-
 
 def whirl_lamp(code: MotionCode, severity: float) -> Lamp:
     """Lamp of whirl.
@@ -60,7 +56,8 @@ def stick_slip_lamp(bit: StickSlip) -> Lamp:
 
 _LIMITS = {f"{channel}_{side}" for channel in CHANNELS for side in SIDES}
 _LEVELS = (Level.OK, Level.WARN, Level.ERROR)
-_UNKNOWN = Lamp(None, "unknown", None)
+UNKNOWN = Lamp(None, "unknown", None)
+"""Lamp of a motion that nobody has told, or whose analyzer is gone."""
 
 
 class Supervision:
@@ -78,14 +75,14 @@ class Supervision:
         """Simulated time of the last rig state [s]."""
         self._bit = StickSlip()
         self._motions: dict[str, str] = {}
-        self.lamps = {"whirl": _UNKNOWN, "stick_slip": _UNKNOWN}
+        self.lamps = {"whirl": UNKNOWN, "stick_slip": UNKNOWN}
         """Lamps by name."""
 
     def begin(self, name: str) -> None:
         """Begin a run of a scene."""
         self._bit, self.time = StickSlip(), None
         self.limits.again()
-        self.lamps = dict.fromkeys(self.lamps, _UNKNOWN)
+        self.lamps = dict.fromkeys(self.lamps, UNKNOWN)
         if not self._recorded:
             self._motions.clear()
             self.trends.clear()
@@ -100,15 +97,11 @@ class Supervision:
         if not self._recorded:
             self.trends.push(time, values)
         self._bit.push(time, math.tau * values["bit_rps"], math.tau * values["rps"])
-        self._light("stick_slip", stick_slip_lamp(self._bit))
+        self.light("stick_slip", stick_slip_lamp(self._bit))
         for cause, text, beyond in self.limits.check(time, values):
             self.alarms.update(cause, Level.ERROR if beyond else Level.OK, text, time)
 
-    def motion(self, whirl: MotionCode, severity: float) -> None:
-        """Use the motion of the string, and its severity (`whirl_lamp`)."""
-        self._light("whirl", whirl_lamp(whirl, severity))
-
-    def _light(self, name: str, lamp: Lamp) -> None:
+    def light(self, name: str, lamp: Lamp) -> None:
         """Light a lamp, raise or end its alarm, and note a change of its motion."""
         self.lamps[name] = lamp
         said = f"{name.replace('_', '-')}: {lamp.text}"
@@ -122,10 +115,6 @@ class Supervision:
         """Use the level and the sentence of the estimator: an error is that model and measurements part."""
         known = level if level in {Level.WARN, Level.ERROR} else Level.OK
         self.alarms.update("estimate", known, f"estimator: {text}", self.time)
-
-    def no_findings(self) -> None:
-        """Put the lamp of whirl out: the analyzer is gone."""
-        self.lamps["whirl"] = _UNKNOWN
 
     def nodes(self, rows: list[dict[str, Any]]) -> None:
         """Use the diagnostics of the nodes (`Sources.nodes`)."""
@@ -152,7 +141,7 @@ class Supervision:
     def snapshot(self) -> dict[str, Any]:
         """Values for the page."""
         return {
-            "lamps": {name: lamp.to_json() for name, lamp in self.lamps.items()},
+            "lamps": {name: asdict(lamp) for name, lamp in self.lamps.items()},
             "alarms": self.alarms.rows(),
             "events": self.alarms.recent(),
             "limits": self.limits.values,

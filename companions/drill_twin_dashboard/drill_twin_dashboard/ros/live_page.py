@@ -35,10 +35,11 @@ from drill_twin.scene.set_points.command import Command
 from drill_twin_dashboard.live.alarms import parse_limit
 from drill_twin_dashboard.live.foxglove_server import FoxgloveServer
 from drill_twin_dashboard.live.page_state import INPUTS, PageState
-from drill_twin_dashboard.live.sources import Sources
+from drill_twin_dashboard.live.shown import Sources
 
 _DEPTH = 50  # messages; the page shows fewer
-_MATCHING = 3.0  # s; a simulator has been found by then
+_MATCHING = 3.0
+"""Most time to wait for a simulator that takes a set-point [s]; not measured."""
 _CONTROLS = ("pause", "resume", "step", "reset")
 _SET_POINTS = {"wob": ("weight_on_bit", "N", WOB_COMMAND), "rps": ("rotation", "rev/s", RPS_COMMAND)}
 
@@ -93,7 +94,7 @@ class LivePage(TwinNode):
         """Queue set-points and controls of the run, for `step`: called in the server's thread.
 
         Raises:
-            DrillTwinError: A name is none of these, nor of an alarm or a limit.
+            DrillTwinError: The request names no set-point, control, alarm or limit.
         """
         for name, value in self.page_state.take(request).items():
             if isinstance(value, bool) != (name in _CONTROLS) or name not in {*_SET_POINTS, *_CONTROLS}:
@@ -158,19 +159,16 @@ class LivePage(TwinNode):
         return bool(self.topics.publisher_nodes(RIG_COMMAND)) and self._driver.service_is_ready()
 
     def _publish(self, name: str, value: float) -> None:
+        """Publish a set-point; its publisher is made on its first use, as a page that only shows commands nothing."""
         topic = _SET_POINTS[name][2]
-        self._advertise(topic)
-        if topic == WOB_COMMAND:
-            self.topics.publish(topic, self._encoder.wob_command(Command(value, 0.0)))
-        else:
-            self.topics.publish(topic, self._encoder.rps_command(Command(0.0, value * math.tau)))
-
-    def _advertise(self, topic: str) -> None:
-        """Create the publisher of a set-point on its first use: a page that only shows is no source of commands."""
         if topic not in self.topics.publishers:
             publisher, deadline = self.topics.advertise(topic), time.monotonic() + _MATCHING
             while not publisher.get_subscription_count() and time.monotonic() < deadline:
                 self.spin_once(0.02)
+        if topic == WOB_COMMAND:
+            self.topics.publish(topic, self._encoder.wob_command(Command(value, 0.0)))
+        else:
+            self.topics.publish(topic, self._encoder.rps_command(Command(0.0, value * math.tau)))
 
     def health(self) -> Status:
         """Nodes that are not heard any more, or the number of messages that could not be decoded."""

@@ -16,7 +16,17 @@ from drill_twin.core.errors import ArgumentError
 from drill_twin.core.rig_channels import INSTANT
 from drill_twin.scene import Scene
 from drill_twin_studies.estimation.doubts import JUMP_WINDOWS, UNEXPLAINED, Doubts, Jumps
-from drill_twin_studies.estimation.estimate import UNTOLD, Band, Estimate, FilterWindow, Prediction, Swing, WindowTiming
+from drill_twin_studies.estimation.estimate import (
+    UNTOLD,
+    Band,
+    Estimate,
+    FilterWindow,
+    Prediction,
+    Swing,
+    WindowTiming,
+    bands_of,
+    untold_of,
+)
 from drill_twin_studies.estimation.innovations import WINDOWS, ChannelErrors, Innovations, widening, widening_of_numbers
 from drill_twin_studies.estimation.members import LOAD, EstimatorMembers
 from drill_twin_studies.estimation.phase import PhaseCorrection
@@ -148,7 +158,8 @@ class EnsembleFilter:
             RunError: No member could be followed.
         """
         self._restarts.begin(window)
-        frames, prediction = self.members.advance(window, self._nearest)
+        nearest = int(np.argmin(self._distance)) if self.options.frames else -1
+        frames, prediction = self.members.advance(window, nearest)
         start, self.time, self._regained = self.time, self.time + self.pace.window, False
         predicted, measured, readings = self._compared(prediction, window)
         measured = self._errors.screen(predicted, measured)
@@ -182,8 +193,8 @@ class EnsembleFilter:
         factor, of_numbers = widening(goodness), widening_of_numbers(goodness)
         estimate = Estimate(
             time=self.time,
-            numbers=self.members.bands(of_numbers),
-            untold=self.members.untold(of_numbers),
+            numbers=bands_of(self.members.normal, self.members.ranges, of_numbers),
+            untold=untold_of(self.members.normal, self.members.ranges, of_numbers),
             sensors={name: self._band(name, of, factor) for name, of in sensors.items()}
             | dict.fromkeys(withheld, UNTOLD),
             withheld=withheld,
@@ -230,11 +241,6 @@ class EnsembleFilter:
         if name == "weight_on_bit" and LOAD in self.members.keys:  # known at least as well as before any record
             factor = min(factor, 1.0 / float(self.members.normal[:, self.members.keys.index(LOAD)].std(ddof=1)))
         return impact * factor
-
-    @property
-    def _nearest(self) -> int:
-        """Number of the member that is nearest to the rig; -1 if its frames are not asked for."""
-        return int(np.argmin(self._distance)) if self.options.frames else -1
 
     def _compared(self, prediction: Prediction, window: FilterWindow) -> tuple[Array, Array, Array]:
         """Channels of the members, (N, C, S), and of the rig, (C, S), and readings of its subs, (s, F, 6)."""
@@ -284,4 +290,5 @@ class EnsembleFilter:
         coming = np.where(np.sign(coming) == np.sign(commands[-1]), coming, 0.0)
         count = min(self.options.scouts, len(self.members))
         chosen = np.linspace(0, len(self.members) - 1, count).round().astype(int).tolist()
-        return float(self.members.forecast(coming.reshape(windows, self.pace.frames, -1), chosen).mean())
+        coming = coming.reshape(windows, self.pace.frames, -1)
+        return float(np.mean([self.members.whirls_ahead(number, coming) for number in chosen]))

@@ -92,14 +92,9 @@ def bands_of(normal: Array, ranges: Ranges, factor: float) -> dict[str, Band]:
     return {key: Band(*map(float, each)) for key, each in zip(ranges, of, strict=True)}
 
 
-def unit_of(sensor: str) -> str:
-    """Unit of a virtual sensor; places of marks are in m."""
-    return SENSORS.get(sensor, "m")
-
-
 def shown_unit(sensor: str, units: UnitSystem) -> tuple[float, str]:
-    """Number of the reader's units in one of `unit_of`, and their name; radii and places are offsets."""
-    unit = unit_of(sensor)
+    """Number of the reader's units in the SI unit of a virtual sensor, and their name; radii and places are offsets."""
+    unit = SENSORS.get(sensor, "m")  # a place of a mark has no entry
     return (float(units.show(1.0, "offset")), units.offset) if unit == "m" else units.in_unit(unit)
 
 

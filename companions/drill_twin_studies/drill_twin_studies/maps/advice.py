@@ -184,39 +184,37 @@ class Adviser:
         return f"{where}: no calm set-point in its ranges, {low} to {high}"
 
 
-class AdviceEncoder:
-    """Encoder of `/advice/state`."""
-
-    _NAMES = (
+_ADVICE = JointStateTemplate(
+    (
         "advice", "weight_on_bit", "rotation", "regime", "whirls", "existing_whirl", "margin/weight_on_bit",
         "margin/rotation", "margin/share", "target", "target/weight_on_bit", "target/rotation", "target/share",
-    )  # fmt: skip
+    ),
+    velocity=False, effort=False,
+)  # fmt: skip
 
-    def __init__(self) -> None:
-        self._template = JointStateTemplate(self._NAMES, velocity=False, effort=False)
 
-    def encode(self, stamp: int, advice: Advice | None, weight: float, speed: float, *, whirls: bool) -> bytes:
-        """CDR of advice at a set-point, all numbers finite.
+def encode_advice(stamp: int, advice: Advice | None, weight: float, speed: float, *, whirls: bool) -> bytes:
+    """CDR of `/advice/state`, advice at a set-point; all numbers are finite.
 
-        Args:
-            stamp: Header stamp [ns].
-            advice: The advice; None where there is none.
-            weight: Weight on bit [N].
-            speed: Speed [rad/s].
-            whirls: The string whirls now.
-        """
-        values = np.zeros(len(self._NAMES))
-        values[1:5] = weight, speed, -1.0, whirls
-        if advice is not None:
-            code = {Level.OK: AdviceCode.HOLD, Level.WARN: AdviceCode.NEAR}.get(advice.level, AdviceCode.LEAVE)
-            regime = -1 if advice.regime is None else advice.regime.code
-            margin, target = advice.margin, advice.target
-            values[0], values[3], values[5] = code, regime, advice.keeps
-            values[6:9] = margin.weight, margin.speed, margin.share
-            if target is not None:
-                values[9:] = 1.0, target.weight, target.speed, target.margin
-        finite = np.nan_to_num(values, nan=0.0, posinf=NO_BOUNDARY, neginf=-NO_BOUNDARY)
-        return self._template.fill(stamp, finite)
+    Args:
+        stamp: Header stamp [ns].
+        advice: The advice; None where there is none.
+        weight: Weight on bit [N].
+        speed: Speed [rad/s].
+        whirls: The string whirls now.
+    """
+    values = np.zeros(len(_ADVICE.names))
+    values[1:5] = weight, speed, -1.0, whirls
+    if advice is not None:
+        code = {Level.OK: AdviceCode.HOLD, Level.WARN: AdviceCode.NEAR}.get(advice.level, AdviceCode.LEAVE)
+        regime = -1 if advice.regime is None else advice.regime.code
+        margin, target = advice.margin, advice.target
+        values[0], values[3], values[5] = code, regime, advice.keeps
+        values[6:9] = margin.weight, margin.speed, margin.share
+        if target is not None:
+            values[9:] = 1.0, target.weight, target.speed, target.margin
+    finite = np.nan_to_num(values, nan=0.0, posinf=NO_BOUNDARY, neginf=-NO_BOUNDARY)
+    return _ADVICE.fill(stamp, finite)
 
 
 def _depth(flags: Mask) -> Array:

@@ -138,7 +138,7 @@ class BoundarySearch:
         self._runner, self._journal, self._budget, self._progress = runner, journal, budget, progress
         self.records: dict[Key, RunRecord] = {}
         self.notes: list[str] = []
-        self._growth = growth
+        self._growth, self._plane, self._steps = growth, runner.plane, runner.plane.steps
         self._first, self._others = (FEW_CELLS, FEW_CELLS) if budget <= FEW_RUNS else (ONSET_CELLS, COARSE)
         if growth is not None:
             self._first = FEW_CELLS
@@ -199,23 +199,12 @@ class BoundarySearch:
             for key in keys:
                 if key in self.records:
                     labels[key.node] = self.records[key].whirls
-        unmade = [key for key, record in self.records.items() if key.origin and not record.onset_s < self._hold]
+        hold = HOLD * self._runner.duration
+        unmade = [key for key, record in self.records.items() if key.origin and not record.onset_s < hold]
         if unmade:
             self.notes.append(f"in {len(unmade)} runs from a whirl it had not begun when the set-points moved")
 
     # --- steps ----------------------------------------------------------------------------------------------------
-
-    @property
-    def _plane(self) -> Plane:
-        return self._runner.plane
-
-    @property
-    def _steps(self) -> int:
-        return self._plane.steps
-
-    @property
-    def _hold(self) -> float:
-        return HOLD * self._runner.duration
 
     def _from_rest(self) -> Iterable[tuple[Key, RunRecord]]:
         return [(key, record) for key, record in self.records.items() if key.searches and key.draw == 0]
