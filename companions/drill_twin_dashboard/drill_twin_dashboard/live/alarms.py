@@ -118,7 +118,7 @@ def parse_limit(text: str) -> dict[str, float]:
     """Name and value of a limit written as `torque_high=12 kN m`, for `AlarmLimits.set`.
 
     Raises:
-        DrillTwinError: It is none, or the value has no fitting unit.
+        DrillTwinError: The text is no limit, or its value has no fitting unit.
     """
     name, _, value = (part.strip() for part in text.partition("="))
     channel = name.rpartition("_")[0]
@@ -162,7 +162,7 @@ class AlarmLimits:
         self._last.clear()
 
     def check(self, time: float, values: Mapping[str, float]) -> Iterator[tuple[str, str, bool]]:
-        """Name, sentence and state of each limit: beyond as soon as a value is, until none was for `DELAY`."""
+        """Name and sentence of each limit; True from a value beyond it until no value was beyond it for `DELAY`."""
         for channel in CHANNELS:
             for side in SIDES:
                 key = channel, side
@@ -207,10 +207,10 @@ class Alarms:
         self._count = 0
 
     def update(self, cause: str, level: int, text: str, time: float | None) -> bool:
-        """Set the state of a cause: raised if it is new or worse than before, ended by `Level.OK`.
+        """Set the state of a cause: its alarm is raised if it is new or worse than before, and ended by `Level.OK`.
 
         Returns:
-            True if it is raised or ended now, which is an event.
+            True if the alarm is raised or ended now, which is an event.
         """
         alarm = self._alarms.get(cause)
         if level == Level.OK:
@@ -232,7 +232,7 @@ class Alarms:
         """Acknowledge an alarm by its number, or all of them (None).
 
         Raises:
-            DrillTwinError: There is none of that number.
+            DrillTwinError: No alarm has the number.
         """
         found = {cause: alarm for cause, alarm in self._alarms.items() if number in {None, alarm.number}}
         if number is not None and not found:

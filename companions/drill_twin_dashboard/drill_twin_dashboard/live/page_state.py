@@ -116,7 +116,7 @@ class PageState:
         }  # fmt: skip
 
     def update(self, topic: str, raw: bytes) -> None:
-        """Decode a message; one that cannot be used is skipped and counted."""
+        """Decode a message; a message that cannot be used is skipped and counted."""
         try:
             with self._lock:
                 if topic in self.HANDLERS:
@@ -187,7 +187,7 @@ class PageState:
     def _on_scene(self, text: str) -> None:
         scene, found = parse_scene(text, name=TWIN_SCENE), self._shown["map"]
         self._clear()
-        if found is not None and found["digest"] == digest_of(scene):  # it may come before its scene
+        if found is not None and found["digest"] == digest_of(scene):  # a map may come before its scene
             self._shown["map"] = found
         self._hole = scene if scene.hole.survey else None
         self._weight = string_weight(scene)
@@ -256,7 +256,7 @@ class PageState:
     def fill_trends(self, messages: Iterable[tuple[str, bytes]]) -> None:
         """Compute the trends of a recording from its messages."""
         for topic, raw in messages:
-            with suppress(MessageError):  # it is counted when it is played
+            with suppress(MessageError):  # the message is counted when it is played
                 if topic == RIG_STATE:
                     state = self._read[RIG_STATE](raw)
                     self._supervision.trends.push(seconds(state.stamp), rig_values(read_rig_state(state)))

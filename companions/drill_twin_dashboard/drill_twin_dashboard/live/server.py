@@ -66,12 +66,13 @@ _DIGITS = {
 
 def _unit_table() -> str:
     """Module with the systems of `drill_twin.core.units.system`, and sizes of units; rotation is in rev/s."""
-    systems = {name: {of: getattr(system, of) for of in _DIGITS} for name, system in SYSTEMS.items()}
+    systems = {name: {quantity: getattr(system, quantity) for quantity in _DIGITS} for name, system in SYSTEMS.items()}
     units = {
-        of: {
-            unit: [si_factor(unit)[0] / (math.tau if of == "rotation" else 1.0), digits] for unit, digits in row.items()
+        quantity: {
+            unit: [si_factor(unit)[0] / (math.tau if quantity == "rotation" else 1.0), digits]
+            for unit, digits in row.items()
         }
-        for of, row in _DIGITS.items()
+        for quantity, row in _DIGITS.items()
     }
     return f"export const SYSTEMS = {json.dumps(systems)}, UNITS = {json.dumps(units)};\n"
 

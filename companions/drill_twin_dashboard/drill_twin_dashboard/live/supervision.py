@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Supervision of a run: trends, limits, alarms, the log of events, and a lamp each of whirl and stick-slip.
 
-The severity of whirl is by the analyzer, that of stick-slip by the speed of the bit.
+The analyzer tells the severity of whirl, and the speed of the bit tells the severity of stick-slip.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ class Lamp:
     """Lamp of one kind of motion."""
 
     level: int | None
-    """0 none, 1 moderate, 2 severe; None if it is not known."""
+    """0 none, 1 moderate, 2 severe; None if the motion is not known."""
     text: str
     """The motion."""
     share: float | None
@@ -112,7 +112,7 @@ class Supervision:
         self._motions[name] = lamp.text
 
     def estimate(self, level: int, text: str) -> None:
-        """Use the level and the sentence of the estimator: an error is that model and measurements part."""
+        """Use the level and the sentence of the estimator; at an error, the model does not explain what is measured."""
         known = level if level in {Level.WARN, Level.ERROR} else Level.OK
         self.alarms.update("estimate", known, f"estimator: {text}", self.time)
 

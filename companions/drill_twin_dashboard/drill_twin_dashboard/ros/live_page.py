@@ -12,6 +12,7 @@ import math
 import threading
 import time
 from collections.abc import Mapping, Sequence
+from contextlib import ExitStack
 from functools import partial
 from typing import Any, ClassVar
 
@@ -198,33 +199,25 @@ def run(arguments: Sequence[str], stop: StopRequest) -> None:
     ros = own[own.index("--ros-args") :] if "--ros-args" in own else []
     given = parser.parse_args(own[: len(own) - len(ros)])
     limits = [parse_limit(text) for text in given.limit]
-    context = init_context(ros, stop)
-    viewers = None
-    try:
+    with ExitStack() as ends:
+        context = init_context(ros, stop)
+        ends.callback(context.try_shutdown)
         with stop.at_once(), readable_refusal():
             viewers = None if given.foxglove is None else FoxgloveServer(given.host, given.foxglove, given.allow_host)
+            if viewers is not None:
+                ends.callback(viewers.close)
             node = LivePage(context, viewers)
             node.page_state.units = given.units
             for limit in limits:
                 node.page_state.take(limit)
         server = PageServer(
-            node.snapshot,
-            node.on_request,
-            history=node.page_state.history,
-            host=given.host,
-            port=given.port,
+            node.snapshot, node.on_request, history=node.page_state.history, host=given.host, port=given.port,
             allowed_hosts=given.allow_host,
-        )
-        try:
-            server.links.show(f"the twin of ROS_DOMAIN_ID={context.get_domain_id()}")
-            if viewers is not None:
-                print(f"for Foxglove: {viewers.url}", flush=True)
-            if not given.no_browser:
-                server.links.open_browser()
-            run_in_order(node, stop)
-        finally:
-            server.close()
-    finally:
+        )  # fmt: skip
+        ends.callback(server.close)
+        server.links.show(f"the twin of ROS_DOMAIN_ID={context.get_domain_id()}")
         if viewers is not None:
-            viewers.close()
-        context.try_shutdown()
+            print(f"for Foxglove: {viewers.url}", flush=True)
+        if not given.no_browser:
+            server.links.open_browser()
+        run_in_order(node, stop)

@@ -190,10 +190,8 @@ class TwinQuantities:
         if not known.size:  # no orbit yet, or none any more
             return True
         mark = known[state.orbit_radius[known].argmax()]
-        self.values["whirl_orbit_radius"] = float(state.orbit_radius[mark])
-        self.values["whirl_precession"] = float(state.precession[mark])
-        self.values["whirl_ratio"] = float(state.ratio[mark])
-        self.values["whirl_confidence"] = float(state.confidence[mark])
+        for name in ("orbit_radius", "precession", "ratio", "confidence"):
+            self.values[f"whirl_{name}"] = float(getattr(state, name)[mark])
         return True
 
     def _on_factor(self, factor: float) -> bool:

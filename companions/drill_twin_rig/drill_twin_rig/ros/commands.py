@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Control at the gateway: who commands, the set-points on `/rig/command`, and the safe ones after a loss of control."""
+"""Control at the gateway: the decision who commands, the set-points on `/rig/command`, and a safe one after a loss."""
 
 from __future__ import annotations
 
@@ -53,7 +53,7 @@ class CommandOutput:
             self.command = Command(values.get("weight_on_bit", 0.0), values.get("surface_rotation", 0.0))
 
     def send(self, wanted: Mapping[str, float]) -> None:
-        """Send set-points, by quantity [SI], now; one that is missing stays."""
+        """Send set-points at once, by quantity [SI]; a set-point that is missing stays."""
         with self._lock:
             if self.command is None or self._to_safe is not None:
                 return
@@ -90,7 +90,7 @@ class CommandOutput:
 
     @property
     def is_safe(self) -> bool:
-        """True from the loss of control on, until the next one."""
+        """True from a loss of control until the gateway begins to command again."""
         return self._to_safe is not None
 
     def _publish(self) -> None:
@@ -100,7 +100,7 @@ class CommandOutput:
 
 
 class ControlDesk:
-    """Decides who commands: a client that requests control, the rig, or another node."""
+    """Decision on who commands: a client that requests control, the rig, or another node."""
 
     def __init__(self, node: TwinNode, output: CommandOutput, control: Control) -> None:
         """Begin without a client in control.

@@ -33,7 +33,7 @@ if TYPE_CHECKING:
 
 
 class RigLink:
-    """Publishes what a rig measures, and sends its set-points."""
+    """Link to a rig: publishes what it measures, and sends its set-points."""
 
     def __init__(self, node: TwinNode, output: CommandOutput, signals: Signals, keys: Keys | None) -> None:
         """Begin to read.
@@ -69,17 +69,17 @@ class RigLink:
         self.follows = False
         """True while the set-points of the rig are in force."""
         self.lost = ""
-        """Reason why they are not any more; empty before, and once they are again."""
+        """Reason why the set-points of the rig are not in force any more; empty before, and once they are again."""
 
     def work(self) -> None:
-        """Publish what has come, and send the set-points; the safe one when they are not sound any more."""
+        """Publish what has come, and send the set-points, or the safe one when they are not sound any more."""
         self._checked = self._client.checked()
         self._publish()
         if self._signals.follow and not self._withdrawn:
             self._follow()
 
     def _publish(self) -> None:
-        """Publish the measured values of surface and subs, those of which one is newer than the last."""
+        """Publish the values of the surface and of each sub, where one is newer than all that were published."""
         sound = {one.quantity: self._checked[one] for one in self._signals.measure if not self._checked[one].fault}
         surface = {MEASURED[quantity]: checked for quantity, checked in sound.items() if quantity in MEASURED}
         if stamp := self._newer(MEASURED_RIG_STATE, surface.values()):
@@ -95,7 +95,7 @@ class RigLink:
                 self._node.topics.publish(topic, template.fill(stamp, row))
 
     def _newer(self, topic: str, sound: Collection[CheckedValue]) -> int:
-        """Stamp of the newest value [ns]; 0 unless it is newer than the last one on the topic."""
+        """Stamp of the newest value [ns]; 0 unless it is newer than the last stamp on the topic."""
         stamp = max((stamp_ns(one.stamp) for one in sound if math.isfinite(one.stamp)), default=0)
         if stamp <= self._published.get(topic, 0):
             return 0

@@ -113,7 +113,7 @@ def _shown(found: Estimate, scene: Scene, troubles: dict[str, int]) -> Iterator[
     title = f"{scene.name} at {found.time:g} s"
     yield Table(("", "mean", "deviation", "low", "high"), rows, title=title, right=(1, 2, 3, 4))
     for reason in dict.fromkeys(found.withheld.values()):
-        yield f"{', '.join(name for name, of in found.withheld.items() if of == reason)}: withheld, {reason}"
+        yield f"{', '.join(name for name, why in found.withheld.items() if why == reason)}: withheld, {reason}"
     for key, share in found.untold.items():
         yield f"{key}: the record does not tell it, its band covers {share:.0%} of its range"
     yield from of_law(found.numbers, scene)
@@ -132,5 +132,5 @@ def _line(found: Estimate) -> str:
 def _plain(found: Estimate) -> dict[str, Any]:
     plain = asdict(found)
     del plain["frames"]
-    plain["goodness"] = {name: of.to_dict() for name, of in found.goodness.items()}
+    plain["goodness"] = {name: one.to_dict() for name, one in found.goodness.items()}
     return plain | {"alarm": found.alarm, "remembered": found.remembered}

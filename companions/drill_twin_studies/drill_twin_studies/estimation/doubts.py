@@ -99,7 +99,7 @@ class Doubts:
         self._judge()
 
     def forget(self) -> None:
-        """Forget the windows of a jump: numbers that have changed explain them, or a motion that was lost does."""
+        """Forget the windows of a jump, which numbers that have changed explain, or a motion that was lost."""
         self._sums = self._earlier[0]
         self._judge()
 
@@ -130,11 +130,12 @@ _HOLDING, _APART, _MOST_APART = 10, 20, 80
 motion that has lost its phase with the load is no jump of friction. Where no number explains a large jump, all numbers
 are held until the next one, and the time to the next one doubles, as restarts cost some windows of computing."""
 _TELLS = 0.5
-"""Share of the variance of a number that its channel explains, from which the channel tells it."""
+"""Share of the variance of a number that a channel explains, from which the channel tells the number; not measured."""
 _FADING = 0.97
 """Part of the share that is kept from window to window: a torque tells friction once in a cycle of stick-slip."""
 _DIRECTIONS, _LEAST = 5, 0.01
-"""Most directions of a channel that explain a number, and their least variance over that of the stated error."""
+"""Most directions of a channel that explain a number, and their least variance over that of the stated error; not
+measured."""
 
 UNEXPLAINED = "none of the numbers"
 """Key of a jump that no number explains."""
@@ -144,8 +145,8 @@ class Jumps:
     """Detector of jumps over windows of C channels, for d numbers.
 
     Attributes:
-        since: Time of the jump [s] by key of each number that explains it, for `_APART` windows; of `UNEXPLAINED`, if
-            none does.
+        since: Time of the jump [s] by key of each number that explains it, for `_APART` windows; by `UNEXPLAINED`, if
+            no number explains it.
     """
 
     def __init__(self, channels: Sequence[str], keys: Sequence[str]) -> None:
@@ -158,7 +159,7 @@ class Jumps:
 
     @property
     def free(self) -> Mask | bool:
-        """Numbers that may be corrected, shape (d,): after a jump those alone that explain it; else all."""
+        """Numbers that may be corrected, shape (d,): after a jump only the numbers that explain it; else all (True)."""
         if UNEXPLAINED not in self.since and (not self.since or self._wait < _APART - _HOLDING):
             return True
         return np.array([key in self.since for key in self._keys])
@@ -185,15 +186,16 @@ class Jumps:
         return may
 
     def explain(self, start: float, chosen: Mask | None) -> None:
-        """Take what explains the last windows.
+        """Take the numbers that explain the last windows.
 
         Args:
             start: First time of the window that showed the jump [s].
-            chosen: Numbers that have jumped, shape (d,), none where the motion was lost; None if nothing explains it.
+            chosen: Numbers that have jumped, shape (d,), none of them where the motion was lost; None if nothing
+                explains the windows.
         """
         wait = _APART
         if chosen is not None:
-            self.since = {key: start for key, of in zip(self._keys, chosen, strict=True) if of}
+            self.since = {key: start for key, is_chosen in zip(self._keys, chosen, strict=True) if is_chosen}
         else:
             wait = min(2 * self._apart, _MOST_APART) if UNEXPLAINED in self.since else _APART
             self.since = {UNEXPLAINED: self.since.get(UNEXPLAINED, start)}

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""From a window of what is measured to the estimate at its end: prediction of the members, bands, virtual sensors."""
+"""Windows of what is measured, what the members predict for them, and the estimate at the end of a window."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ HELD = (
 
 @dataclass(frozen=True)
 class Band:
-    """Mean, standard deviation, and band of 90 % of the members; how often it holds the truth: `HELD`."""
+    """Mean, standard deviation, and band of 90 % of the members; `HELD` says how often a band holds the truth."""
 
     mean: float
     deviation: float
@@ -51,7 +51,7 @@ class Band:
 
 
 def untold_of(normal: Array, ranges: Ranges, factor: float) -> dict[str, float]:
-    """Share of its range that the band of a number covers, as of `bands_of`, of those that the record does not tell."""
+    """Share of its range that the band of `bands_of` covers, by key of each number that the record does not tell."""
     low, high = shares_of(normal, factor)
     shares = zip(ranges, (high - low).tolist(), strict=True)
     return {key: share for key, share in shares if share > UNDETERMINED}
@@ -60,18 +60,18 @@ def untold_of(normal: Array, ranges: Ranges, factor: float) -> dict[str, float]:
 UNTOLD = Band(math.nan, math.nan, math.nan, math.nan)
 """Band of what is withheld."""
 _DRAWS = special.ndtri((np.arange(100) + 0.5) / 100)[:, None]
-"""Places of draws from the standard normal distribution, of equal probability."""
+"""Places of 100 draws from the standard normal distribution, of equal probability."""
 
 
 def shares_of(normal: Array, factor: float, places: Array = _ENDS) -> Array:
     """Places in the ranges, from 0 to 1, of the ends of the bands of numbers, shape (2, d).
 
-    A filter for near-linear motion knows a mean and a variance, in the space where the prior is standard normal; single
-    members, which are mixed by it, have no more to say.
+    A filter for near-linear motion knows a mean and a variance, in the space where the prior is standard normal. It
+    mixes the members, so single members have no more to say.
 
     Args:
-        normal: Numbers of the members in that space, shape (N, d).
-        factor: Of their deviations.
+        normal: Numbers of the members in this space, shape (N, d).
+        factor: Factor of their deviations.
         places: Other places than the ends, in standard deviations, shape (k, 1).
     """
     return np.asarray(special.ndtr(normal.mean(axis=0) + factor * places * normal.std(axis=0, ddof=1)))
@@ -81,15 +81,15 @@ def bands_of(normal: Array, ranges: Ranges, factor: float) -> dict[str, Band]:
     """Bands of free numbers [SI] by key; a deviation is that of draws within the range, however wide the band.
 
     Args:
-        normal: As of `shares_of`.
-        ranges: Their ranges by key.
-        factor: As of `shares_of`.
+        normal: Numbers of the members, as in `shares_of`.
+        ranges: Ranges of the numbers by key.
+        factor: Factor of their deviations.
     """
     mean = in_ranges(special.ndtr(normal), ranges).mean(axis=0)
     deviation = in_ranges(shares_of(normal, factor, _DRAWS), ranges).std(axis=0)
     low, high = in_ranges(shares_of(normal, factor), ranges)
-    of = zip(mean, deviation, low, high, strict=True)
-    return {key: Band(*map(float, each)) for key, each in zip(ranges, of, strict=True)}
+    rows = zip(mean, deviation, low, high, strict=True)
+    return {key: Band(*map(float, row)) for key, row in zip(ranges, rows, strict=True)}
 
 
 def shown_unit(sensor: str, units: UnitSystem) -> tuple[float, str]:
@@ -99,8 +99,8 @@ def shown_unit(sensor: str, units: UnitSystem) -> tuple[float, str]:
 
 
 REACH = 2.5
-"""Longest time of a mean [s], and so before a window that it may reach back to: the slowest record is one of 0.5 Hz,
-whose stamps vary."""
+"""Longest time over which a sample is a mean [s], and so the time before a window that a mean may reach back to: the
+slowest record has 0.5 Hz, and its stamps vary."""
 
 
 @dataclass(frozen=True)
@@ -108,9 +108,9 @@ class WindowTiming:
     """Lengths in time.
 
     Attributes:
-        period: Of a frame [s].
+        period: Length of a frame [s].
         frames: Frames of a window.
-        samples: Samples of a window, at most.
+        samples: Most samples of a window.
     """
 
     period: float
@@ -133,11 +133,12 @@ class Prediction:
     """A window of N members.
 
     Attributes:
-        channels: By name, shape (N, S): means over the time of each sample of the window, 0 where there is none.
+        channels: Channels by name, shape (N, S): means over the time of each sample of the window, 0 where there is
+            none.
         sensors: Virtual sensors by name, each of shape (N,).
-        whirls: Whether each member whirls, shape (N,).
-        readings: Of the subs, shape (N, F, s, 6) (`drill_twin_studies.estimation.subs`).
-        speeds: Of the bit at the ends of the frames [rad/s], shape (N, F).
+        whirls: True for a member that whirls, shape (N,).
+        readings: Readings of the subs, shape (N, F, s, 6) (`drill_twin_studies.estimation.subs`).
+        speeds: Speeds of the bit at the ends of the frames [rad/s], shape (N, F).
     """
 
     channels: Mapping[str, Array]
@@ -148,7 +149,7 @@ class Prediction:
 
 
 _WINDOWS, _POINTS = 20, 20
-"""Windows in which a cycle is looked for, and points of each that are kept."""
+"""Windows in which a cycle is looked for, and points of a window that are kept; not measured."""
 _SWINGS = 0.2
 """Standard deviation of the bit's speed over its mean from which it swings: 0.85 in stick-slip, at most 0.03 in
 scenes that whirl, whose bands hold at 10 Hz though the bit follows the whirl."""
@@ -200,8 +201,8 @@ class FilterWindow:
         commands: Set-points at the end of each frame, as `Command.values`, shape (F, 3).
         measured: Samples by channel, shape (S,) each; NaN where there is none.
         weights: Share of each frame in the time of a sample, of the C channels, shape (C, `WindowTiming.tail` + F, S):
-            frames of a member times them are what is to be compared; 0 where there is no sample.
-        readings: Of s subs, at the frames, shape (s, F, 6); NaN for a sub that has none.
+            the frames of a member times the weights are compared with the samples; 0 where there is no sample.
+        readings: Readings of s subs at the frames, shape (s, F, 6); NaN for a sub that has none.
         spacing: Usual time from sample to sample of the channels that show torsion [s]; NaN where it is not known.
         between: True for a window without samples, in which none was due.
     """
@@ -221,20 +222,19 @@ class Estimate:
     Attributes:
         time: Time [s].
         numbers: Free numbers [SI] by key.
-        untold: Share of its range that the band of a number covers, of those that the record does not tell, by key.
+        untold: Share of its range that the band covers, by key of each number that the record does not tell.
         sensors: Virtual sensors by name, see `drill_twin.io.messages.topic_words.SENSORS`; with a sub also the
             places of the centre line at the marks at the end of the window [m], MARK/x and MARK/y.
         withheld: Reason why a virtual sensor has no band, and no mean, by name.
         whirls: Share of the members that whirl.
-        chance: Share of those that whirl within the horizon; NaN if it is not computed.
+        chance: Share of the members that whirl within the horizon; NaN if it is not computed.
         unexplained: Time since which a channel is not explained [s], by name; virtual sensors are withheld then.
-        jumps: Time of a jump [s] by key, of numbers that are being looked for anew; of `UNEXPLAINED`, if none explains
-            it.
+        jumps: Time of a jump [s], by key of each number that is looked for anew; by `UNEXPLAINED`, if none explains it.
         misfit: Rms of measured less predicted over the scale, by channel; NaN where nothing was measured.
         goodness: How well the members explain each channel over the last windows, against the stated errors, by name.
         absurd: Samples left out so far.
         unmeasured: Time for which nothing sound has been measured [s]: the ensemble runs alone.
-        frames: The window of the member that was nearest to the rig before; none unless they are asked for.
+        frames: Frames of the member that was nearest to the rig before the window; none unless asked for.
         spans: Windows with an alarm so far.
     """
 

@@ -15,9 +15,9 @@ from drill_twin_studies.estimation.square_root_filter import correction
 from drill_twin_studies.goodness import Goodness, goodness, noise_of
 
 _MEMORY = 10.0
-"""Windows over which a raised error fades."""
+"""Windows over which a raised error fades; not measured."""
 _GATE = 8.0
-"""Standard deviations from which a sample is absurd, if most of its channel's are not."""
+"""Standard deviations from which a sample is absurd, if most samples of its channel are not; not measured."""
 
 
 class ChannelErrors:
@@ -49,19 +49,19 @@ class ChannelErrors:
 
     @property
     def deviation(self) -> Array:
-        """The same with what innovations have shown, shape (C,)."""
+        """Standard deviation of the error of a sample, with what innovations have shown, shape (C,)."""
         return np.maximum(np.sqrt(self._raised), self.stated)
 
     def forget(self) -> None:
-        """Forget what innovations have shown: they were of a jump."""
+        """Forget what the innovations of a jump have shown."""
         self._raised[:] = 0.0
 
     def screen(self, predicted: Array, measured: Array) -> Array:
-        """Measured samples, NaN for those that are absurd beside the others of their channel.
+        """Measured samples; NaN for a sample that is absurd beside the others of its channel.
 
         Args:
-            predicted: Of N members, shape (N, C, S).
-            measured: Shape (C, S).
+            predicted: Channels of N members, shape (N, C, S).
+            measured: Channels of the rig, shape (C, S).
         """
         with np.errstate(invalid="ignore"):
             self.scale = np.fmax(self.scale, np.abs(predicted).max(axis=(0, 2)))
@@ -77,9 +77,9 @@ class ChannelErrors:
         """Raise the errors that the innovations show (Desroziers, Berre, Chapnik and Poli 2005, Eq. 1).
 
         Args:
-            measured: Shape (C, S); NaN where missing.
+            measured: Channels of the rig, shape (C, S); NaN where missing.
             before: Mean of the members before the correction, shape (C, S).
-            after: The same after it.
+            after: Mean of the members after it, shape (C, S).
         """
         product = np.where(np.isfinite(measured), (measured - after) * (measured - before), 0.0)
         found = product.sum(axis=1) / np.maximum(np.isfinite(measured).sum(axis=1), 1)
@@ -87,12 +87,13 @@ class ChannelErrors:
 
 
 LIMIT = 3.0
-"""Rms innovation of a window over the predicted one, from which the window is not explained. Its samples may err alike:
-then it is the size of one normal value, which is larger in 0.3 % of the windows of a model that is right."""
+"""Rms innovation of a window over the predicted one, from which the window is not explained. The samples of a window
+may err alike: then the ratio is the size of one normal value, which is larger in 0.3 % of the windows of a right
+model."""
 
 
 WINDOWS = 20
-"""Windows that are judged together."""
+"""Windows that are judged together; not measured."""
 _FEWEST = 10
 """Windows from which a change of the mean innovation can be told; half of the samples that tell their noise."""
 _LEAST_NOISE = 0.25
@@ -182,14 +183,14 @@ class Innovations:
 def widening(found: Mapping[str, Goodness]) -> float:
     """Factor of the bands of what is not measured: root of the largest chi-square of a channel where that exceeds 1.
 
-    It is taken to err as the measured channels do. What is told is widened, not the ensemble as by the inflation of
-    Anderson (2009).
+    What is not measured is taken to err as the measured channels do. The bands are widened, and not the ensemble, which
+    the inflation of Anderson (2009) widens.
     """
     return math.sqrt(max([1.0, *(one.chi_square for one in found.values() if one.samples)]))
 
 
 def widening_of_numbers(found: Mapping[str, Goodness]) -> float:
-    """Factor of the bands of numbers: chi-square counts with the samples that are not independent of one another.
+    """Factor of the bands of numbers: as `widening`, with chi-square times the samples for each independent one.
 
     The filter learns from each sample as from a new one; where the model errs alike from sample to sample, the mean of
     many has the error of the independent ones alone.

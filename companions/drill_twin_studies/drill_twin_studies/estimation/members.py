@@ -31,12 +31,12 @@ from drill_twin_studies.estimation.subs import VALUES, LateralMotion, SubReader,
 from drill_twin_studies.fitting.sampling import Ranges, in_ranges
 
 LOAD = "load_factor"
-"""Number that is no key of a scene: weight on bit of a member over the one that is commanded or indicated."""
+"""Number that is no key of a scene: weight on bit of a member over the weight that is commanded or indicated."""
 _TAIL = "tail"
 """Name of the frames before a window among the arrays of a checkpoint."""
 WIDEST, FARTHEST = 4.0, 2.5
-"""Standard deviations to which a number of a member, and the mean of the members, may move in the space where its prior
-is standard normal: all members at one end of a range would have no spread, and none would come back."""
+"""Standard deviations to which a number of a member, and the mean of the members, may move in the space where the prior
+of the number is standard normal: all members at one end of a range would have no spread, and none would come back."""
 
 
 class EstimatorMembers:
@@ -268,7 +268,7 @@ class EstimatorMembers:
         return self._with({"numerics.seed": self._seeds[number]} | found)
 
     def _with(self, values: Mapping[str, float]) -> Scene:
-        return override(self.scene, {self._full.get(key, key): of for key, of in values.items() if key != LOAD})
+        return override(self.scene, {self._full.get(key, key): value for key, value in values.items() if key != LOAD})
 
     def _check(self) -> None:
         """Refuse what cannot be changed in the middle of a run.

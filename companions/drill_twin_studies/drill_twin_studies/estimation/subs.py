@@ -32,8 +32,9 @@ from drill_twin_studies.estimation.estimate import WindowTiming
 VALUES = 6
 """Values of a reading: specific force [m/s^2] and rates of rotation [rad/s] about the axes of the sub."""
 _ABSURD = 10.0
-"""Largest force of a member in a window, times this: a larger one that is rare is absurd."""
+"""Force over the largest force of a member in a window, from which a reading that is rare is absurd; not measured."""
 _RARE = 0.1
+"""Share of the frames of a window below which large readings are rare; not measured."""
 
 
 def listed(scene: Scene, names: Sequence[str]) -> list[Sub]:
@@ -74,14 +75,14 @@ class SubReader:
             states: The recorded frames.
             period: Length of a frame [s].
         """
-        rows = (np.concatenate((w[None], of[:, self._nodes])) for w, of in zip(before, states[:2], strict=True))
+        rows = (np.concatenate((w[None], part[:, self._nodes])) for w, part in zip(before, states[:2], strict=True))
         motion = sub_motion(self._places, *rows)
         first, last = SubMotion(*(part[:-1] for part in motion)), SubMotion(*(part[1:] for part in motion))
         return true_readings(self._places, first, last, period, self._gravity)
 
 
 def replace_outliers(measured: Array, predicted: Array) -> Array:
-    """Readings, with those left out that are rare and absurd beside the members: the one before stands for them.
+    """Readings of a rig, in which the reading before stands for one that is rare and absurd beside the members.
 
     Args:
         measured: Shape (s, F, 6); NaN for a sub without readings.
@@ -126,7 +127,7 @@ def speed(readings: Array, samples: int) -> Array:
 def velocity_noise(sub: Sub, window: float) -> float:
     """Standard deviation that the noise of the accelerometers leaves in `lateral_velocity` [m/s].
 
-    That of a random walk in the middle between its ends, which the removed mean ties.
+    It is that of a random walk half-way between its ends, which the removal of the mean ties.
     """
     return 0.5 * sub.accelerometer.noise * math.sqrt(window / sub.rate)
 
@@ -134,9 +135,9 @@ def velocity_noise(sub: Sub, window: float) -> float:
 _LARGEST = 1e5
 """Largest reading where the scene gives no range: 10 000 g."""
 _GAP = 3.5
-"""Intervals between readings over which they are interpolated; a window with a longer gap goes without the sub."""
+"""Intervals between readings over which readings are interpolated; a window with a longer gap goes without the sub."""
 _FEWEST = 8
-"""Readings of a window, from which equal ones are frozen."""
+"""Readings of a window from which equal readings are frozen; not measured."""
 
 
 class SubIntake:
@@ -205,7 +206,7 @@ class LateralMotion:
     """Lateral motion of twins of one scene: places and slopes of the n + 1 nodes, and their velocities.
 
     Attributes:
-        turns_freely: Whether the motion may be turned about the axis of the hole: it is straight and vertical.
+        turns_freely: True if the motion may be turned about the axis of the hole, which is straight and vertical then.
     """
 
     def __init__(self, scene: Scene, twin: Twin) -> None:
@@ -228,7 +229,7 @@ class LateralMotion:
         return np.asarray((shape * ends).sum(-1))
 
     def write(self, twins: Sequence[Twin], motion: ComplexArray) -> None:
-        """Give the twins another lateral motion, of `read`.
+        """Give the twins another lateral motion, as `read` returns it.
 
         Nodes stay in the hole. Stretch is kept, as the axial motion follows the lateral one within the time of a wave
         (a bent string is shorter): slopes z' keep the length of r', and nodes move along the hole as far as the string

@@ -23,7 +23,7 @@ from drill_twin_studies.maps.regimes import REGIMES, Regime
 from drill_twin_studies.maps.runs import RAMP, STAY
 
 MARGIN = 0.05
-"""Distance to the boundary that a set-point should have, as a share of the ranges."""
+"""Distance to the boundary that a set-point should have, as a share of the ranges; not measured."""
 FROM_REST, DIES = "whirl begins from rest", "an existing whirl dies"
 """Names of the two boundaries."""
 NO_BOUNDARY = 1e9
@@ -53,9 +53,9 @@ class Advice(NamedTuple):
     keeps: bool
     """An existing whirl goes on at the set-point, by the map."""
     boundary: str
-    """Boundary that the margin is to."""
+    """Name of the boundary to which `margin` is the distance."""
     margin: Margin
-    """Distance to that boundary; negative beyond it."""
+    """Distance to this boundary; negative beyond it."""
     target: AdvisedSetPoint | None
     """Set-point to go to, with speed 0 where the rotation must stop; None: stay, or there is none."""
 
@@ -63,7 +63,7 @@ class Advice(NamedTuple):
 class Adviser:
     """Advice from one map.
 
-    From rest a set-point must be calm; out of an existing whirl it must be one at which a whirl dies, too.
+    An advised set-point must be calm from rest; while the string whirls, a whirl must die at it, too.
     """
 
     def __init__(self, found: OperatingMap, margin: float = MARGIN) -> None:
@@ -78,7 +78,7 @@ class Adviser:
 
     @property
     def patience(self) -> float:
-        """Time after which a whirl should have died [s]: that which the runs of the map had."""
+        """Time after which a whirl should have died [s]: the time that the runs of the map had."""
         return (RAMP + STAY) * self.map.duration
 
     @cached_property
@@ -129,8 +129,8 @@ class Adviser:
     def _target(self, allowed: Mask, weight: float, speed: float, *, above: float = 0.0) -> AdvisedSetPoint | None:
         """Nearest allowed set-point that is farther from the boundary than `above` [steps] and has the wanted margin.
 
-        Where none has it, one of those with the largest; `above` infinite asks for these. Speeds so slow that no run
-        could tell a whirl are advised only where there are no others.
+        Where no set-point has the margin, one with the largest margin, which `above` infinite asks for. Speeds so slow
+        that no run could tell a whirl are advised only where there are no others.
         """
         if not allowed.any():
             return None
@@ -225,13 +225,13 @@ def _depth(flags: Mask) -> Array:
 
 
 SMOOTHING = 0.5
-"""Time over which set-points are smoothed [s]: the weight on bit swings with the whirl."""
+"""Time over which set-points are smoothed [s], as the weight on bit swings with the whirl; not measured."""
 MOVED = 0.02
-"""Distance beyond which set-points have a new place, as a share of the ranges."""
+"""Distance beyond which set-points have a new place, as a share of the ranges; not measured."""
 SETTLING = 2.0
-"""Time for which set-points must have held before there is advice [s]."""
+"""Time for which set-points must have held before there is advice [s]; not measured."""
 SPEAKS_AFTER = 10.0
-"""Time of a whirl after which there is advice though they swing [s]."""
+"""Time of a whirl after which there is advice though set-points swing [s]; not measured."""
 
 
 class Tracker:
@@ -251,9 +251,9 @@ class Tracker:
     def _begin(self, time: float, weight: float, speed: float) -> None:
         self.time, self.weight, self.speed = time, weight, speed
         self.waits_for = ""
-        """Reason why there is no advice; empty where there is."""
-        self._held = (math.inf, math.inf)  # place near which they stay
-        self._settling = self._changing = time  # since when they have stayed there, or not settled
+        """Reason why there is no advice; empty while there is advice."""
+        self._held = (math.inf, math.inf)  # place near which set-points stay
+        self._settling = self._changing = time  # times since which they have stayed there, or not settled
         self._place: tuple[float, float] | None = None  # set-points of the advice
         self._since = time  # of a whirl there
         self._has_target = self._stops = False

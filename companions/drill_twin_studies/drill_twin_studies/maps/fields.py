@@ -44,7 +44,7 @@ LIKELY = 0.05
 
 
 MARGIN = 0.02
-"""Distance that a window keeps to what is not safe, as a share of the ranges."""
+"""Distance that a window keeps to what is not safe, as a share of the ranges; not measured."""
 
 
 class SafeWindow(NamedTuple):
@@ -58,7 +58,7 @@ class SafeWindow(NamedTuple):
 
 @dataclass(frozen=True)
 class MapFields:
-    """Runs of a map, and what they show at each node of the lattice.
+    """Runs of a map, and what the runs show at each node and cell of the lattice.
 
     Attributes:
         name: Name of the scene.
@@ -70,7 +70,7 @@ class MapFields:
         records: The runs.
         notes: What limits the map, as sentences.
         growth: Largest growth of a lateral mode at the nodes of an even grid [1/s]; empty where it does not apply.
-        torsional: The same of a motion about or along the axis; empty in the lateral form.
+        torsional: Largest growth of a motion about or along the axis, likewise; empty in the lateral form.
         asked: Time for which a calm set-point must stay calm [s].
     """
 
@@ -125,15 +125,21 @@ class MapFields:
 
     @cached_property
     def known(self) -> Mask:
-        """Unit cells between runs of the search, shape (n, n); elsewhere the map shows the nearest run, no more."""
-        made = np.zeros((self.plane.steps + 1,) * 2, bool)
-        for node in self.runs_at_nodes:
-            made[node] = True
+        """Unit cells between runs of the search, shape (n, n); elsewhere the map shows the nearest run alone."""
+        made = self._smooth != UNKNOWN
         return known_and_calm(made, made)[0]
 
     @cached_property
+    def _smooth(self) -> Labels:
+        """1 for nodes whose runs are all smooth, in all their draws; 0 for other nodes with runs."""
+        labels = self.plane.labels()
+        for node, runs in self.runs_at_nodes.items():
+            labels[node] = all(record.regime is Regime.SMOOTH for record in runs)
+        return labels
+
+    @cached_property
     def keeps_whirling(self) -> Mask:
-        """Nodes at which an existing whirl does not die; those at which it begins from rest included."""
+        """Nodes at which an existing whirl does not die; nodes at which whirl begins from rest are among them."""
         falling = {key.node: record.whirls for key, record in self.records.items() if key.origin is not None}
         if not falling:
             return self.whirls
@@ -176,10 +182,7 @@ class MapFields:
         from scipy.ndimage import distance_transform_edt
 
         steps = self.plane.steps
-        made, calm = np.zeros((2, steps + 1, steps + 1), bool)
-        for node, runs in self.runs_at_nodes.items():
-            made[node], calm[node] = True, all(record.regime is Regime.SMOOTH for record in runs)
-        good = known_and_calm(made, calm)[1]
+        good = known_and_calm(self._smooth != UNKNOWN, self._smooth == 1)[1]
         if len(self.growth):
             good &= corners(on_lattice(np.array(self.largest_growth), steps)).max(axis=0) <= 0.0
         if self.has_second_boundary:

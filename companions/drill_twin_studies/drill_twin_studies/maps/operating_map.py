@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""An operating map: its runs, what it says of a set-point, and its file."""
+"""Operating map: what it says of a set-point, and its file."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ _Grid = Sequence[Sequence[Number]]
 
 
 class MapFile(BaseModel):
-    """Fields of `map.json` that are read; its others are made of them."""
+    """Fields of `map.json` that are read; all others follow from them."""
 
     format: Literal[2]
     scene_name: str
@@ -59,16 +59,16 @@ class Margin(NamedTuple):
     """Distance of a set-point to the boundary of calm operation; negative where it is beyond."""
 
     weight: float
-    """Along the weight on bit [N]; infinite where the range has no boundary there."""
+    """Distance along the weight on bit [N]; infinite where the range has no boundary there."""
     speed: float
-    """Along the speed [rad/s]; infinite as above."""
+    """Distance along the speed [rad/s]; infinite where the range has no boundary there."""
     share: float
-    """Shortest distance, as a share of both ranges; infinite as above."""
+    """Shortest distance, as a share of both ranges; infinite where they have no boundary."""
 
     def text(self, units: UnitSystem) -> str:
         """Distance along each axis that meets the boundary; empty without one."""
         both = ((self.weight, "force"), (self.speed, "rotation"))
-        return " or ".join(units.text(abs(value), of, ".3g") for value, of in both if math.isfinite(value))
+        return " or ".join(units.text(abs(value), quantity, ".3g") for value, quantity in both if math.isfinite(value))
 
 
 @dataclass(frozen=True)
@@ -199,7 +199,7 @@ class OperatingMap(MapFields):
                    file.growth, file.torsional_growth, file.calm_for_s)  # fmt: skip
 
     def check_scene(self, scene: Scene) -> None:
-        """Check that it is a map of a scene.
+        """Check that the map is of a scene.
 
         Raises:
             ArgumentError: String, hole, top drive or effects of the scene have other numbers.

@@ -84,7 +84,7 @@ def wanted(labels: Labels, coarse: int, finest: int, hint: Labels | None = None,
     """Nodes to be labelled next, so that cells with more than one label are split down to a size.
 
     A cell whose corners are known is split into four if the known nodes in it or on its edges have different labels.
-    It depends on the labels alone, so a search that was broken off goes on as if it had not been.
+    The nodes depend on the labels alone, so a search that was broken off goes on as if it had not been.
 
     Args:
         labels: What is known.
@@ -107,15 +107,16 @@ def wanted(labels: Labels, coarse: int, finest: int, hint: Labels | None = None,
             missing = [node for node in corners if labels[node] == UNKNOWN]
             found.update(dict.fromkeys(missing))
             inside = (slice(i, i + size + 1), slice(j, j + size + 1))
-            expected = hint is not None and size > hinted and _differ(hint[inside])
-            if not missing and size > finest and (_differ(labels[inside]) or expected):
+            expected = hint is not None and size > hinted and differ(hint[inside])
+            if not missing and size > finest and (differ(labels[inside]) or expected):
                 split.append((i, j))
         size //= 2
         cells = [(i + a, j + b) for i, j in split for a in (0, size) for b in (0, size)]
     return list(found)
 
 
-def _differ(labels: Labels) -> bool:
+def differ(labels: Labels) -> bool:
+    """True for labels of which two known ones are not the same."""
     known = labels[labels != UNKNOWN]
     return bool(known.size and (known != known[0]).any())
 
@@ -128,7 +129,7 @@ def on_lattice(grid: Array, steps: int) -> Array:
 
 
 def filled(labels: Labels) -> Labels:
-    """Labels of all nodes: that of the nearest known one.
+    """Labels of all nodes: each has the label of the nearest known node.
 
     Raises:
         ArgumentError: No label is known.
@@ -189,11 +190,11 @@ def corners(values: Array | Mask) -> Array:
 
 
 MOST_WINDOWS, LEAST_GAIN = 3, 0.08
-"""Largest number of windows, and share of the safe cells that each after the first must add."""
+"""Largest number of windows, and share of the safe cells that each window after the first must add; not measured."""
 
 
 def rectangles(safe: Mask) -> list[tuple[int, int, int, int]]:
-    """Largest rectangle of safe cells, and those that add most to it: first and last node along both ranges."""
+    """Largest rectangle of safe cells, and others that add most to it: first and last node along both ranges."""
     found: list[tuple[int, int, int, int]] = []
     new = safe.astype(int)
     while len(found) < MOST_WINDOWS:

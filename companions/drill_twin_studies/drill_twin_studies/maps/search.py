@@ -22,7 +22,7 @@ from drill_twin.core.arrays import Array
 from drill_twin.core.errors import DrillTwinError
 from drill_twin.core.files.json_files import JsonLines
 from drill_twin.scene import Scene
-from drill_twin_studies.maps.plane import UNKNOWN, Labels, Node, Plane, nearest_known, on_lattice, wanted
+from drill_twin_studies.maps.plane import UNKNOWN, Labels, Node, Plane, differ, nearest_known, on_lattice, wanted
 from drill_twin_studies.maps.regimes import Regime
 from drill_twin_studies.maps.runs import HOLD, Key, Runner, RunRecord
 
@@ -34,9 +34,9 @@ class Growth(NamedTuple):
     """Largest growth rates on even grids over the plane."""
 
     lateral: Array
-    """Of a lateral mode [1/s]: onset of whirl."""
+    """Growth rate of a lateral mode [1/s], for the onset of whirl."""
     torsional: Array | None
-    """Of a motion about or along the axis [1/s]: onset of stick-slip; None in the lateral form."""
+    """Growth rate of a motion about or along the axis [1/s], for the onset of stick-slip; None in the lateral form."""
 
 
 def growth_of(scene: Scene, plane: Plane) -> Growth | None:
@@ -102,9 +102,9 @@ FEW_RUNS, FEW_CELLS = 200, 4
 REGIME_CELLS = 32
 """Cells along each range down to which boundaries between other regimes are followed, and where draws are made."""
 FEW = 3
-"""Draws after the first that are made along the onset; where none of them whirls, all others follow."""
+"""Draws after the first that are made along the onset; if none of them whirls, all others follow; not measured."""
 EARLY = 0.8
-"""Share of the duration within which a whirl must begin to be one that a run can come from."""
+"""Share of the duration within which a whirl must begin for another run to come from it; not measured."""
 
 Progress = Callable[[str, int, int], None]
 """Takes the phase, the runs that have ended, and the number expected by now."""
@@ -119,7 +119,7 @@ class BoundarySearch:
     """Search of one map.
 
     Attributes:
-        records: The runs that it took, in its order.
+        records: Runs that the search took, in its order.
         notes: What limits the map, as sentences.
     """
 
@@ -130,7 +130,7 @@ class BoundarySearch:
 
         Args:
             runner: Makes the runs.
-            journal: Keeps them; None: they are not kept.
+            journal: Keeps the runs; None: no run is kept.
             budget: Largest number of runs.
             progress: Takes phase, runs that have ended, and the number expected by now.
             growth: Growth rates at the points of an even grid [1/s]; None where they do not apply.
@@ -146,12 +146,12 @@ class BoundarySearch:
     # --- phases ---------------------------------------------------------------------------------------------------
 
     def calm(self) -> None:
-        """Find where the string is smooth, to a 32nd of the ranges: the safe windows need it first."""
+        """Find the smooth set-points, to a 32nd of the ranges: the safe windows need them first."""
         finest = max(1, self._steps // REGIME_CELLS)
         self._refine("calm", lambda record: int(record.regime is Regime.SMOOTH), FEW_CELLS, finest)
 
     def onset(self) -> None:
-        """Find where whirl begins from rest, to one step of the lattice."""
+        """Find the set-points at which whirl begins from rest, to one step of the lattice."""
         self._refine("onset of whirl", whirl_label, self._first, 1, self._growth)
 
     def regimes(self) -> None:
@@ -161,7 +161,7 @@ class BoundarySearch:
     def draws(self) -> None:
         """Repeat the runs along the onset with other seeds and numbers: a few at each node, all where none whirls.
 
-        Where one of a few whirls, the chance is above what is asked, however many more would be made.
+        If one of a few draws whirls, the chance is above what is asked, however many more draws would be made.
         """
         count, size = len(self._runner.draws), max(1, self._steps // REGIME_CELLS)
         labels = self._labels(whirl_label)
@@ -178,7 +178,7 @@ class BoundarySearch:
                     return
 
     def end_of_whirl(self) -> None:
-        """Find where an existing whirl dies: runs that come from a whirling set-point, over those calm from rest."""
+        """Find the set-points at which a whirl dies, by runs from a whirling set-point to those calm from rest."""
         whirling = self._plane.labels()
         for key, record in self._from_rest():
             early = record.onset_s < EARLY * self._runner.duration
@@ -231,9 +231,7 @@ class BoundarySearch:
         found: dict[Node, None] = {}
         for i in range(0, self._steps, size):
             for j in range(0, self._steps, size):
-                inside = labels[i : i + size + 1, j : j + size + 1]
-                known = inside[inside != UNKNOWN]
-                if known.size and (known != known[0]).any():
+                if differ(labels[i : i + size + 1, j : j + size + 1]):
                     found.update(dict.fromkeys((a, b) for a in (i, i + size) for b in (j, j + size)))
         return [node for node in found if Key(*node) in self.records]
 
