@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Control at the gateway: the decision who commands, the set-points on `/rig/command`, and a safe one after a loss."""
+"""Set-points of the gateway on `/rig/command`, and the safe one after a loss of control."""
 
 from __future__ import annotations
 
@@ -8,21 +8,13 @@ import threading
 import time
 from collections.abc import Mapping
 from dataclasses import replace
-from typing import TYPE_CHECKING
-
-from std_srvs.srv import Trigger
 
 from drill_twin.io.messages.rig_messages import CommandEncoder
 from drill_twin.io.messages.topics import RIG_COMMAND
 from drill_twin.ros.core.node import TwinNode
 from drill_twin.ros.rig_driver.plan import SetPointTransition
 from drill_twin.scene.set_points.command import Command
-from drill_twin_rig.gateway.control import Control, Permission
 from drill_twin_rig.gateway.quantities import TwinQuantities
-
-if TYPE_CHECKING:
-    from drill_twin_rig.gateway.opc_ua.server import OpcUaServer
-    from drill_twin_rig.ros.rig import RigLink
 
 
 class CommandOutput:
@@ -97,70 +89,3 @@ class CommandOutput:
         if self.command is not None:
             self._node.topics.publish(RIG_COMMAND, self._encoder.command(self._quantities.stamp, self.command))
             self.sent += 1
-
-
-class ControlDesk:
-    """Decision on who commands: a client that requests control, the rig, or another node."""
-
-    def __init__(self, node: TwinNode, output: CommandOutput, control: Control) -> None:
-        """Begin without a client in control.
-
-        Args:
-            node: The gateway.
-            output: Publisher of set-points.
-            control: State of the control that clients request.
-        """
-        self._node, self.output, self.control = node, output, control
-        self.rig: RigLink | None = None
-        """Link to a rig, where there is one."""
-        self.denied = ""
-        """Reason why the last request was denied, in a sentence."""
-        self._told: tuple[Permission, str] | None = None
-
-    def work(self, server: OpcUaServer) -> None:
-        """Decide what is due, show it to the clients, and repeat the set-points in force."""
-        if self.control.check_heartbeat():
-            self.output.go_safe()
-            self._node.publish_diagnostics()
-        if self.control.permission is Permission.PENDING and self._node.settings.grant != "ask":
-            self._decide(granted=self._node.settings.grant == "always")
-        held = self.output.is_safe or (self.rig is not None and self.rig.follows)
-        if self.control.permission is Permission.UNSET and self.output.command is not None and not held:
-            self.output.end()
-        now = (self.control.permission, self.control.holder)
-        if now != self._told:
-            self._told = now
-            server.show_control(*now)
-        self.output.repeat()
-
-    def _decide(self, *, granted: bool) -> str:
-        """Grant or deny what is requested; returns the reason of a denial."""
-        others = ", ".join(self.output.others())
-        if self.rig is not None and self.rig.follows:
-            others = "the rig"
-        reason = f"{others} commands" if others else "" if granted else "the parameter grant is never"
-        self.denied = f"control denied: {reason}" if reason else ""
-        if reason:
-            self.control.deny(reason)
-        elif self.control.grant():
-            self.output.begin()
-            self._node.get_logger().info(f"{self.control.holder} has control")
-        return reason
-
-    def grant(self, request: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
-        """Answer `~/grant_control`: give control to the client that requests it."""
-        del request
-        pending = self.control.permission is Permission.PENDING
-        response.message = self._decide(granted=True) if pending else "nobody requests control"
-        response.success = not response.message
-        return response
-
-    def withdraw(self, request: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
-        """Answer `~/withdraw_control`: take control away; the last set-point holds until another source commands."""
-        del request
-        response.success = self.control.deny("withdrawn") or self.output.command is not None
-        if self.rig is not None:
-            self.rig.stop_following()
-        self.output.end()
-        self.denied = "control was withdrawn" if response.success else ""
-        return response

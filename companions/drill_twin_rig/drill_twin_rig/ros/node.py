@@ -29,8 +29,8 @@ from drill_twin.scene import parse_scene
 from drill_twin_rig.gateway.control import Control, Permission
 from drill_twin_rig.gateway.quantities import QUANTITIES, TwinQuantities
 from drill_twin_rig.gateway.signals import Signals, read_signals, signals_path
-from drill_twin_rig.ros.commands import CommandOutput, ControlDesk
-from drill_twin_rig.ros.rig import RigLink
+from drill_twin_rig.ros.commands import CommandOutput
+from drill_twin_rig.ros.rig import ControlDesk, RigLink
 
 if TYPE_CHECKING:
     from drill_twin_rig.gateway.opc_ua.keys import Keys
