@@ -8,8 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 from drill_twin.core.errors import DrillTwinError
 from drill_twin.io.messages.diagnostics import Level
@@ -21,8 +20,7 @@ SEVERE_RADIUS = 0.9
 _BIT = {BitMotion.AT_REST: 0, BitMotion.STEADY: 0, BitMotion.VIBRATION: 1, BitMotion.STICK_SLIP: 2, BitMotion.STANDS: 2}
 
 
-@dataclass(frozen=True)
-class Lamp:
+class Lamp(NamedTuple):
     """Lamp of one kind of motion."""
 
     level: int | None
@@ -141,7 +139,7 @@ class Supervision:
     def snapshot(self) -> dict[str, Any]:
         """Values for the page."""
         return {
-            "lamps": {name: asdict(lamp) for name, lamp in self.lamps.items()},
+            "lamps": {name: lamp._asdict() for name, lamp in self.lamps.items()},
             "alarms": self.alarms.rows(),
             "events": self.alarms.recent(),
             "limits": self.limits.values,

@@ -9,6 +9,7 @@ import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from enum import IntEnum
+from typing import NamedTuple
 
 from drill_twin.core.errors import shortened
 from drill_twin_rig.gateway.signals import CommandTarget, Limits, range_taken
@@ -38,8 +39,7 @@ class User:
     """True for a known user with a trusted certificate on an encrypted connection."""
 
 
-@dataclass(frozen=True)
-class Refusal:
+class Refusal(NamedTuple):
     """Refusal of a write."""
 
     text: str

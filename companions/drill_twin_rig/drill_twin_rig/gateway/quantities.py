@@ -5,8 +5,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -36,8 +35,7 @@ from drill_twin.whirl import StickSlip
 ANGULAR_ACCELERATION = Dimension("angular acceleration", "rad/s^2", ("3 rad/s^2",))
 
 
-@dataclass(frozen=True)
-class RigQuantity:
+class RigQuantity(NamedTuple):
     """Quantity that the topics carry, or that follows from them."""
 
     topic: str

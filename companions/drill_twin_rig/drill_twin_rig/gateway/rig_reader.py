@@ -13,8 +13,7 @@ import time
 from abc import ABC, abstractmethod
 from collections.abc import Coroutine, Iterable, Mapping, Sequence
 from concurrent.futures import Future
-from dataclasses import dataclass
-from typing import Any, TypeVar
+from typing import Any, NamedTuple, TypeVar
 
 from drill_twin.core.errors import shortened
 from drill_twin.core.units.registry import UnitError, si_factor
@@ -24,8 +23,7 @@ _AHEAD = 2.0
 """Time by which a stamp may be later than the clock of this machine [s]; not measured."""
 
 
-@dataclass(frozen=True)
-class SignalReading:
+class SignalReading(NamedTuple):
     """Reading of a node."""
 
     value: object
@@ -36,8 +34,7 @@ class SignalReading:
     """Source timestamp [s since 1970]; NaN without one."""
 
 
-@dataclass(frozen=True)
-class CheckedValue:
+class CheckedValue(NamedTuple):
     """Value with the verdict on it."""
 
     value: float = math.nan

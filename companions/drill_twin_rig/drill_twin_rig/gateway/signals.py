@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from difflib import get_close_matches
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from drill_twin.core.errors import DrillTwinError
 from drill_twin.core.files.foreign_file import ForeignFile
@@ -97,8 +97,7 @@ def range_taken(signal: CommandTarget | RigSignal, limits: Limits) -> tuple[floa
     return max(low, signal.low), min(high, signal.high)
 
 
-@dataclass(frozen=True)
-class Signals:
+class Signals(NamedTuple):
     """Signals of a gateway."""
 
     show: tuple[ShownSignal, ...] = ()

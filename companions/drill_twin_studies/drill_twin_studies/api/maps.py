@@ -184,9 +184,10 @@ def operating_map(
             search.end_of_whirl()
 
         def made() -> OperatingMap:
-            tables = ([] if table is None else table.tolist() for table in (lateral, torsional))
-            whole = own.name, digest_of(own), own.to_yaml(), plane, length, draws
-            return OperatingMap(*whole, search.records, search.notes, *tables, asked)
+            return OperatingMap(
+                own.name, digest_of(own), own.to_yaml(), plane, length, draws, search.records, search.notes,
+                [] if lateral is None else lateral.tolist(), [] if torsional is None else torsional.tolist(), asked,
+            )  # fmt: skip
 
         check(search, made, runs, len(draws))
         return made()

@@ -7,6 +7,7 @@ import math
 from collections import deque
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from scipy import special
@@ -103,8 +104,7 @@ REACH = 2.5
 slowest record has 0.5 Hz, and its stamps vary."""
 
 
-@dataclass(frozen=True)
-class WindowTiming:
+class WindowTiming(NamedTuple):
     """Lengths in time.
 
     Attributes:
@@ -128,8 +128,7 @@ class WindowTiming:
         return math.ceil(REACH / self.period)
 
 
-@dataclass(frozen=True)
-class Prediction:
+class Prediction(NamedTuple):
     """A window of N members.
 
     Attributes:

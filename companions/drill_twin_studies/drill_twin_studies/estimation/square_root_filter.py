@@ -11,8 +11,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
 from functools import reduce
+from typing import NamedTuple
 
 import numpy as np
 from scipy.fft import dct
@@ -20,8 +20,7 @@ from scipy.fft import dct
 from drill_twin.core.arrays import Array, Mask
 
 
-@dataclass(frozen=True)
-class Correction:
+class Correction(NamedTuple):
     """Correction of N members by m measured values.
 
     Attributes:

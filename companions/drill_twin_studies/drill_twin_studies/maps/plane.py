@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -159,7 +160,7 @@ def boundary(flags: Mask) -> Iterator[tuple[Array, Array]]:
     from contourpy import contour_generator
 
     for line in contour_generator(z=flags.astype(float)).lines(0.5):
-        yield from zip(line[:-1, ::-1], line[1:, ::-1], strict=True)
+        yield from pairwise(np.asarray(line)[:, ::-1])
 
 
 def known_and_calm(made: Mask, calm: Mask) -> tuple[Mask, Mask]:

@@ -32,8 +32,7 @@ LARGEST = 700.0
 """Largest exponent of a growth: exp(709.8) is the largest double."""
 
 
-@dataclass(frozen=True)
-class Trend:
+class Trend(NamedTuple):
     """Sizes in two stretches of time, one after the other.
 
     Attributes:

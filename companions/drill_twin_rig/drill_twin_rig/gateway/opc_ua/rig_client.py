@@ -10,9 +10,8 @@ from __future__ import annotations
 import asyncio
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
 from datetime import UTC
-from typing import Any
+from typing import Any, NamedTuple
 
 from asyncua import Client, ua
 from asyncua.crypto.security_policies import SecurityPolicyBasic256Sha256
@@ -22,8 +21,7 @@ from drill_twin_rig.gateway.rig_reader import PATIENCE, RefusedError, RigReader,
 from drill_twin_rig.gateway.signals import RigSignal
 
 
-@dataclass(frozen=True)
-class ServerAccess:
+class ServerAccess(NamedTuple):
     """Address of a rig's server, and the way to enter it."""
 
     url: str

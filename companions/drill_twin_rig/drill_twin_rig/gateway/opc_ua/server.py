@@ -11,9 +11,8 @@ import asyncio
 import logging
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from datetime import UTC, datetime
-from typing import Any
+from typing import Any, NamedTuple
 
 from asyncua import Server, ua
 from asyncua.common.callback import CallbackType
@@ -37,8 +36,7 @@ _LOOK = 0.1  # s between two looks at the places
 logging.getLogger("asyncua").setLevel(logging.CRITICAL)  # what a client does wrong is no error of this program
 
 
-@dataclass(frozen=True)
-class PublishedSample:
+class PublishedSample(NamedTuple):
     """Value of a signal in its unit."""
 
     value: float
