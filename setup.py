@@ -57,7 +57,6 @@ setup(
             "colcon-common-extensions",
             "distributed>=2024.5",
             "filterpy>=2",
-            "foxglove-sdk>=0.14",
             "hypothesis",
             "import-linter",
             "jsonschema",
@@ -73,7 +72,7 @@ setup(
             "xarray",
         ],
         "dask": ["distributed>=2024.5"],
-        "foxglove": [f"drill_twin_dashboard[foxglove]=={VERSION}"],
+        "foxglove": [f"drill_twin_dashboard=={VERSION}"],
         "las": ["lasio>=0.31"],
         # rclpy, Fast DDS and the messages of Jazzy as wheels (glibc 2.28 or newer), for a machine without it.
         "ros": [

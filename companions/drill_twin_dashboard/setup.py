@@ -24,7 +24,6 @@ setup(
     ],
     python_requires=">=3.11",
     install_requires=[f"drill_twin=={VERSION}", "websockets>=14"],
-    extras_require={"foxglove": ["foxglove-sdk>=0.14"]},
     zip_safe=False,
     author="The drill_twin contributors",
     maintainer="The drill_twin contributors",

@@ -23,7 +23,7 @@ setup(
         ),
     ],
     python_requires=">=3.11",
-    install_requires=[f"drill_twin=={VERSION}"],
+    install_requires=[f"drill_twin=={VERSION}", "contourpy>=1.0.7"],
     extras_require={"dask": ["distributed>=2024.5"]},
     zip_safe=False,
     author="The drill_twin contributors",

@@ -17,7 +17,7 @@ from drill_twin.io.messages.topic_words import digest_of
 from drill_twin.io.messages.topics import ESTIMATE_STATE, MARKS_STATE, MEASURED_RIG_STATE, RIG_STATE
 from drill_twin.scene import load_scene
 from drill_twin_dashboard.live.page_state import PageState
-from drill_twin_dashboard.live.sources import Sources
+from drill_twin_dashboard.live.shown import Sources
 from drill_twin_studies.maps import OperatingMap, Plane, Regime, Span
 from drill_twin_studies.maps.runs import Key, RunRecord
 

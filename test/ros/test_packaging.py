@@ -24,7 +24,7 @@ ROOT = Path(__file__).resolve().parents[2]
 NODES = {name: entry_points.load(name) for name in entry_points.node_names()}
 EXECUTABLES = {*NODES, "twin", "watch"}
 # Import name -> distribution, where they differ.
-DISTRIBUTIONS = {"foxglove": "foxglove-sdk", "yaml": "pyyaml", "llvmlite": "numba", "pydantic_core": "pydantic"}
+DISTRIBUTIONS = {"yaml": "pyyaml", "llvmlite": "numba", "pydantic_core": "pydantic"}
 FROM_ROS = {"rclpy", "rcl_interfaces", "lifecycle_msgs", "std_srvs", "ament_index_python"}
 
 
@@ -133,8 +133,8 @@ def test_all_data_is_installed(package):
 def test_every_import_is_declared(package):
     folder = FOLDERS[package]
     given = _setup_arguments(folder)
-    extras = given["extras_require"]
-    wanted = {name for name in extras if name in {"foxglove", "las", "dask", "xarray"}}
+    extras = given.get("extras_require", {})
+    wanted = {name for name in extras if name in {"las", "dask", "xarray"}}
     lines = [*given["install_requires"], *(line for name in wanted for line in extras[name])]
     if package != "drill_twin":  # what the core needs is there with it
         lines += _setup_arguments(ROOT)["install_requires"]

@@ -28,7 +28,7 @@ variance 1 / N each (Bartlett 1946): the third-order form of the ratio of von Ne
 _UNLIKELY = 1e-3
 """Chance with which the residual of a model that is right is called unexplained, for one channel."""
 FEWEST = 10
-"""Samples from which noise can be told."""
+"""Samples from which noise can be told; not measured."""
 
 
 @dataclass(frozen=True)
@@ -44,7 +44,7 @@ class Goodness:
         chi_square: Mean square of the residual over its predicted variance: 1 for predictions as good as they say.
         inside: Share of the samples inside the predicted band of 90 %.
         limit: Chi-square that one in 1,000 right models exceeds; NaN where it is not judged.
-        correlation_limit: The same of the autocorrelation times chi-square; None where it is not judged.
+        correlation_limit: Autocorrelation times chi-square that one in 1,000 exceeds; None where it is not judged.
         of: What is judged: samples, or features of windows, of which `samples` counts the windows.
         against: What the residual is compared with.
     """
@@ -99,9 +99,9 @@ def goodness(
     Args:
         measured: Samples in their order, shape (T,); NaN where missing.
         computed: What the model says, shape (T,).
-        spread: Standard deviation of that, without errors of the samples, shape (T,).
+        spread: Standard deviation of `computed`, without errors of the samples, shape (T,).
         noise: Standard deviation of the noise of the samples.
-        error: The same of the errors that predictions count with.
+        error: Standard deviation of the errors that predictions count with.
         limit: Chi-square from which the model does not explain the channel.
         correlation_limit: Autocorrelation times chi-square from which it does not.
     """
@@ -171,8 +171,8 @@ def correlation_limit(samples: int) -> float:
 def noise_of(values: Array) -> float:
     """Standard deviation of the noise of a series, shape (T,), NaN where missing, from its third differences.
 
-    What is smooth from sample to sample has none (Gasser, Sroka and Jennen-Steinmetz 1986; Hall, Kay and Titterington
-    1990); what is not counts as noise. 0 for fewer samples than tell it.
+    A motion that is smooth from sample to sample has none (Gasser, Sroka and Jennen-Steinmetz 1986; Hall, Kay and
+    Titterington 1990); all else counts as noise. 0 for fewer samples than tell it.
     """
     differences = np.convolve(values, _DIFFERENCES, "valid") if values.size >= _DIFFERENCES.size else values[:0]
     known = differences[np.isfinite(differences)]

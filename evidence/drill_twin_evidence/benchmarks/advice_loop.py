@@ -25,8 +25,7 @@ from drill_twin.core.files.json_files import JsonLines
 from drill_twin.io.messages.diagnostics import Level
 from drill_twin.scene.set_points import Command
 from drill_twin.whirl import MotionCode
-from drill_twin_studies.maps.advice import Adviser
-from drill_twin_studies.maps.advice_tracker import Tracker
+from drill_twin_studies.maps.advice import Adviser, Tracker
 
 COARSE: dict[str, float | str] = {
     "numerics.elements": 8, "numerics.step": "10 ms", "numerics.frame_rate": "50 Hz",

@@ -16,8 +16,8 @@ from drill_twin.core.arrays import Mask
 from drill_twin.core.table import Table
 from drill_twin_evidence.estimation.cases import CASES, JUMP, TOLERANCES
 from drill_twin_evidence.estimation.hidden_truth import Followed, follow
+from drill_twin_studies.estimation.doubts import Jumps
 from drill_twin_studies.estimation.ensemble_filter import EnsembleFilter
-from drill_twin_studies.estimation.jumps import Jumps
 
 _SECONDS, _MEMBERS = 55.0, 32
 _SPREAD = 0.5

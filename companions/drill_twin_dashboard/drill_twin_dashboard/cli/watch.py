@@ -55,48 +55,33 @@ def watch(
     """
     if bag is not None and foxglove is not None:
         raise DrillTwinError("expected --foxglove without a bag, found both; Foxglove opens the bag itself")
-    if bag is not None:
-        _play(bag, host, port, allow_host, namespace or None, limit, units, browser=browser)
-        return
-    from drill_twin.ros.entry_points import start
+    if bag is None:
+        from drill_twin.ros.entry_points import start
 
-    names = [word for name in allow_host for word in ("--allow-host", name)]
-    names += ["--units", units] if units else []
-    names += [word for text in limit for word in ("--limit", text)]
-    arguments = ["--host", host, "--port", str(port), *names, *([] if browser else ["--no-browser"])]
-    if foxglove is not None:
-        arguments += ["--foxglove", str(foxglove)]
-    if namespace:
-        arguments += ["--ros-args", "-r", f"__ns:=/{namespace.strip('/')}"]
-    raise typer.Exit(start("watch", arguments))
-
-
-def _play(
-    bag: Path,
-    host: str,
-    port: int,
-    allowed: list[str],
-    namespace: str | None,
-    limits: list[str],
-    units: str,
-    *,
-    browser: bool,
-) -> None:
+        names = [word for name in allow_host for word in ("--allow-host", name)]
+        names += ["--units", units] if units else []
+        names += [word for text in limit for word in ("--limit", text)]
+        arguments = ["--host", host, "--port", str(port), *names, *([] if browser else ["--no-browser"])]
+        if foxglove is not None:
+            arguments += ["--foxglove", str(foxglove)]
+        if namespace:
+            arguments += ["--ros-args", "-r", f"__ns:=/{namespace.strip('/')}"]
+        raise typer.Exit(start("watch", arguments))
     from drill_twin.io.bag.reading.files import bag_path
-    from drill_twin_dashboard.live.limits import parse_limit
+    from drill_twin_dashboard.live.alarms import parse_limit
     from drill_twin_dashboard.live.player import Player
     from drill_twin_dashboard.live.server import PageServer
 
-    parsed = [parse_limit(text) for text in limits]
+    parsed = [parse_limit(text) for text in limit]
     with shown_progress("reading the bag"):
-        player = Player(bag_path(bag), namespace)
+        player = Player(bag_path(bag), namespace or None)
     player.state.units = units
     for one in parsed:
         player.state.take(one)
     for text in player.damage:
         remark(text)
     server = PageServer(
-        player.snapshot, player.on_request, history=player.state.history, host=host, port=port, allowed_hosts=allowed
+        player.snapshot, player.on_request, history=player.state.history, host=host, port=port, allowed_hosts=allow_host
     )
     with stop_request() as asked:
         server.links.show(str(bag))

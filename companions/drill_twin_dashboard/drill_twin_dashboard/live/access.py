@@ -45,7 +45,7 @@ class Access:
     """Names of this server, and what lets a page command."""
 
     allowed: Collection[str] = ()
-    """Names that a Host header may have besides those of this machine and addresses."""
+    """Names that a Host header may have besides addresses and the names of this machine."""
     key: str = field(default_factory=_secret)
     """Half of the right to command that a page stores, for its origin alone."""
     _cookie: str = field(default_factory=_secret)
@@ -82,7 +82,7 @@ class Access:
         return code
 
     def is_live(self, code: str) -> bool:
-        """True for a code that is neither spent nor too old; a look-up by a secret hash tells no part of one."""
+        """True for a code that is neither spent nor too old; the look-up by a secret hash tells no part of a code."""
         return time.monotonic() < self._codes.get(code, 0.0)
 
     def enter(self, headers: Headers) -> str | None:
@@ -98,7 +98,7 @@ class Access:
         return any(found == name and _same(value, self._cookie) for found, _, value in cookies)
 
     def is_key(self, given: str) -> bool:
-        """True for the key; takes the same time for any other."""
+        """True for the key; takes the same time for any other text."""
         return _same(given, self.key)
 
     def _is_own(self, name: str) -> bool:
@@ -129,7 +129,7 @@ class Links:
 
         Args:
             access: Gives the codes.
-            addresses: Of the page for this machine; and for other ones, if they can connect.
+            addresses: Address of the page for this machine; then one for other machines, if they can connect.
         """
         self._access, self._addresses = access, addresses
         self._printed = self._opened = ""  # codes
@@ -180,12 +180,12 @@ class Links:
         """Delete the file."""
         file, self._file = self._file, None
         if file is not None:
-            with suppress(OSError):  # what stays of it leads to a code that is spent or too old
+            with suppress(OSError):  # a file that stays leads to a code that is spent or too old
                 file.unlink(missing_ok=True)
 
 
 def _private_file(text: str) -> Path | None:
-    """New file of mode 600 in the home folder, or else the temporary one; None where none can be written."""
+    """New file of mode 600 in the home folder, or else in the temporary folder; None where neither can be written."""
     for folder in (os.path.expanduser("~"), tempfile.gettempdir()):  # noqa: PTH111 - Path.home may raise
         with suppress(OSError):
             handle, name = tempfile.mkstemp(".html", "drill_twin_", folder)

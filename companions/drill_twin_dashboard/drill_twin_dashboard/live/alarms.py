@@ -1,19 +1,178 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Alarms that are acknowledged, and the log of events; states as in ANSI/ISA-18.2.
+"""Trends of the channels, the limits that a person sets for them, alarms that are acknowledged, and the log of events.
 
-An alarm is active from its cause to the end of it. It stays on the page until it is acknowledged and its cause is gone.
+An alarm is active from its cause to the end of the cause, and it stays on the page until it is acknowledged and its
+cause is gone (states as in ANSI/ISA-18.2).
 """
 
 from __future__ import annotations
 
+import math
 import time as clock
 from collections import deque
+from collections.abc import Iterator, Mapping
 from dataclasses import asdict, dataclass
 from typing import Any
 
 from drill_twin.core.errors import DrillTwinError
+from drill_twin.core.units import UnitError, parse
+from drill_twin.core.units.dimension import ANGULAR_SPEED, FORCE, SPEED, TORQUE
 from drill_twin.io.messages.diagnostics import Level
 from drill_twin_dashboard.live.shown import short
+
+CHANNELS = ("wob", "rps", "bit_rps", "torque", "hookload", "rop")
+"""Weight on bit [N], speed of top drive and bit [rev/s], torque [N m], hookload [N], rate of penetration [m/s]."""
+SECONDS = 0.25
+"""Length of an interval [s of simulated time]."""
+_MOST = round(1800.0 / SECONDS)
+_AGAIN = 8  # intervals sent twice, for a page that missed a snapshot
+
+Row = list[float | None]
+
+
+class Trends:
+    """Intervals of one run; a row is its number, then least, mean and largest value of each channel."""
+
+    def __init__(self, most: int = _MOST) -> None:
+        self._rows: deque[Row] = deque(maxlen=most)
+        self._present = math.nan
+        self._low: list[float] = []
+        self._sum: list[float] = []
+        self._high: list[float] = []
+        self._counts: list[int] = []
+        self._sent = 0
+        self.run = 0
+        """Number of the run; time that goes back begins another."""
+
+    def clear(self) -> None:
+        """Begin another run."""
+        self._rows.clear()
+        self._present, self._sent = math.nan, 0
+        self.run += 1
+
+    def push(self, time: float, values: Mapping[str, float]) -> None:
+        """Add the values of an instant [s]; a channel that is missing or not finite has no value."""
+        place = math.floor(time / SECONDS + 1e-6)
+        if place != self._present:
+            if place < self._present:
+                self.clear()
+            else:
+                self._close()
+            count = len(CHANNELS)
+            self._present = place
+            self._low, self._high = [math.inf] * count, [-math.inf] * count
+            self._sum, self._counts = [0.0] * count, [0] * count
+        for k, name in enumerate(CHANNELS):
+            value = values.get(name, math.nan)
+            if math.isfinite(value):
+                self._low[k], self._high[k] = min(self._low[k], value), max(self._high[k], value)
+                self._sum[k] += value
+                self._counts[k] += 1
+
+    def _close(self) -> None:
+        if math.isnan(self._present):
+            return
+        row: Row = [self._present]
+        for low, total, high, count in zip(self._low, self._sum, self._high, self._counts, strict=True):
+            row += [_short(low), _short(total / count), _short(high)] if count else [None, None, None]
+        self._rows.append(row)
+
+    def recent(self) -> dict[str, Any]:
+        """Rows that are new since the last call, and a few before them."""
+        rows, first = [], self._sent - _AGAIN
+        for row in reversed(self._rows):
+            if (row[0] or 0) < first:
+                break
+            rows.append(row)
+        if self._rows:
+            self._sent = int(self._rows[-1][0] or 0)
+        return {"run": self.run, "rows": rows[::-1]}
+
+    def all(self) -> dict[str, Any]:
+        """All rows, with the names of the channels."""
+        return {"run": self.run, "channels": list(CHANNELS), "seconds": SECONDS, "rows": list(self._rows)}
+
+
+def _short(value: float) -> float:
+    return float(f"{value:.6g}")
+
+
+NAMES = {
+    "wob": "weight on bit",
+    "rps": "top-drive speed",
+    "bit_rps": "bit speed",
+    "torque": "top-drive torque",
+    "hookload": "hookload",
+    "rop": "rate of penetration",
+}
+"""Words for the channels."""
+_DIMENSIONS = {
+    "wob": FORCE, "rps": ANGULAR_SPEED, "bit_rps": ANGULAR_SPEED, "torque": TORQUE, "hookload": FORCE, "rop": SPEED
+}  # fmt: skip
+SIDES = ("low", "high")
+DELAY = 10.0
+"""Time within a limit that ends an alarm [s of simulated time]: longer than a cycle of stick-slip or whirl."""
+
+
+def parse_limit(text: str) -> dict[str, float]:
+    """Name and value of a limit written as `torque_high=12 kN m`, for `AlarmLimits.set`.
+
+    Raises:
+        DrillTwinError: The text is no limit, or its value has no fitting unit.
+    """
+    name, _, value = (part.strip() for part in text.partition("="))
+    channel = name.rpartition("_")[0]
+    if channel not in _DIMENSIONS or not value:
+        raise DrillTwinError(f"expected a limit as torque_high=12 kN m, of {', '.join(CHANNELS)}, found {text[:100]!r}")
+    try:
+        found = parse(value, _DIMENSIONS[channel])
+    except UnitError as error:
+        raise DrillTwinError(f"limit {name}: {error}") from None
+    return {name: found / math.tau if _DIMENSIONS[channel] is ANGULAR_SPEED else found}
+
+
+class AlarmLimits:
+    """Lowest and highest value of each channel [units of `CHANNELS`]."""
+
+    def __init__(self) -> None:
+        self.values: dict[str, dict[str, float]] = {}
+        """Value by channel and side, `low` or `high`."""
+        self._last: dict[tuple[str, str], float] = {}  # time at which a value was beyond
+
+    def set(self, name: str, value: float | bool) -> str:
+        """Set a limit by its name, as `torque_high`, or remove it (False); returns a sentence for the log.
+
+        Raises:
+            DrillTwinError: There is no such limit, or the lower one is not below the higher one.
+        """
+        channel, _, side = name.rpartition("_")
+        if channel not in CHANNELS or side not in SIDES or value is True:
+            raise DrillTwinError(f"expected a limit CHANNEL_low or CHANNEL_high of {', '.join(CHANNELS)}, found {name}")
+        own = {key: limit for key, limit in self.values.get(channel, {}).items() if key != side}
+        if value is not False:
+            own[side] = float(value)
+        if len(own) == len(SIDES) and own["low"] >= own["high"]:
+            raise DrillTwinError(f"expected a low limit of the {NAMES[channel]} below the high one, found it above")
+        self.values[channel] = own
+        self._last.pop((channel, side), None)
+        return f"limit set: {NAMES[channel]}, {side}" if value is not False else f"no limit: {NAMES[channel]}, {side}"
+
+    def again(self) -> None:
+        """Forget what was beyond a limit: another run begins."""
+        self._last.clear()
+
+    def check(self, time: float, values: Mapping[str, float]) -> Iterator[tuple[str, str, bool]]:
+        """Name and sentence of each limit; True from a value beyond it until no value was beyond it for `DELAY`."""
+        for channel in CHANNELS:
+            for side in SIDES:
+                key = channel, side
+                limit, value = self.values.get(channel, {}).get(side), values.get(channel, math.nan)
+                if limit is not None and (value < limit if side == "low" else value > limit):
+                    self._last[key] = time
+                word = "below its low" if side == "low" else "above its high"
+                beyond = time - self._last.get(key, -math.inf) < DELAY
+                yield f"{channel}_{side}", f"{NAMES[channel]} {word} limit", beyond
+
 
 _MOST_EVENTS, _RECENT = 1000, 8
 _MOST_ALARMS = 100
@@ -48,10 +207,10 @@ class Alarms:
         self._count = 0
 
     def update(self, cause: str, level: int, text: str, time: float | None) -> bool:
-        """Set the state of a cause: raised if it is new or worse than before, ended by `Level.OK`.
+        """Set the state of a cause: its alarm is raised if it is new or worse than before, and ended by `Level.OK`.
 
         Returns:
-            True if it is raised or ended now, which is an event.
+            True if the alarm is raised or ended now, which is an event.
         """
         alarm = self._alarms.get(cause)
         if level == Level.OK:
@@ -73,7 +232,7 @@ class Alarms:
         """Acknowledge an alarm by its number, or all of them (None).
 
         Raises:
-            DrillTwinError: There is none of that number.
+            DrillTwinError: No alarm has the number.
         """
         found = {cause: alarm for cause, alarm in self._alarms.items() if number in {None, alarm.number}}
         if number is not None and not found:

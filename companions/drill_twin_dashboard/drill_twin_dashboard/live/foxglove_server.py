@@ -1,164 +1,56 @@
 # SPDX-License-Identifier: Apache-2.0
 """Topics over the Foxglove protocol (`foxglove.sdk.v1`), for Foxglove and other viewers that speak it; reading only.
 
-The library takes any Origin and Host, and any number of idle clients. A gate before it checks the head of a request as
-the page does (`drill_twin_dashboard.live.access`), then passes bytes on both ways. A viewer that does not read is
-closed, so that little waits for it.
+A viewer that reads needs five messages of the protocol (github.com/foxglove/ws-protocol, docs/spec.md): the server
+names itself and its channels, the viewer subscribes and unsubscribes, and each message of a topic is sent with the
+number of the subscription and the time at which it was received.
 """
 
 from __future__ import annotations
 
-import asyncio
+import json
 import logging
-import secrets
-import socket
-import threading
+import struct
+import time as clock
 from collections.abc import Collection
 from contextlib import suppress
+from dataclasses import dataclass, field
 from http import HTTPStatus
-from types import ModuleType, SimpleNamespace
 from typing import Any
 
-from websockets.datastructures import Headers
+from websockets.asyncio.server import ServerConnection, broadcast
+from websockets.exceptions import ConnectionClosed
+from websockets.http11 import Request, Response
+from websockets.typing import Subprotocol
 
-from drill_twin.core.errors import RunError, missing
+from drill_twin.core.files.json_files import JsonError, read_json
 from drill_twin.core.loopback import in_url
 from drill_twin.io.messages.topics import TOPICS
 from drill_twin.io.messages.type_store import definition
 from drill_twin_dashboard.live.access import Access
-from drill_twin_dashboard.live.server import listening_socket
+from drill_twin_dashboard.live.web_server import PATIENCE, WebServer, listening_socket, send
 
 MOST_VIEWERS = 16
 """Open viewers; the next is answered with 503."""
-_MOST_CONNECTIONS = 64  # those that have not asked for anything yet included
-_PATIENCE = 2.0  # s; for a viewer to ask after it has connected, and to read what is sent
-_LARGEST_HEAD = 16_384  # bytes
+_LARGEST_REQUEST = 16_384  # bytes
 _MOST_WAITING = 1 << 20  # bytes for one viewer
 _LOG = logging.getLogger(__name__)
-
-Streams = tuple[asyncio.StreamReader, asyncio.StreamWriter]
-
-
-class ViewerGate:
-    """Listens for viewers and passes those that may ask on to a server at an address of this machine."""
-
-    def __init__(self, listener: socket.socket, server: tuple[str, int], allowed: Collection[str]) -> None:
-        """Start to listen.
-
-        Args:
-            listener: Socket of the gate.
-            server: Address and port behind it.
-            allowed: Names of the gate besides those of this machine, and origins of pages that may ask.
-        """
-        self._server, self._access = server, Access(allowed)
-        self._open: set[asyncio.StreamWriter] = set()
-        self._viewers = 0
-        self._loop, self._over = asyncio.new_event_loop(), asyncio.Event()
-        self._thread = threading.Thread(target=self._run, args=(listener,), name="viewers", daemon=True)
-        self._thread.start()
-
-    def close(self) -> None:
-        """Close all connections and stop, whatever the viewers do."""
-        with suppress(RuntimeError):  # the loop has ended
-            self._loop.call_soon_threadsafe(self._over.set)
-        self._thread.join(3.0 * _PATIENCE)
-
-    def _run(self, listener: socket.socket) -> None:
-        with asyncio.Runner(loop_factory=lambda: self._loop) as runner:
-            runner.run(self._listen(listener))
-
-    async def _listen(self, listener: socket.socket) -> None:
-        server = await asyncio.start_server(self._serve, sock=listener, limit=_LARGEST_HEAD)
-        await self._over.wait()
-        server.close()
-        for writer in list(self._open):
-            writer.transport.abort()
-
-    async def _serve(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
-        """Check a request, and pass it on until one of the two ends."""
-        self._open.add(writer)
-        try:
-            if len(self._open) > _MOST_CONNECTIONS:
-                return
-            async with asyncio.timeout(_PATIENCE):
-                head = await reader.readuntil(b"\r\n\r\n")
-            refused = self._refusal(head)
-            if refused is not None:
-                await _refuse(writer, *refused)
-                return
-            self._viewers += 1
-            try:
-                await self._pass_on(head, (reader, writer))
-            finally:
-                self._viewers -= 1
-        except TimeoutError:
-            _LOG.warning("a viewer that did not ask or read for %g s was closed", _PATIENCE)
-        except (asyncio.IncompleteReadError, asyncio.LimitOverrunError, OSError):
-            pass  # it left, or sent no request
-        finally:
-            self._open.discard(writer)
-            writer.transport.abort()
-
-    def _refusal(self, head: bytes) -> tuple[HTTPStatus, str] | None:
-        """Status and sentence for a request that may not pass."""
-        headers = Headers()
-        for line in head.decode("latin-1").split("\r\n")[1:-2]:
-            name, colon, value = line.partition(":")
-            if not colon or name != name.strip() or not name.isprintable() or not value.isprintable():
-                return HTTPStatus.BAD_REQUEST, "expected lines as NAME: VALUE\n"
-            headers[name] = value.strip()
-        refused = self._access.refusal(headers)
-        if refused is None and not self._access.may_view(headers):
-            return HTTPStatus.FORBIDDEN, "pages of this origin may not ask; start it with --allow-host NAME\n"
-        if refused is None and self._viewers >= MOST_VIEWERS:
-            return HTTPStatus.SERVICE_UNAVAILABLE, f"{MOST_VIEWERS} viewers are open already\n"
-        return refused
-
-    async def _pass_on(self, head: bytes, viewer: Streams) -> None:
-        behind = await asyncio.open_connection(*self._server)
-        try:
-            behind[1].write(head)
-            async with asyncio.TaskGroup() as both:
-                ways = [both.create_task(_copy(viewer[0], behind[1])), both.create_task(_copy(behind[0], viewer[1]))]
-                await asyncio.wait(ways, return_when=asyncio.FIRST_COMPLETED)
-                for way in ways:
-                    way.cancel()
-        except* TimeoutError as group:
-            raise TimeoutError from group
-        except* OSError:
-            pass  # one of the two left
-        finally:
-            behind[1].transport.abort()
+_DATA = struct.Struct("<BIQ")  # operation 1, number of the subscription, time [ns]; the message follows
+_CHANNELS = dict(enumerate(TOPICS, 1))
 
 
-async def _copy(source: asyncio.StreamReader, sink: asyncio.StreamWriter) -> None:
-    """Pass bytes on until the source ends.
+@dataclass
+class _Viewer:
+    """Subscriptions of a viewer, and whether it reads."""
 
-    Raises:
-        TimeoutError: The sink has not read for some seconds.
-    """
-    sink.transport.set_write_buffer_limits(_MOST_WAITING)
-    while data := await source.read(_LARGEST_HEAD):
-        sink.write(data)
-        async with asyncio.timeout(_PATIENCE):
-            await sink.drain()
+    numbers: dict[str, int] = field(default_factory=dict)
+    """Number of its subscription by topic."""
+    had_room: float = 0.0
+    """Monotonic time at which no more than `_MOST_WAITING` waited for it [s]."""
 
 
-async def _refuse(writer: asyncio.StreamWriter, status: HTTPStatus, text: str) -> None:
-    body = text.encode()
-    head = f"HTTP/1.1 {status.value} {status.phrase}\r\nContent-Length: {len(body)}\r\nConnection: close\r\n\r\n"
-    writer.write(head.encode() + body)
-    writer.write_eof()
-    async with asyncio.timeout(_PATIENCE):
-        await writer.drain()
-
-
-_LIBRARY_LOG = logging.getLogger("foxglove.websocket")
-_LIBRARY_LOG.setLevel(logging.CRITICAL)  # a line for each message that a closed viewer does not get
-
-
-class FoxgloveServer:
-    """Server for viewers, in threads of the library, behind a gate that checks who asks."""
+class FoxgloveServer(WebServer):
+    """Server for viewers."""
 
     def __init__(self, host: str, port: int, allowed: Collection[str] = ()) -> None:
         """Start to serve.
@@ -169,62 +61,70 @@ class FoxgloveServer:
             allowed: Names of this server besides those of this machine, and origins whose pages may ask.
 
         Raises:
-            DrillTwinError: foxglove-sdk is not installed.
             RunError: The port is taken.
         """
-        foxglove = _library()
-        context = self._context = foxglove.Context()  # channels are closed once it is gone
         listener = listening_socket(host, port, "viewers", "--foxglove")
-        # An address of this machine that no page guesses: only the gate asks there.
-        inner = "127." + ".".join(str(1 + secrets.randbelow(254)) for _ in range(3))
-        try:
-            self._server = foxglove.start_server(
-                name="drill_twin", host=inner, port=0, context=context, server_listener=self._listener()
-            )
-        except (OSError, RuntimeError) as error:
-            listener.close()
-            raise RunError(f"expected a free port at {inner}, found: {error}") from None
-        self._channels = {
-            topic: foxglove.Channel(
-                topic, schema=_schema(foxglove, TOPICS[topic].type_name), message_encoding="cdr", context=context
-            )
-            for topic in TOPICS
-        }
-        self._latched: dict[str, tuple[bytes, int]] = {}
         self.url = f"ws://{in_url(host)}:{listener.getsockname()[1]}"
         """Address for viewers."""
-        self._gate = ViewerGate(listener, (inner, self._server.port), allowed)
+        self._latched: dict[str, tuple[bytes, int]] = {}
+        protocol = [Subprotocol("foxglove.sdk.v1")]
+        super().__init__(listener, Access(allowed), "viewers", subprotocols=protocol, max_size=_LARGEST_REQUEST)
 
     def publish(self, topic: str, raw: bytes, time: int) -> None:
         """Pass a message on, with the time at which it was received [ns]."""
+        self._loop.call_soon_threadsafe(self._publish, topic, raw, time)
+
+    def _publish(self, topic: str, raw: bytes, time: int) -> None:
         if TOPICS[topic].latched:
             self._latched[topic] = (raw, time)
-        self._channels[topic].log(raw, log_time=time)
+        for connection, viewer in list(self.places.items()):
+            if topic in viewer.numbers:
+                _pass_on(connection, viewer, topic, raw, time)
 
-    def _listener(self) -> Any:
-        """Listener that sends the last message of a latched topic again when a viewer subscribes."""
+    async def _respond(self, connection: ServerConnection, request: Request) -> Response | None:
+        if not self._access.may_view(request.headers):
+            text = "pages of this origin may not ask; start it with --allow-host NAME\n"
+            return connection.respond(HTTPStatus.FORBIDDEN, text)
+        if len(self.places) >= MOST_VIEWERS:
+            return connection.respond(HTTPStatus.SERVICE_UNAVAILABLE, f"{MOST_VIEWERS} viewers are open already\n")
+        self.places[connection] = _Viewer()
+        return None
 
-        def on_subscribe(_client: Any, channel: Any) -> None:
-            if channel.topic in self._latched:
-                raw, time = self._latched[channel.topic]
-                self._channels[channel.topic].log(raw, log_time=time)
+    async def _converse(self, connection: ServerConnection) -> None:
+        about = {"name": "drill_twin", "capabilities": [], "supportedEncodings": [], "metadata": {}}
+        channels = [
+            {"id": number, "topic": topic, "encoding": "cdr", "schemaName": TOPICS[topic].type_name,
+             "schema": definition(TOPICS[topic].type_name), "schemaEncoding": "ros2msg"}
+            for number, topic in _CHANNELS.items()
+        ]  # fmt: skip
+        with suppress(ConnectionClosed):
+            await send(connection, json.dumps({"op": "serverInfo", **about}))
+            await send(connection, json.dumps({"op": "advertise", "channels": channels}))
+            async for request in connection:
+                # What is no request of the protocol, or one that this server does not offer, is left without an answer.
+                with suppress(JsonError, AttributeError, KeyError, TypeError, ValueError):
+                    self._take(connection, read_json(request))
 
-        return SimpleNamespace(on_subscribe=on_subscribe, on_unsubscribe=lambda *_: None)
+    def _take(self, connection: ServerConnection, request: Any) -> None:
+        viewer: _Viewer = self.places[connection]
+        if request["op"] == "unsubscribe":
+            ended = set(request["subscriptionIds"])
+            viewer.numbers = {topic: number for topic, number in viewer.numbers.items() if number not in ended}
+        elif request["op"] == "subscribe":
+            for one in request["subscriptions"]:
+                topic, number = _CHANNELS[one["channelId"]], int(one["id"])
+                if 0 <= number < 1 << 32:
+                    viewer.numbers[topic] = number
+                    if topic in self._latched:
+                        _pass_on(connection, viewer, topic, *self._latched[topic])
 
-    def close(self) -> None:
-        """End all connections."""
-        self._gate.close()
-        self._server.stop()
 
-
-def _schema(foxglove: ModuleType, type_name: str) -> object:
-    return foxglove.Schema(name=type_name, encoding="ros2msg", data=definition(type_name).encode())
-
-
-def _library() -> ModuleType:
-    try:
-        import foxglove
-    except ModuleNotFoundError as error:
-        raise missing(error, "foxglove") from error
-    library: ModuleType = foxglove
-    return library
+def _pass_on(connection: ServerConnection, viewer: _Viewer, topic: str, raw: bytes, time: int) -> None:
+    """Send a message of a subscribed topic, or leave it out while much waits; close a viewer that does not read."""
+    now = clock.monotonic()
+    if connection.transport.get_write_buffer_size() <= _MOST_WAITING:
+        viewer.had_room = now
+        broadcast([connection], _DATA.pack(1, viewer.numbers[topic], time) + raw)
+    elif now - viewer.had_room > PATIENCE:
+        _LOG.warning("a viewer that did not read for %g s was closed", PATIENCE)
+        connection.transport.abort()

@@ -43,6 +43,7 @@ from drill_twin.report.string_curve import along_hole
 from drill_twin.scene import Scene, parse_scene
 from drill_twin.whirl import MotionCode
 from drill_twin_dashboard.live.shown import (
+    Sources,
     number,
     rig_values,
     short,
@@ -50,15 +51,29 @@ from drill_twin_dashboard.live.shown import (
     shown_estimates,
     shown_map,
     shown_scene,
+    without_old_values,
 )
-from drill_twin_dashboard.live.sources import Sources, without_old_values
-from drill_twin_dashboard.live.supervision import Supervision
+from drill_twin_dashboard.live.supervision import UNKNOWN, Supervision, whirl_lamp
 
 _TRAIL = 400  # most positions of a mark between two snapshots
 _LARGEST = 1e6  # m
 _SPEAKERS = ("advisor", "estimator")
 """Nodes whose sentence in `/diagnostics` the page shows beside their numbers."""
 _MOST_MARKS, _MOST_NODES = 200, 20_000
+
+
+def _simulator(factor: str, text: str) -> dict[str, str]:
+    """Real-time factor of the simulator, and a sentence on it."""
+    return {"factor": factor, "text": text}
+
+
+def _showing(name: str, shown: Callable[[Any], Any]) -> Callable[[PageState, Any], None]:
+    """Handler of a topic whose message the page shows under a name, as a function makes it."""
+
+    def take(page: PageState, message: Any) -> None:
+        page._shown[name] = shown(message)  # noqa: SLF001 - a method of the page
+
+    return take
 
 
 class PageState:
@@ -88,25 +103,20 @@ class PageState:
             self._clear()
 
     def _clear(self) -> None:
-        self._time = 0.0
-        self._scene: dict[str, Any] | None = None
         self._hole: Scene | None = None
         self._weight = math.nan
-        self._nodes: list[list[float]] = []
         self._marks: dict[str, dict[str, Any]] = {}
         self._trail: dict[str, list[list[float]]] = {}
         self._rig: dict[str, float] = {}
-        self._motion: dict[str, Any] = {"state": "", "criterion": "", "whirls": False}
-        self._onset: dict[str, Any] | None = None
-        self._advice: dict[str, Any] = {"level": 0}
-        self._map: dict[str, Any] | None = None
-        self._estimates: dict[str, Any] | None = None
-        self._simulator = {"factor": "", "text": ""}
-        self._said = dict.fromkeys(_SPEAKERS, "")  # sentences of these nodes
+        self._said = dict.fromkeys(_SPEAKERS, "")  # sentence of each of these nodes
         self._starting = ""  # name of the simulator while it compiles or is not configured
+        self._shown: dict[str, Any] = {  # what the page gets as it is
+            "time": 0.0, "scene": None, "nodes": [], "motion": {"state": "", "criterion": "", "whirls": False},
+            "onset": None, "advice": {"level": 0}, "map": None, "estimates": None, "simulator": _simulator("", ""),
+        }  # fmt: skip
 
     def update(self, topic: str, raw: bytes) -> None:
-        """Decode a message; one that cannot be used is skipped and counted."""
+        """Decode a message; a message that cannot be used is skipped and counted."""
         try:
             with self._lock:
                 if topic in self.HANDLERS:
@@ -115,17 +125,16 @@ class PageState:
                     empty = topic == RIG_STATE and not any(map(math.isfinite, self._rig.values()))
                     self._sources.message(topic, finite=not empty)
         except DrillTwinError as error:
-            self.skipped.add(topic, self._time, error)
+            self.skipped.add(topic, self._shown["time"], error)
 
     def _on_poses(self, poses: PoseArray) -> None:
         _check_positions(poses.position)
-        self._time = seconds(poses.stamp)
         nodes = poses.position
         if len(nodes) > _MOST_NODES:
             raise MessageError(f"expected at most {_MOST_NODES} positions, found {len(nodes)}")
         if self._hole is not None:
             nodes = along_hole(self._hole, nodes[None])[0]
-        self._nodes = nodes.round(6).tolist()
+        self._shown |= {"time": seconds(poses.stamp), "nodes": nodes.round(6).tolist()}
 
     def _on_rig(self, state: JointState) -> None:
         rig = read_rig_state(state)
@@ -140,16 +149,7 @@ class PageState:
 
     def _on_onset(self, found: tuple[int, OnsetMessage | None]) -> None:
         onset = found[1]
-        self._onset = None if onset is None else {"time": number(onset.time), "mark": short(onset.mark)}
-
-    def _on_advice(self, state: JointState) -> None:
-        self._advice = shown_advice(state)
-
-    def _on_map(self, text: str) -> None:
-        self._map = shown_map(text)
-
-    def _on_estimates(self, state: JointState) -> None:
-        self._estimates = shown_estimates(state)
+        self._shown["onset"] = None if onset is None else {"time": number(onset.time), "mark": short(onset.mark)}
 
     def _on_summary(self, state: JointState) -> None:
         values = dict(zip(state.names, state.position.tolist(), strict=False))
@@ -157,13 +157,13 @@ class PageState:
             code, severity = MotionCode(int(values["whirl"])), float(values["whirl_severity"])
         except (KeyError, ValueError, OverflowError) as error:
             raise MessageError(f"expected the code and the severity of whirl on {TWIN_SUMMARY}, found none") from error
-        self._motion["whirls"] = code.whirls
-        self._supervision.motion(code, severity)
+        self._shown["motion"]["whirls"] = code.whirls
+        self._supervision.light("whirl", whirl_lamp(code, severity))
 
     def _on_motion(self, found: tuple[int, list[SubjectMotion]]) -> None:
         for motion in found[1]:
             if motion.subject == STRING_LEVEL:
-                self._motion |= {"state": short(motion.state), "criterion": short(motion.criterion)}
+                self._shown["motion"] |= {"state": short(motion.state), "criterion": short(motion.criterion)}
             elif motion.subject != BIT:
                 self._mark(motion.subject)["motion"] = short(motion.state)
 
@@ -185,57 +185,45 @@ class PageState:
             del trail[:-_TRAIL]
 
     def _on_scene(self, text: str) -> None:
-        scene, found = parse_scene(text, name=TWIN_SCENE), self._map
+        scene, found = parse_scene(text, name=TWIN_SCENE), self._shown["map"]
         self._clear()
-        if found is not None and found["digest"] == digest_of(scene):  # it may come before its scene
-            self._map = found
+        if found is not None and found["digest"] == digest_of(scene):  # a map may come before its scene
+            self._shown["map"] = found
         self._hole = scene if scene.hole.survey else None
         self._weight = string_weight(scene)
         self._supervision.begin(scene.name)
-        self._scene = shown_scene(scene)
+        self._shown["scene"] = shown_scene(scene)
 
-    def _on_diagnostics(self, found: tuple[int, list[Status]]) -> None:
-        for status in found[1]:
+    def _on_diagnostics(self, message: tuple[int, list[Status]]) -> None:
+        for status in message[1]:
             if self._sources is not None:
                 self._sources.report(status)
             if (node := status.name.rpartition("/")[2]) in _SPEAKERS:
                 self._said[node] = short(status.text)
-                if node == "estimator" and self._estimates is not None:
-                    self._supervision.estimate(self._estimates["level"], self._said[node])
+                if node == "estimator" and (found := self._shown["estimates"]) is not None:
+                    self._supervision.estimate(found["level"], self._said[node])
             if "compiling" in status.values:
                 self._starting = status.name
-                self._simulator = {"factor": "", "text": status.text}
+                self._shown["simulator"] = _simulator("", status.text)
             if "realtime_factor" in status.values:
                 values, self._starting = status.values, ""
                 self._state = short(values.get("state", ""))
-                self._simulator = {
-                    "factor": short(values.get("realtime_factor_last_second", values["realtime_factor"])),
-                    "text": short(values.get("pace", "") if status.level == Level.OK else status.text),
-                }
+                factor = short(values.get("realtime_factor_last_second", values["realtime_factor"]))
+                pace = values.get("pace", "") if status.level == Level.OK else status.text
+                self._shown["simulator"] = _simulator(factor, short(pace))
 
     def snapshot(self) -> dict[str, Any]:
         """All values as plain types for JSON, with the positions of the marks since the last snapshot."""
         with self._lock:
             trail, self._trail = self._trail, {}
+            shown = self._shown
             picture = {
-                "time": self._time,
-                "scene": self._scene,
-                "units": self.units,
-                "nodes": self._nodes,
-                "marks": [dict(mark) for mark in self._marks.values()],
-                "trail": trail,
+                **shown, "units": self.units, "marks": [dict(mark) for mark in self._marks.values()], "trail": trail,
                 "rig": {name: number(value) for name, value in self._rig.items()},
-                "motion": self._motion,
-                "onset": self._onset,
-                "advice": {**self._advice, "text": self._said["advisor"]},
-                "map": self._map,
-                "estimates": self._estimates and {**self._estimates, "text": self._said["estimator"]},
-                "simulator": self._simulator,
-                "state": self._state,
-                "ages": {},
-                "graph": [],
-                **self._supervision.snapshot(),
-            }
+                "advice": {**shown["advice"], "text": self._said["advisor"]},
+                "estimates": shown["estimates"] and {**shown["estimates"], "text": self._said["estimator"]},
+                "state": self._state, "ages": {}, "graph": [], **self._supervision.snapshot(),
+            }  # fmt: skip
             return picture if self._sources is None else without_old_values(picture, self._sources, self._starting)
 
     def history(self) -> dict[str, Any]:
@@ -263,12 +251,12 @@ class PageState:
             with self._lock:
                 self._supervision.nodes(self._sources.nodes())
                 if (self._sources.age("analyzer") or 0.0) > GONE:
-                    self._supervision.no_findings()
+                    self._supervision.lamps["whirl"] = UNKNOWN
 
     def fill_trends(self, messages: Iterable[tuple[str, bytes]]) -> None:
         """Compute the trends of a recording from its messages."""
         for topic, raw in messages:
-            with suppress(MessageError):  # it is counted when it is played
+            with suppress(MessageError):  # the message is counted when it is played
                 if topic == RIG_STATE:
                     state = self._read[RIG_STATE](raw)
                     self._supervision.trends.push(seconds(state.stamp), rig_values(read_rig_state(state)))
@@ -281,9 +269,9 @@ class PageState:
         WHIRL_STATE: _on_whirl,
         WHIRL_MOTION: _on_motion,
         WHIRL_ONSET: _on_onset,
-        ADVICE_STATE: _on_advice,
-        ADVICE_MAP: _on_map,
-        ESTIMATE_STATE: _on_estimates,
+        ADVICE_STATE: _showing("advice", shown_advice),
+        ADVICE_MAP: _showing("map", shown_map),
+        ESTIMATE_STATE: _showing("estimates", shown_estimates),
         TWIN_SUMMARY: _on_summary,
         DIAGNOSTICS: _on_diagnostics,
     }

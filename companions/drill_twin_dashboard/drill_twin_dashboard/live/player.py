@@ -32,7 +32,7 @@ def in_simulated_time(messages: Iterable[Message]) -> Iterator[Message]:
 
     The time of recording says little: a run in lockstep or at full speed is recorded faster than simulated time, and a
     paused one slower. Where simulated time steps back, as after a reset, the result continues from where it was.
-    Messages before the first frame get its time; those of a bag without frames keep their time of recording. Frames
+    Messages before the first frame get its time; messages of a bag without frames keep their time of recording. Frames
     that are damaged or have a stamp from the future give no time.
     """
     early: list[Message] = []
@@ -77,7 +77,7 @@ class Player:
             namespace: Namespace of the twin; None: the only one.
 
         Raises:
-            BagError: It is not a bag.
+            BagError: The path is not a bag.
         """
         bag = Bag(path, namespace=namespace)
         self.damage = bag.damage
@@ -98,7 +98,7 @@ class Player:
         self._thread.start()
 
     def snapshot(self) -> Mapping[str, Any]:
-        """State of the page, with that of the playback."""
+        """State of the page and of the playback."""
         player = {
             "at": min(self._at, self.length),
             "begin": self.beginning,

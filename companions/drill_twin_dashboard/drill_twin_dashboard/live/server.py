@@ -1,55 +1,127 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Web server of the live page: sends snapshots over a websocket, and receives requests of the sliders.
+"""Web server of the live page: its files, snapshots over a websocket, and requests of the sliders.
 
-One thread serves all browsers, a second one makes the snapshots and carries out requests. Clients and their queues are
-bounded; one that does not read is dropped. Requests can command a rig: those of a page with a right are taken
-(`drill_twin_dashboard.live.access`).
+One thread serves all browsers, a second one makes the snapshots and carries out requests. A request can command a rig,
+so only the requests of a page with a right are taken (`drill_twin_dashboard.live.access`). The files are HTML, CSS and
+JavaScript modules of this package, and plotly.js of the plotly package.
 """
 
 from __future__ import annotations
 
 import asyncio
+import gzip
 import json
-import logging
 import math
+import pkgutil
 import socket
-import threading
 from collections.abc import Callable, Collection, Mapping
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
-from functools import partial
+from functools import cache
 from http import HTTPStatus
+from importlib.resources import files
 from typing import Any
 from urllib.parse import urlsplit
 
-from websockets.asyncio.server import ServerConnection, serve
+from websockets.asyncio.server import ServerConnection
+from websockets.datastructures import Headers
 from websockets.exceptions import ConnectionClosed
 from websockets.http11 import Request, Response
 
-from drill_twin.core.errors import DrillTwinError, RunError
+from drill_twin.core.errors import DrillTwinError
 from drill_twin.core.files.json_files import JsonError, read_json
 from drill_twin.core.loopback import is_loopback
+from drill_twin.core.units.registry import si_factor
+from drill_twin.core.units.system import SYSTEMS
 from drill_twin_dashboard.live.access import READ_ONLY, TOO_LATE, WILDCARDS, Access, Links, url
-from drill_twin_dashboard.live.page_files import file_response, page_files, response
+from drill_twin_dashboard.live.web_server import DOWNLOAD, WebServer, listening_socket, send
+
+_TYPES = {"html": "text/html", "css": "text/css", "js": "text/javascript"}
+_PLOTLY = "/plotly.js"
+_POLICY = (
+    "default-src 'none'; script-src 'self'; style-src 'self' 'unsafe-inline'; img-src 'self' data: blob:; "
+    "connect-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'"
+)
+"""Everything comes from this server; plotly writes style attributes and shows heat maps as `data:` images."""
+
+
+def page_files() -> dict[str, tuple[str, bytes]]:
+    """Type and content of each file by its path on the server; `/` is the page."""
+    found = {"/": ("text/html", b"")}
+    for file in files("drill_twin_dashboard.live").joinpath("page").iterdir():
+        kind = _TYPES.get(file.name.rpartition(".")[2])
+        if kind is not None:
+            found["/" if file.name == "index.html" else f"/{file.name}"] = (kind, file.read_bytes())
+    found["/unit_table.js"] = (_TYPES["js"], _unit_table().encode())
+    return {**found, _PLOTLY: (_TYPES["js"], b"")}
+
+
+_DIGITS = {
+    "force": {"N": 1, "kN": 1, "klbf": 1, "tf": 1}, "rotation": {"rev/s": 2, "rpm": 0},
+    "torque": {"N m": 3, "kN m": 2, "klbf ft": 2}, "rate": {"m/h": 1, "ft/h": 1}, "length": {"m": 1, "ft": 0},
+    "offset": {"mm": 1, "in": 2}, "stress": {"MPa": 2, "ksi": 2},
+}  # fmt: skip
+"""Units that a reader of the page can choose for each quantity, with their digits."""
+
+
+def _unit_table() -> str:
+    """Module with the systems of `drill_twin.core.units.system`, and sizes of units; rotation is in rev/s."""
+    systems = {name: {quantity: getattr(system, quantity) for quantity in _DIGITS} for name, system in SYSTEMS.items()}
+    units = {
+        quantity: {
+            unit: [si_factor(unit)[0] / (math.tau if quantity == "rotation" else 1.0), digits]
+            for unit, digits in row.items()
+        }
+        for quantity, row in _DIGITS.items()
+    }
+    return f"export const SYSTEMS = {json.dumps(systems)}, UNITS = {json.dumps(units)};\n"
+
+
+def file_response(path: str, kind: str, content: bytes, *, packed: bool) -> Response:
+    """Answer with a file of `page_files`; plotly.js is compressed for a browser that takes it `packed`."""
+    more = {}
+    if path == _PLOTLY:
+        content = _plotly(packed=packed)
+        more = {"Content-Encoding": "gzip"} if packed else {}
+    return response(kind, content, **more)
+
+
+def response(kind: str, content: bytes, **more: str) -> Response:
+    """Answer 200 with the headers of this page."""
+    headers = Headers(
+        {
+            "Content-Type": f"{kind}; charset=utf-8",
+            "Content-Length": str(len(content)),
+            "Content-Security-Policy": _POLICY,
+            "Cache-Control": "no-store",
+            "X-Content-Type-Options": "nosniff",
+            "X-Frame-Options": "DENY",
+            "Referrer-Policy": "no-referrer",
+            "Connection": "close",
+            **more,
+        }
+    )
+    return Response(HTTPStatus.OK, "OK", headers, content)
+
+
+@cache
+def _plotly(*, packed: bool) -> bytes:
+    content = pkgutil.get_data("plotly", "package_data/plotly.min.js") or b""
+    return gzip.compress(content, 6, mtime=0) if packed else content
+
 
 MOST_CLIENTS = 32
 """Open pages; the next is answered with 503."""
 KEPT = 4
-"""Places among them for pages that may command: readers get none of these, so that they lock nobody out."""
-MOST_CONNECTIONS = 128  # those that have not asked for anything yet included
+"""Places among `MOST_CLIENTS` for pages that may command: readers get none of them, so they lock nobody out."""
 _PERIOD = 0.05  # s, between two snapshots
-_PATIENCE = 2.0  # s; for a client to read a snapshot, to ask after it has connected, and to leave at the end
-_DOWNLOAD = 20.0  # s; to receive a file
 _LARGEST_REQUEST = 4096  # bytes
-_MOST_WAITING = 16  # requests of one client
-_LOG = logging.getLogger(f"{__name__}.websockets")
-_LOG.setLevel(logging.CRITICAL)  # what a client does wrong is no error of this program
 
 RequestHandler = Callable[[Mapping[str, Any]], None]
 """Carries out a request of the page; raises a DrillTwinError, which the page shows."""
 
 
-class PageServer:
+class PageServer(WebServer):
     """Server of the page for a bounded number of browsers."""
 
     def __init__(
@@ -75,96 +147,53 @@ class PageServer:
         Raises:
             RunError: The port is taken, or the address is none of this machine.
         """
-        self._snapshot, self._on_request, self._access = snapshot, on_request, Access(allowed_hosts)
+        self._snapshot, self._on_request = snapshot, on_request
         self._history, self._files = history, page_files()
-        self._clients: dict[ServerConnection, bool] = {}  # with the cookie of a page that may command, or without
-        self.connections: dict[ServerConnection, None] = {}
-        """Connections, the oldest first, those included that have not asked for anything."""
         self._text, self._fresh = "{}", asyncio.Event()
         self._worker = ThreadPoolExecutor(1, thread_name_prefix="snapshots")
-        listener = listening_socket(host, port, "the page", "--port")
+        access, listener = Access(allowed_hosts), listening_socket(host, port, "the page", "--port")
         self.port: int = listener.getsockname()[1]
         self.url = url(host, self.port)
         """Address of the page on this machine, for reading."""
         remote = url(socket.gethostname() if host in WILDCARDS else host, self.port)
         own = is_loopback(listener.getsockname()[0])
-        self.links = Links(self._access, [self.url] if own else [self.url, remote])
+        self.links = Links(access, [self.url] if own else [self.url, remote])
         """Links by which a page may command."""
-        self._loop = asyncio.new_event_loop()
-        self._over = asyncio.Event()
-        self._thread = threading.Thread(target=self._run, args=(listener,), name="page", daemon=True)
-        self._thread.start()
-
-    @property
-    def running(self) -> bool:
-        """True until the server has ended."""
-        return self._thread.is_alive()
+        super().__init__(listener, access, "page", max_size=_LARGEST_REQUEST)  # a place: whether it has the cookie
 
     def close(self) -> None:
         """Close all connections and stop, within a few seconds whatever the clients do."""
-        with suppress(RuntimeError):  # the loop has ended
-            self._loop.call_soon_threadsafe(self._over.set)
-        self._thread.join(3.0 * _PATIENCE)
+        super().close()
         self._worker.shutdown(wait=False, cancel_futures=True)
         self.links.close()
 
-    def _run(self, listener: socket.socket) -> None:
-        with asyncio.Runner(loop_factory=lambda: self._loop) as runner:
-            runner.run(self._serve(listener))
-
-    async def _serve(self, listener: socket.socket) -> None:
-        server = await serve(
-            self._serve_connection,
-            sock=listener,
-            process_request=self._respond,
-            create_connection=partial(_Connection, self),  # type: ignore[arg-type]  # a factory is enough
-            logger=_LOG,
-            max_size=_LARGEST_REQUEST,
-            max_queue=_MOST_WAITING,
-            compression=None,
-            open_timeout=_DOWNLOAD,
-            close_timeout=_PATIENCE / 2.0,
-        )
-        update = asyncio.create_task(self._update())
-        await self._over.wait()
-        update.cancel()
-        server.close()
-        try:
-            await asyncio.wait_for(asyncio.shield(server.wait_closed()), _PATIENCE)
-        except TimeoutError:
-            for connection in list(self.connections):
-                connection.transport.abort()
-
-    async def _update(self) -> None:
+    async def _work_beside(self) -> None:
         """Encode one snapshot for all clients, at a steady rate, while there are any."""
         while True:
             self.links.tidy()
-            if self._clients:
+            if self.places:
                 self._text = await self._loop.run_in_executor(self._worker, _encoded, self._snapshot)
                 before, self._fresh = self._fresh, asyncio.Event()
                 before.set()
             await asyncio.sleep(_PERIOD)
 
     async def _respond(self, connection: ServerConnection, request: Request) -> Response | None:
-        refused = self._access.refusal(request.headers)
-        if refused is not None:
-            return connection.respond(*refused)
         path = urlsplit(request.path).path
         if path in {"/live", "/enter"} and self._access.is_foreign(request.headers):
             return connection.respond(HTTPStatus.FORBIDDEN, "only the page of this server may ask\n")
         if path == "/live":
             entered = self._access.has_cookie(request.headers)
             most = MOST_CLIENTS if entered else MOST_CLIENTS - KEPT
-            if len(self._clients) >= most:
+            if len(self.places) >= most:
                 return connection.respond(HTTPStatus.SERVICE_UNAVAILABLE, f"{most} pages are open already\n")
-            self._clients[connection] = entered
+            self.places[connection] = entered
             return None
         if path == "/enter":
             if cookie := self._access.enter(request.headers):
                 return response("text/plain", self._access.key.encode(), **{"Set-Cookie": cookie})
             self.links.show_beside()
             return connection.respond(HTTPStatus.FORBIDDEN, TOO_LATE)
-        connection.close_timeout = _DOWNLOAD
+        connection.close_timeout = DOWNLOAD
         if path == "/history.json":
             text = await self._loop.run_in_executor(self._worker, _encoded, self._history)
             return response("application/json", text.encode())
@@ -173,7 +202,7 @@ class PageServer:
         packed = "gzip" in ",".join(request.headers.get_all("Accept-Encoding"))
         return file_response(path, *self._files[path], packed=packed)
 
-    async def _serve_connection(self, connection: ServerConnection) -> None:
+    async def _converse(self, connection: ServerConnection) -> None:
         """Send snapshots and handle requests until the client leaves."""
         sending = asyncio.create_task(self._send_snapshots(connection))
         try:
@@ -189,7 +218,7 @@ class PageServer:
         """Send each new snapshot, or the newest to a slow browser."""
         while True:
             await self._fresh.wait()
-            await _send(connection, self._text)
+            await send(connection, self._text)
 
     async def _handle_requests(self, connection: ServerConnection) -> None:
         may = False
@@ -197,7 +226,7 @@ class PageServer:
             try:
                 content = _parsed(request)
                 if "key" in content:
-                    may = self._clients.get(connection, False) and self._access.is_key(content["key"])
+                    may = self.places.get(connection, False) and self._access.is_key(content["key"])
                 if not may:
                     self.links.show_beside()
                     raise DrillTwinError(READ_ONLY)
@@ -206,71 +235,11 @@ class PageServer:
                 answer = ""
             except DrillTwinError as error:
                 answer = str(error)
-            await _send(connection, json.dumps({"error": answer}))
-
-    def oldest(self) -> ServerConnection:
-        """Take the oldest connection that has no place off the list."""
-        found = next(one for one in self.connections if one not in self._clients)
-        del self.connections[found]
-        return found
-
-    def forget(self, connection: ServerConnection) -> None:
-        """Note that a client is gone."""
-        self._clients.pop(connection, None)
-
-
-class _Connection(ServerConnection):
-    """Connection that is counted from its first byte to its last."""
-
-    def __init__(self, page: PageServer, *args: Any, **options: Any) -> None:
-        super().__init__(*args, **options)
-        self._page = page
-
-    def connection_made(self, transport: asyncio.BaseTransport) -> None:
-        """Drop the oldest without a place if it is too many: who asks at once is served, however many are silent."""
-        super().connection_made(transport)
-        self._page.connections[self] = None
-        if len(self._page.connections) > MOST_CONNECTIONS:
-            self._page.oldest().transport.abort()
-        self.loop.call_later(_PATIENCE, self._drop_silent)
-
-    def _drop_silent(self) -> None:
-        if self.request is None:
-            self.transport.abort()
-
-    def connection_lost(self, exc: Exception | None) -> None:
-        """Forget the client."""
-        self._page.connections.pop(self, None)
-        self._page.forget(self)
-        super().connection_lost(exc)
+            await send(connection, json.dumps({"error": answer}))
 
 
 def _encoded(content: Callable[[], Mapping[str, Any]]) -> str:
     return json.dumps(content(), allow_nan=False)
-
-
-async def _send(connection: ServerConnection, text: str) -> None:
-    """Send a text; drop a client that does not read."""
-    try:
-        await asyncio.wait_for(connection.send(text), _PATIENCE)
-    except TimeoutError:
-        connection.transport.abort()
-        raise ConnectionClosed(None, None) from None
-
-
-def listening_socket(host: str, port: int, what: str, option: str) -> socket.socket:
-    """A socket that listens for `what`.
-
-    Raises:
-        RunError: The port is taken, or the address is none of this machine; `option` chooses another port.
-    """
-    family = socket.AF_INET6 if ":" in host else socket.AF_INET
-    try:
-        return socket.create_server((host, port), family=family, backlog=MOST_CONNECTIONS)
-    except (OSError, UnicodeError, OverflowError, TypeError) as error:
-        said = getattr(error, "strerror", None) or error
-        remedy = f"choose another with {option}" if not isinstance(error, socket.gaierror) else "choose another --host"
-        raise RunError(f"expected a free port for {what}, found {host[:100]}:{port}: {said}; {remedy}") from error
 
 
 def _parsed(request: str | bytes) -> Mapping[str, Any]:

@@ -1,9 +1,16 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Values, scene, advice, operating map and estimates on the live page, from messages of unknown origin."""
+"""Values, scene, advice, map and estimates on the live page, from messages of unknown origin, and their freshness.
+
+The sources of a running twin are the nodes that send. Values of a source that has not been heard for `GONE` are taken
+away, and a sentence says so.
+"""
 
 from __future__ import annotations
 
 import math
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, replace
 from typing import Any
 
 from drill_twin.core.errors import MessageError, printable
@@ -11,8 +18,17 @@ from drill_twin.core.files.json_files import read_json
 from drill_twin.core.units.system import QUANTITIES
 from drill_twin.dynamics.twin.frame import RigState
 from drill_twin.io.messages.decode import JointState
-from drill_twin.io.messages.diagnostics import Level
+from drill_twin.io.messages.diagnostics import Level, Status
+from drill_twin.io.messages.good_samples import GONE, STALE, GoodSamples
 from drill_twin.io.messages.topic_words import REGIME_COLOURS, SENSORS, AdviceCode
+from drill_twin.io.messages.topics import (
+    ADVICE_STATE,
+    ESTIMATE_STATE,
+    MARKS_STATE,
+    RIG_STATE,
+    STRING_POSES,
+    WHIRL_STATE,
+)
 from drill_twin.io.scene_geometry import string_steps
 from drill_twin.report.string_curve import well_geometry
 from drill_twin.scene import Scene
@@ -93,8 +109,7 @@ def shown_map(text: str) -> dict[str, Any]:
     }
 
 
-_MOST = 50
-_LONGEST_NAME = 60
+_MOST, _ROW_NAME = 50, 60  # rows of estimates; characters of the name of one
 _ENDS = ("/low", "/high")
 _LIKELY = 0.5
 """Chance of whirl from which the page warns."""
@@ -127,7 +142,7 @@ def _row(name: str, values: dict[str, float]) -> dict[str, Any]:
     quantity = "offset" if unit == "m" else QUANTITIES.get(unit, "")  # radii and places across the hole
     factor = 1.0 / math.tau if quantity == "rotation" else 1.0  # to the page's own unit
     mean, low, high = (number(factor * values[name + end]) for end in ("", *_ENDS))
-    shown = short(name, _LONGEST_NAME)
+    shown = short(name, _ROW_NAME)
     band = {"mean": mean, "low": low, "high": high}
     return {"name": shown.replace("_", " "), "quantity": quantity, **band} if quantity else {"name": shown, **band}
 
@@ -150,3 +165,121 @@ def shown_scene(scene: Scene) -> dict[str, Any]:
         "wob": scene.rig.weight_on_bit.value,
         "rps": scene.rig.rotation.value / math.tau,
     }
+
+
+_STREAMS = {
+    **dict.fromkeys((STRING_POSES, MARKS_STATE, RIG_STATE), "simulator"),
+    WHIRL_STATE: "analyzer",
+    ADVICE_STATE: "advisor",
+    ESTIMATE_STATE: "estimator",
+}
+_LATE = 0.6
+"""Time beyond `STALE` after which the diagnostics of a node are late [s]: they come once a second."""
+_FORGOTTEN = 60.0
+"""Time after which a silent node is left out of the table [s]."""
+_MOST_NODES, _NODE_NAME, _NODE_TEXT = 200, 100, 1000  # nodes; characters
+
+
+@dataclass
+class _Report:
+    status: Status
+    time: float
+
+
+class Sources:
+    """Times of the last messages of simulator and analyzer, and of the diagnostics of every node."""
+
+    def __init__(self, clock: Callable[[], float] = time.monotonic) -> None:
+        self._clock = clock
+        self._samples = GoodSamples(clock)
+        self._reports: dict[str, _Report] = {}
+
+    def message(self, topic: str, *, finite: bool = True) -> None:
+        """Note a message on a topic that could be read; a message without a finite number tells nothing."""
+        if source := _STREAMS.get(topic):
+            self._samples.take(source, finite=finite)
+
+    def report(self, status: Status) -> None:
+        """Note the diagnostics of a node, and forget a node that says that it ended."""
+        if "ended" in status.values:
+            self._reports.pop(status.name, None)
+        else:
+            name, text = short(status.name, _NODE_NAME), short(status.text, _NODE_TEXT)
+            values = {key: value for key, value in status.values.items() if key == "state"}
+            self._reports.pop(name, None)
+            self._reports[name] = _Report(replace(status, name=name, text=text, values=values), self._clock())
+            if len(self._reports) > _MOST_NODES:
+                del self._reports[next(iter(self._reports))]  # the one not heard for longest
+
+    def age(self, source: str) -> float | None:
+        """Age of the values of `simulator` or `analyzer` [s]; None before the first.
+
+        While time stands still by intention, no frames come, and diagnostics show that the node is alive.
+        """
+        stream, now = self._samples.age(source), self._clock()
+        if math.isinf(stream):
+            return None
+        simulator, own = self._report("simulator"), self._report(source)
+        if simulator and own and simulator.status.values.get("state", "running") != "running":
+            stands_still = now - simulator.time < STALE + _LATE
+            return min(stream, max(now - own.time - _LATE, 0.0)) if stands_still else stream
+        return stream
+
+    def _report(self, node: str) -> _Report | None:
+        return next((report for name, report in self._reports.items() if name.rpartition("/")[2] == node), None)
+
+    def nodes(self) -> list[dict[str, Any]]:
+        """Name, level, text and age [s] of each node, for JSON; a node not heard for a minute is left out."""
+        now = self._clock()
+        rows = []
+        for name, report in sorted(self._reports.items()):
+            age, level, text = now - report.time, report.status.level, report.status.text
+            if age > STALE + _LATE:
+                level, text = Level.STALE if age <= GONE else Level.ERROR, f"no diagnostics for {age:.0f} s"
+            if age < _FORGOTTEN:
+                rows.append({"name": name, "level": int(level), "text": text, "age": age})
+        return rows
+
+    def missing(self) -> list[str]:
+        """Names of the nodes that did not end in order, and have not been heard for longer than values last."""
+        return [row["name"] for row in self.nodes() if row["age"] > GONE]
+
+
+_INSTEAD: dict[str, tuple[str, Callable[[str], dict[str, Any]], tuple[str, ...]]] = {
+    "simulator": (
+        "data of the simulator",
+        lambda text: {"time": None, "nodes": [], "trail": {}, "rig": {}, "simulator": {"factor": "", "text": text}},
+        ("x", "y", "z"),
+    ),
+    "analyzer": (
+        "findings of the analyzer",
+        lambda text: {"motion": {"state": "", "criterion": text, "whirls": False}, "onset": None},
+        ("orbit", "precession", "motion"),
+    ),
+    "advisor": ("advice", lambda text: {"advice": {"text": text, "level": int(Level.STALE)}}, ()),
+    "estimator": ("estimates", lambda text: {"estimates": {"level": int(Level.STALE), "text": text, "rows": []}}, ()),
+}
+"""For each source: words for its values; what the page shows, with a sentence, once they are gone; and the names of
+its values of a mark."""
+
+
+def without_old_values(picture: dict[str, Any], sources: Sources, starting: str) -> dict[str, Any]:
+    """Add the ages of the sources, and take away the values of those that are gone.
+
+    Args:
+        picture: State of the page.
+        sources: The sources.
+        starting: Name of a simulator that has no frames as yet; empty: none.
+    """
+    ages = {source: sources.age(source) for source in _INSTEAD}
+    picture |= {"ages": ages, "graph": sources.nodes()}
+    for source, (words, instead, of_marks) in _INSTEAD.items():
+        if (age := ages[source]) is not None and age > GONE:
+            picture |= instead(f"no {words} for {age:.0f} s")
+            picture["marks"] = [
+                {key: value for key, value in mark.items() if key not in of_marks} for mark in picture["marks"]
+            ]
+    if starting:
+        text = next((row["text"] for row in picture["graph"] if row["name"] == starting), "the simulator has ended")
+        picture["simulator"] = {"factor": "", "text": text}
+    return picture

@@ -1,42 +1,34 @@
 # SPDX-License-Identifier: Apache-2.0
 """Supervision of a run: trends, limits, alarms, the log of events, and a lamp each of whirl and stick-slip.
 
-The severity of whirl is by the analyzer, that of stick-slip by the speed of the bit.
+The analyzer tells the severity of whirl, and the speed of the bit tells the severity of stick-slip.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 from drill_twin.core.errors import DrillTwinError
 from drill_twin.io.messages.diagnostics import Level
 from drill_twin.whirl import BitMotion, MotionCode, StickSlip
-from drill_twin_dashboard.live.alarms import Alarms
-from drill_twin_dashboard.live.limits import SIDES, AlarmLimits
-from drill_twin_dashboard.live.trends import CHANNELS, Trends
+from drill_twin_dashboard.live.alarms import CHANNELS, SIDES, AlarmLimits, Alarms, Trends
 
 SEVERE_RADIUS = 0.9
 """Radius of an orbit over its clearance from which a whirl is severe: the string is on the wall."""
 _BIT = {BitMotion.AT_REST: 0, BitMotion.STEADY: 0, BitMotion.VIBRATION: 1, BitMotion.STICK_SLIP: 2, BitMotion.STANDS: 2}
 
 
-@dataclass(frozen=True)
-class Lamp:
+class Lamp(NamedTuple):
     """Lamp of one kind of motion."""
 
     level: int | None
-    """0 none, 1 moderate, 2 severe; None if it is not known."""
+    """0 none, 1 moderate, 2 severe; None if the motion is not known."""
     text: str
     """The motion."""
     share: float | None
     """Largest radius of an orbit over its clearance; or the stick-slip index."""
-
-    def to_json(self) -> dict[str, Any]:
-        """Plain values."""
-        return asdict(self)
 
 
 def whirl_lamp(code: MotionCode, severity: float) -> Lamp:
@@ -62,7 +54,8 @@ def stick_slip_lamp(bit: StickSlip) -> Lamp:
 
 _LIMITS = {f"{channel}_{side}" for channel in CHANNELS for side in SIDES}
 _LEVELS = (Level.OK, Level.WARN, Level.ERROR)
-_UNKNOWN = Lamp(None, "unknown", None)
+UNKNOWN = Lamp(None, "unknown", None)
+"""Lamp of a motion that nobody has told, or whose analyzer is gone."""
 
 
 class Supervision:
@@ -80,14 +73,14 @@ class Supervision:
         """Simulated time of the last rig state [s]."""
         self._bit = StickSlip()
         self._motions: dict[str, str] = {}
-        self.lamps = {"whirl": _UNKNOWN, "stick_slip": _UNKNOWN}
+        self.lamps = {"whirl": UNKNOWN, "stick_slip": UNKNOWN}
         """Lamps by name."""
 
     def begin(self, name: str) -> None:
         """Begin a run of a scene."""
         self._bit, self.time = StickSlip(), None
         self.limits.again()
-        self.lamps = dict.fromkeys(self.lamps, _UNKNOWN)
+        self.lamps = dict.fromkeys(self.lamps, UNKNOWN)
         if not self._recorded:
             self._motions.clear()
             self.trends.clear()
@@ -102,15 +95,11 @@ class Supervision:
         if not self._recorded:
             self.trends.push(time, values)
         self._bit.push(time, math.tau * values["bit_rps"], math.tau * values["rps"])
-        self._light("stick_slip", stick_slip_lamp(self._bit))
+        self.light("stick_slip", stick_slip_lamp(self._bit))
         for cause, text, beyond in self.limits.check(time, values):
             self.alarms.update(cause, Level.ERROR if beyond else Level.OK, text, time)
 
-    def motion(self, whirl: MotionCode, severity: float) -> None:
-        """Use the motion of the string, and its severity (`whirl_lamp`)."""
-        self._light("whirl", whirl_lamp(whirl, severity))
-
-    def _light(self, name: str, lamp: Lamp) -> None:
+    def light(self, name: str, lamp: Lamp) -> None:
         """Light a lamp, raise or end its alarm, and note a change of its motion."""
         self.lamps[name] = lamp
         said = f"{name.replace('_', '-')}: {lamp.text}"
@@ -121,13 +110,9 @@ class Supervision:
         self._motions[name] = lamp.text
 
     def estimate(self, level: int, text: str) -> None:
-        """Use the level and the sentence of the estimator: an error is that model and measurements part."""
+        """Use the level and the sentence of the estimator; at an error, the model does not explain what is measured."""
         known = level if level in {Level.WARN, Level.ERROR} else Level.OK
         self.alarms.update("estimate", known, f"estimator: {text}", self.time)
-
-    def no_findings(self) -> None:
-        """Put the lamp of whirl out: the analyzer is gone."""
-        self.lamps["whirl"] = _UNKNOWN
 
     def nodes(self, rows: list[dict[str, Any]]) -> None:
         """Use the diagnostics of the nodes (`Sources.nodes`)."""
@@ -154,7 +139,7 @@ class Supervision:
     def snapshot(self) -> dict[str, Any]:
         """Values for the page."""
         return {
-            "lamps": {name: lamp.to_json() for name, lamp in self.lamps.items()},
+            "lamps": {name: lamp._asdict() for name, lamp in self.lamps.items()},
             "alarms": self.alarms.rows(),
             "events": self.alarms.recent(),
             "limits": self.limits.values,

@@ -12,6 +12,7 @@ import math
 import threading
 import time
 from collections.abc import Mapping, Sequence
+from contextlib import ExitStack
 from functools import partial
 from typing import Any, ClassVar
 
@@ -31,13 +32,14 @@ from drill_twin.ros.core.node_main import init_context, run_in_order
 from drill_twin.ros.core.stop_request import StopRequest
 from drill_twin.ros.deployment import readable_refusal
 from drill_twin.scene.set_points.command import Command
+from drill_twin_dashboard.live.alarms import parse_limit
 from drill_twin_dashboard.live.foxglove_server import FoxgloveServer
-from drill_twin_dashboard.live.limits import parse_limit
 from drill_twin_dashboard.live.page_state import INPUTS, PageState
-from drill_twin_dashboard.live.sources import Sources
+from drill_twin_dashboard.live.shown import Sources
 
 _DEPTH = 50  # messages; the page shows fewer
-_MATCHING = 3.0  # s; a simulator has been found by then
+_MATCHING = 3.0
+"""Most time to wait for a simulator that takes a set-point [s]; not measured."""
 _CONTROLS = ("pause", "resume", "step", "reset")
 _SET_POINTS = {"wob": ("weight_on_bit", "N", WOB_COMMAND), "rps": ("rotation", "rev/s", RPS_COMMAND)}
 
@@ -91,7 +93,7 @@ class LivePage(TwinNode):
         """Queue set-points and controls of the run, for `step`: called in the server's thread.
 
         Raises:
-            DrillTwinError: A name is none of these, nor of an alarm or a limit.
+            DrillTwinError: The request names no set-point, control, alarm or limit.
         """
         for name, value in self.page_state.take(request).items():
             if isinstance(value, bool) != (name in _CONTROLS) or name not in {*_SET_POINTS, *_CONTROLS}:
@@ -156,19 +158,16 @@ class LivePage(TwinNode):
         return bool(self.topics.publisher_nodes(RIG_COMMAND)) and self._driver.service_is_ready()
 
     def _publish(self, name: str, value: float) -> None:
+        """Publish a set-point; its publisher is made on its first use, as a page that only shows commands nothing."""
         topic = _SET_POINTS[name][2]
-        self._advertise(topic)
-        if topic == WOB_COMMAND:
-            self.topics.publish(topic, self._encoder.wob_command(Command(value, 0.0)))
-        else:
-            self.topics.publish(topic, self._encoder.rps_command(Command(0.0, value * math.tau)))
-
-    def _advertise(self, topic: str) -> None:
-        """Create the publisher of a set-point on its first use: a page that only shows is no source of commands."""
         if topic not in self.topics.publishers:
             publisher, deadline = self.topics.advertise(topic), time.monotonic() + _MATCHING
             while not publisher.get_subscription_count() and time.monotonic() < deadline:
                 self.spin_once(0.02)
+        if topic == WOB_COMMAND:
+            self.topics.publish(topic, self._encoder.wob_command(Command(value, 0.0)))
+        else:
+            self.topics.publish(topic, self._encoder.rps_command(Command(0.0, value * math.tau)))
 
     def health(self) -> Status:
         """Nodes that are not heard any more, or the number of messages that could not be decoded."""
@@ -198,33 +197,25 @@ def run(arguments: Sequence[str], stop: StopRequest) -> None:
     ros = own[own.index("--ros-args") :] if "--ros-args" in own else []
     given = parser.parse_args(own[: len(own) - len(ros)])
     limits = [parse_limit(text) for text in given.limit]
-    context = init_context(ros, stop)
-    viewers = None
-    try:
+    with ExitStack() as ends:
+        context = init_context(ros, stop)
+        ends.callback(context.try_shutdown)
         with stop.at_once(), readable_refusal():
             viewers = None if given.foxglove is None else FoxgloveServer(given.host, given.foxglove, given.allow_host)
+            if viewers is not None:
+                ends.callback(viewers.close)
             node = LivePage(context, viewers)
             node.page_state.units = given.units
             for limit in limits:
                 node.page_state.take(limit)
         server = PageServer(
-            node.snapshot,
-            node.on_request,
-            history=node.page_state.history,
-            host=given.host,
-            port=given.port,
+            node.snapshot, node.on_request, history=node.page_state.history, host=given.host, port=given.port,
             allowed_hosts=given.allow_host,
-        )
-        try:
-            server.links.show(f"the twin of ROS_DOMAIN_ID={context.get_domain_id()}")
-            if viewers is not None:
-                print(f"for Foxglove: {viewers.url}", flush=True)
-            if not given.no_browser:
-                server.links.open_browser()
-            run_in_order(node, stop)
-        finally:
-            server.close()
-    finally:
+        )  # fmt: skip
+        ends.callback(server.close)
+        server.links.show(f"the twin of ROS_DOMAIN_ID={context.get_domain_id()}")
         if viewers is not None:
-            viewers.close()
-        context.try_shutdown()
+            print(f"for Foxglove: {viewers.url}", flush=True)
+        if not given.no_browser:
+            server.links.open_browser()
+        run_in_order(node, stop)

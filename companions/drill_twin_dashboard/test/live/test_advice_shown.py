@@ -13,9 +13,9 @@ from drill_twin.io.messages.topic_words import digest_of
 from drill_twin.io.messages.topics import ADVICE_MAP, ADVICE_STATE, DIAGNOSTICS, TWIN_SCENE
 from drill_twin.scene import load_scene
 from drill_twin_dashboard.live.page_state import PageState
-from drill_twin_dashboard.live.sources import Sources
+from drill_twin_dashboard.live.shown import Sources
 from drill_twin_studies.maps import OperatingMap, Plane, Regime, Span
-from drill_twin_studies.maps.advice import Advice, AdviceEncoder, AdvisedSetPoint
+from drill_twin_studies.maps.advice import Advice, AdvisedSetPoint, encode_advice
 from drill_twin_studies.maps.drawing import lattice_data
 from drill_twin_studies.maps.operating_map import Margin
 from drill_twin_studies.maps.runs import Key, RunRecord
@@ -43,7 +43,7 @@ def test_map_and_advice_are_shown_in_whatever_order_they_come(first):
     messages = {ADVICE_MAP: encode_string(json.dumps(lattice())), TWIN_SCENE: encode_string(SCENE.to_yaml())}
     for topic in sorted(messages, key=lambda topic: topic != first):
         page.update(topic, messages[topic])
-    page.update(ADVICE_STATE, AdviceEncoder().encode(0, LEAVE, 60.0, math.tau, whirls=False))
+    page.update(ADVICE_STATE, encode_advice(0, LEAVE, 60.0, math.tau, whirls=False))
     page.update(DIAGNOSTICS, encode_diagnostics(0, [Status("rig2/advisor", Level.WARN, "go to 20 N")]))
     picture = page.snapshot()
     assert picture["advice"] == {"text": "go to 20 N", "level": 2, "wob": 20.0, "rps": 1.5}

@@ -18,12 +18,10 @@ from drill_twin.io.samples import RigSample
 from drill_twin.io.scene_geometry import mark_infos
 from drill_twin.scene import load_scene
 from drill_twin.whirl import BitMotion, MotionCode, MotionState, StickSlip
-from drill_twin_dashboard.live.alarms import Alarms
-from drill_twin_dashboard.live.limits import parse_limit
+from drill_twin_dashboard.live.alarms import CHANNELS, SECONDS, Alarms, Trends, parse_limit
 from drill_twin_dashboard.live.page_state import PageState
-from drill_twin_dashboard.live.sources import Sources
+from drill_twin_dashboard.live.shown import Sources
 from drill_twin_dashboard.live.supervision import Supervision, stick_slip_lamp, whirl_lamp
-from drill_twin_dashboard.live.trends import CHANNELS, SECONDS, Trends
 
 VALUES = dict.fromkeys(CHANNELS, 1.0) | {"rop": math.nan}
 
@@ -188,7 +186,7 @@ def test_motions_raise_alarms_and_are_logged_once():
     seen = Supervision(recorded=False)
     calm, forward = MotionCode.FIXED_AXIS, MotionCode.FORWARD_WHIRL
     for code in (calm, calm, forward, forward, MotionCode.SPIRAL):
-        seen.motion(code, 0.5)
+        seen.light("whirl", whirl_lamp(code, 0.5))
     assert [row["text"] for row in seen.snapshot()["alarms"]] == ["whirl: spiral"]
     said = [f"whirl: {calm.state.value}", "whirl: forward whirl", "whirl: spiral"]
     assert _texts(seen.alarms) == said

@@ -4,7 +4,7 @@
 from drill_twin.io.messages.diagnostics import Level, Status, encode_diagnostics
 from drill_twin.io.messages.topics import DIAGNOSTICS
 from drill_twin_dashboard.live.page_state import PageState
-from drill_twin_dashboard.live.sources import Sources
+from drill_twin_dashboard.live.shown import Sources
 
 
 class Clock:

@@ -11,7 +11,7 @@ from drill_twin.io.messages.encode import MARK_AXES
 from drill_twin.io.messages.topics import DIAGNOSTICS, MARKS_STATE, STRING_POSES, WHIRL_MOTION, WHIRL_ONSET
 from drill_twin.io.messages.whirl_encode import OnsetMessage, SubjectMotion, encode_motion, encode_onset
 from drill_twin_dashboard.live.page_state import PageState
-from drill_twin_dashboard.live.sources import Sources
+from drill_twin_dashboard.live.shown import Sources
 
 LARGEST = 200_000  # bytes of a picture
 ODD = "a\x1b[2J\n\u202e" + "x" * 100_000

@@ -16,7 +16,7 @@ from websockets.exceptions import InvalidStatus
 from websockets.sync.client import connect
 
 from drill_twin_dashboard.live import access
-from drill_twin_dashboard.live.server import MOST_CONNECTIONS
+from drill_twin_dashboard.live.web_server import MOST_CONNECTIONS
 
 REFUSED = "expected a page that may command, found one that reads only"
 

@@ -14,7 +14,8 @@ from websockets.exceptions import InvalidStatus
 from websockets.sync.client import connect
 
 from drill_twin.core.errors import DrillTwinError, RunError
-from drill_twin_dashboard.live.server import KEPT, MOST_CLIENTS, MOST_CONNECTIONS, PageServer
+from drill_twin_dashboard.live.server import KEPT, MOST_CLIENTS, PageServer
+from drill_twin_dashboard.live.web_server import MOST_CONNECTIONS
 
 
 @pytest.mark.parametrize("host", ["127.0.0.1", "0.0.0.0", "127.0.0.2", "localhost"])  # noqa: S104

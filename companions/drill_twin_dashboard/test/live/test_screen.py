@@ -15,10 +15,9 @@ from drill_twin.io.messages.cdr import JointStateTemplate
 from drill_twin.io.messages.diagnostics import Level, Status, encode_diagnostics
 from drill_twin.io.messages.encode import encode_string
 from drill_twin.io.messages.topics import ADVICE_MAP, ADVICE_STATE, DIAGNOSTICS, ESTIMATE_STATE
-from drill_twin_dashboard.live.page_files import page_files
 from drill_twin_dashboard.live.player import Player
-from drill_twin_dashboard.live.server import PageServer
-from drill_twin_studies.maps.advice import AdviceEncoder
+from drill_twin_dashboard.live.server import PageServer, page_files
+from drill_twin_studies.maps.advice import encode_advice
 
 ACCESSIBILITY = (Path(__file__).parent / "accessibility.js").read_text("utf-8")
 
@@ -82,7 +81,7 @@ def test_the_screen_of_a_driller(page):
 def test_map_and_advice_on_the_screen_at_three_metres_and_on_a_telephone(page):
     browser, player = page
     player.state.update(ADVICE_MAP, encode_string(json.dumps(lattice())))
-    player.state.update(ADVICE_STATE, AdviceEncoder().encode(0, LEAVE, 60.0, 6.0, whirls=False))
+    player.state.update(ADVICE_STATE, encode_advice(0, LEAVE, 60.0, 6.0, whirls=False))
     names = ("trust", "alarm", "bit_torque", "bit_torque/low", "bit_torque/high", "wall_friction.coefficient",
              "wall_friction.coefficient/low", "wall_friction.coefficient/high")  # fmt: skip
     estimate = JointStateTemplate(names, velocity=False, effort=False)

@@ -5,7 +5,7 @@ import pytest
 
 from drill_twin.io.messages.diagnostics import Level, Status
 from drill_twin.io.messages.topics import RIG_STATE, STRING_POSES, WHIRL_STATE
-from drill_twin_dashboard.live.sources import Sources
+from drill_twin_dashboard.live.shown import Sources
 
 
 class Clock:

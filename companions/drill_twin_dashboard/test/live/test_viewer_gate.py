@@ -16,8 +16,6 @@ from drill_twin.core.errors import RunError
 from drill_twin.io.messages.topics import RIG_STATE
 from drill_twin_dashboard.live.foxglove_server import MOST_VIEWERS, FoxgloveServer
 
-pytest.importorskip("foxglove", reason="needs foxglove-sdk: pip install 'drill_twin[foxglove]'")
-
 DATA = struct.Struct("<BIQ")  # operation, subscription, time [ns]
 
 
@@ -102,14 +100,14 @@ def test_little_waits_for_viewers_that_do_not_read(server, caplog):
         _flood(server, caplog)
         began = time.monotonic()
         server.close()
-        assert time.monotonic() - began < 10.0  # 15 s and more when the library ended the connections
+        assert time.monotonic() - began < 10.0
 
 
 def _flood(server, caplog):
     """Publish until the first viewer is closed."""
     before, raw = _resident(), bytes(100_000)
     end = time.monotonic() + 40.0
-    while not any("did not ask or read" in record.message for record in caplog.records):
+    while not any("did not read" in record.message for record in caplog.records):
         assert time.monotonic() < end
         server.publish(RIG_STATE, raw, 5)  # 16 viewers: 32 MB a second
         time.sleep(0.05)

@@ -7,7 +7,6 @@ import struct
 import sys
 import time
 
-import pytest
 from rclpy.qos import DurabilityPolicy
 from rclpy.serialization import deserialize_message
 from view_layouts import check_foxglove, check_plotjuggler, check_rviz, layout_topics
@@ -15,8 +14,6 @@ from websockets.sync.client import connect
 
 from drill_twin.io.messages.topics import OF_EVERY_RUN, RIG_COMMAND, TOPICS
 from drill_twin.ros.core.topics import message_class
-
-pytest.importorskip("foxglove", reason="needs foxglove-sdk: pip install 'drill_twin[foxglove]'")
 
 STEADY = "rig.weight_on_bit.duration=0.1 s; rig.rotation.duration=0.1 s"
 DATA = struct.Struct("<BIQ")  # operation, subscription, time [ns]

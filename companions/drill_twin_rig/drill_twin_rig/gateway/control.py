@@ -9,12 +9,14 @@ import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from enum import IntEnum
+from typing import NamedTuple
 
 from drill_twin.core.errors import shortened
 from drill_twin_rig.gateway.signals import CommandTarget, Limits, range_taken
 
 REQUEST, HEARTBEAT = "Request", "Heartbeat"
-"""Names of the nodes that a client writes: true to request control and false to give it back; a number that changes."""
+"""Names of the nodes that a client writes: to the first true to request control and false to give it back, to the
+second a number that changes."""
 
 
 class Permission(IntEnum):
@@ -37,8 +39,7 @@ class User:
     """True for a known user with a trusted certificate on an encrypted connection."""
 
 
-@dataclass(frozen=True)
-class Refusal:
+class Refusal(NamedTuple):
     """Refusal of a write."""
 
     text: str
@@ -68,7 +69,7 @@ class Control:
         self._targets = {target.name: target for target in targets}
         self._timeout, self._changed, self._clock = timeout, changed, clock
         self._lock = threading.RLock()
-        self._beat: tuple[object, float] = (None, -math.inf)
+        self._beat: tuple[object, float] = (None, -math.inf)  # last heartbeat, and the time at which it came
         self.permission = Permission.UNSET
         self.user: User | None = None
         """Holder of control, or the user who requests it."""
@@ -155,7 +156,7 @@ class Control:
     def check_heartbeat(self) -> bool:
         """End the control of a holder who is silent; returns True if that happened now."""
         with self._lock:
-            if self.user is None or self.heartbeat_age <= self._timeout:
+            if self.user is None or self._clock() - self._beat[1] <= self._timeout:
                 return False
             granted = self.permission is Permission.GRANTED
             reason = f"no heartbeat of {self.user.name} for {self._timeout:g} s"
@@ -164,11 +165,6 @@ class Control:
 
     def _end(self, permission: Permission, lost: str) -> None:
         self.permission, self.user, self.lost, self.values = permission, None, lost, {}
-
-    @property
-    def heartbeat_age(self) -> float:
-        """Time since the heartbeat changed [s]; infinite without one."""
-        return self._clock() - self._beat[1]
 
     @property
     def holder(self) -> str:

@@ -10,7 +10,6 @@ The check reads them again as a judge would.
 from __future__ import annotations
 
 import csv
-import io
 import math
 import re
 from collections.abc import Iterator, Mapping
@@ -26,6 +25,7 @@ import numpy as np
 from drill_twin.core.arrays import Array
 from drill_twin.core.errors import BagError, MessageError, TableError, import_extra
 from drill_twin.core.numerals import number
+from drill_twin.core.table import Table
 from drill_twin.io.bag.reader import Bag
 from drill_twin.io.messages.topics import RIG_STATE, TWIN_SCENE
 from drill_twin.report.rig_table import Channel, las_text
@@ -36,7 +36,7 @@ from drill_twin_rig.gateway.signals import ShownSignal, read_signals, signals_pa
 
 TIMESERIES = "drilling_timeseries.csv"
 LOWEST_RATE = 1.0
-"""Rows per second at least [Hz]."""
+"""Fewest rows per second [Hz], of the guidelines."""
 SUGGESTED: Mapping[str, str] = {
     "timestamp_utc_iso": "",
     "bit_depth_m": "BitDepth",
@@ -87,12 +87,11 @@ class DrillingLog:
             if name not in SUGGESTED.values():
                 columns[f"{name} ({self.signals[name].unit or '-'})"] = values
         del columns["timestamp_utc_iso"]
-        text = io.StringIO()
-        writer = csv.writer(text, lineterminator="\n")
-        writer.writerow(("timestamp_utc_iso", *columns))
-        for stamp, *row in zip(self.stamps(), *(values.tolist() for values in columns.values()), strict=True):
-            writer.writerow((stamp, *(f"{value:.6g}" if math.isfinite(value) else "" for value in row)))
-        return text.getvalue()
+        rows = [
+            (stamp, *(f"{value:.6g}" if math.isfinite(value) else "" for value in row))
+            for stamp, *row in zip(self.stamps(), *(values.tolist() for values in columns.values()), strict=True)
+        ]
+        return Table(("timestamp_utc_iso", *columns), rows).csv()
 
     def las_text(self, well: str) -> str:
         """All signals over time as LAS 2.0, the D-WIS names as mnemonics.

@@ -8,7 +8,7 @@ and whirl: `PROPOSED` names some. They are ours, and stand in a namespace of our
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from typing import NamedTuple
 
 NAMESPACE = "http://ddhub.no/"
 """Namespace of the vocabulary."""
@@ -18,8 +18,7 @@ PROPOSED_NAMESPACE = "urn:drill_twin:proposed"
 TOP, BOTTOM = "TopOfStringReferenceLocation", "BottomOfStringReferenceLocation"
 
 
-@dataclass(frozen=True)
-class Prototype:
+class Prototype(NamedTuple):
     """Class of a signal."""
 
     quantity: str
@@ -59,8 +58,7 @@ PROPOSED = {
 """Classes that D-WIS lacks, by the names that this package proposes; precession is positive forward."""
 
 
-@dataclass(frozen=True)
-class Unit:
+class Unit(NamedTuple):
     """Unit as OPC UA and D-WIS name it."""
 
     noun: str

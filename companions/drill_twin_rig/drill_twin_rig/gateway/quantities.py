@@ -5,8 +5,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -36,8 +35,7 @@ from drill_twin.whirl import StickSlip
 ANGULAR_ACCELERATION = Dimension("angular acceleration", "rad/s^2", ("3 rad/s^2",))
 
 
-@dataclass(frozen=True)
-class RigQuantity:
+class RigQuantity(NamedTuple):
     """Quantity that the topics carry, or that follows from them."""
 
     topic: str
@@ -190,10 +188,8 @@ class TwinQuantities:
         if not known.size:  # no orbit yet, or none any more
             return True
         mark = known[state.orbit_radius[known].argmax()]
-        self.values["whirl_orbit_radius"] = float(state.orbit_radius[mark])
-        self.values["whirl_precession"] = float(state.precession[mark])
-        self.values["whirl_ratio"] = float(state.ratio[mark])
-        self.values["whirl_confidence"] = float(state.confidence[mark])
+        for name in ("orbit_radius", "precession", "ratio", "confidence"):
+            self.values[f"whirl_{name}"] = float(getattr(state, name)[mark])
         return True
 
     def _on_factor(self, factor: float) -> bool:

@@ -13,18 +13,17 @@ import time
 from abc import ABC, abstractmethod
 from collections.abc import Coroutine, Iterable, Mapping, Sequence
 from concurrent.futures import Future
-from dataclasses import dataclass
-from typing import Any, TypeVar
+from typing import Any, NamedTuple, TypeVar
 
 from drill_twin.core.errors import shortened
 from drill_twin.core.units.registry import UnitError, si_factor
 from drill_twin_rig.gateway.signals import RigSignal
 
-_AHEAD = 2.0  # s by which a stamp may be later than the clock of this machine
+_AHEAD = 2.0
+"""Time by which a stamp may be later than the clock of this machine [s]; not measured."""
 
 
-@dataclass(frozen=True)
-class SignalReading:
+class SignalReading(NamedTuple):
     """Reading of a node."""
 
     value: object
@@ -35,16 +34,15 @@ class SignalReading:
     """Source timestamp [s since 1970]; NaN without one."""
 
 
-@dataclass(frozen=True)
-class CheckedValue:
+class CheckedValue(NamedTuple):
     """Value with the verdict on it."""
 
     value: float = math.nan
-    """Value [SI]; NaN if it is not sound."""
+    """Value [SI]; NaN for a value that is not sound."""
     stamp: float = math.nan
     """Source timestamp, or time of the reading where the server gives none [s since 1970]."""
     fault: str = "no value yet"
-    """Reason why it is not used; empty if it is sound."""
+    """Reason why the value is not used; empty for a sound one."""
 
 
 class QualityCheck:
@@ -143,7 +141,8 @@ async def _cancel_others() -> None:
 
 PATIENCE = 3.0
 """Longest wait for an answer [s]."""
-_FIRST_WAIT, _LONGEST_WAIT = 0.5, 5.0  # s between two attempts to connect
+_FIRST_WAIT, _MOST_WAIT = 0.5, 5.0
+"""Time between the first attempts to connect, and after many [s]; not measured."""
 
 
 class RefusedError(Exception):
@@ -164,6 +163,7 @@ class RigReader(ABC):
         self._checks = [QualityCheck(signal) for signal in signals]
         self._checked: Sequence[CheckedValue] = [CheckedValue() for _ in signals]
         self._read_time = -math.inf
+        self._unusable = [""] * len(signals)  # reason why a signal is not used whatever its value; empty: it is
         self.fault = "not connected yet"
         """Reason why there is no connection; empty while there is one."""
         self.connections = 0
@@ -174,11 +174,6 @@ class RigReader(ABC):
     @abstractmethod
     async def connect_and_read(self) -> None:
         """Connect, call `_connected`, then `_take` for each reading; returns or raises when the connection ends."""
-
-    def fault_of(self, index: int) -> str:
-        """Reason why a signal is not used whatever its value; empty if there is none."""
-        del index
-        return ""
 
     def checked(self) -> Mapping[RigSignal, CheckedValue]:
         """Latest value of each signal, with the verdict on it."""
@@ -199,10 +194,10 @@ class RigReader(ABC):
             try:
                 await self.connect_and_read()
                 self.fault = "its server ended the connection"
-            except Exception as error:  # noqa: BLE001 - a server may answer anything; it is told, and tried again
+            except Exception as error:  # noqa: BLE001 - a server may answer anything; its error is told, and it is asked again
                 text = str(error) or type(error).__name__
                 self.fault = shortened(text.partition("\n")[0], 200)
-            wait = _FIRST_WAIT if self.connections > before else min(2.0 * wait, _LONGEST_WAIT)
+            wait = _FIRST_WAIT if self.connections > before else min(2.0 * wait, _MOST_WAIT)
             await asyncio.sleep(wait)
 
     def _connected(self) -> None:
@@ -212,7 +207,7 @@ class RigReader(ABC):
         """Judge a reading of each signal."""
         now = time.time()
         self._checked = [
-            CheckedValue(fault=fault) if (fault := self.fault_of(index)) else self._checks[index].check(one, now)
-            for index, one in enumerate(readings)
+            CheckedValue(fault=fault) if fault else check.check(one, now)
+            for fault, check, one in zip(self._unusable, self._checks, readings, strict=True)
         ]
         self._read_time = time.monotonic()

@@ -8,13 +8,12 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from difflib import get_close_matches
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from drill_twin.core.errors import DrillTwinError
 from drill_twin.core.files.foreign_file import ForeignFile
 from drill_twin.core.files.yaml_reader import LARGEST_TEXT, Place, read_yaml
 from drill_twin.core.units import UnitError, factor_of
-from drill_twin_rig.gateway.dwis import PROPOSED, PROTOTYPES
 from drill_twin_rig.gateway.quantities import MEASURED, QUANTITIES, downhole, measured_dimension
 
 _RIG = ("node", "unit", "low", "high", "stale_after", "frozen_after")
@@ -39,33 +38,33 @@ _FILE = ForeignFile("a file of signals", LARGEST_TEXT, SignalsError)
 
 
 @dataclass(frozen=True)
-class ShownSignal:
-    """Signal of the twin on the OPC UA server."""
+class Signal:
+    """Quantity in a unit."""
 
-    name: str
-    """Name of its node."""
     quantity: str
-    """Key of `QUANTITIES`."""
+    """Key of `QUANTITIES`; of a signal of the rig, key of `MEASURED`; of a set-point, one of `SET_POINTS`."""
     unit: str
     """Unit on the server."""
     factor: float
     """SI value of one unit."""
+
+
+@dataclass(frozen=True)
+class ShownSignal(Signal):
+    """Signal of the twin on the OPC UA server."""
+
+    name: str
+    """Name of its node."""
     kind: str
     """Class: prototype of D-WIS, proposed one, or a name of the user."""
 
 
 @dataclass(frozen=True)
-class CommandTarget:
+class CommandTarget(Signal):
     """Set-point that a client with control writes."""
 
     name: str
     """Name of its node."""
-    quantity: str
-    """One of `SET_POINTS`."""
-    unit: str
-    """Unit on the server."""
-    factor: float
-    """SI value of one unit."""
     low: float
     """Smallest value taken, in the unit."""
     high: float
@@ -73,17 +72,11 @@ class CommandTarget:
 
 
 @dataclass(frozen=True)
-class RigSignal:
+class RigSignal(Signal):
     """Signal of the rig, on its server."""
 
-    quantity: str
-    """Key of `MEASURED`."""
     node: str
     """Node id on the rig's server, as `ns=2;s=WOB` or `nsu=urn:rig;s=WOB`."""
-    unit: str
-    """Unit there."""
-    factor: float
-    """SI value of one unit."""
     low: float
     """Smallest value that is used, in the unit."""
     high: float
@@ -104,8 +97,7 @@ def range_taken(signal: CommandTarget | RigSignal, limits: Limits) -> tuple[floa
     return max(low, signal.low), min(high, signal.high)
 
 
-@dataclass(frozen=True)
-class Signals:
+class Signals(NamedTuple):
     """Signals of a gateway."""
 
     show: tuple[ShownSignal, ...] = ()
@@ -149,14 +141,19 @@ class _Reader:
         if not isinstance(data, dict) or not data:
             raise self._error((), f"expected the sections {', '.join(_SECTIONS)}, found none")
         self._known((), data, tuple(_SECTIONS))
-        show, command = self._section(data, "show"), self._section(data, "command")
+        show, command, measure, follow = (self._section(data, name) for name in _SECTIONS)
         return Signals(
-            tuple(self._shown(name, line) for name, line in show.items()),
-            tuple(self._target(name, line) for name, line in command.items()),
-            *(
-                tuple(self._of_rig((section, name), line) for name, line in self._section(data, section).items())
-                for section in ("measure", "follow")
+            tuple(
+                ShownSignal(*self._quantity(("show", name), line), name, str(line.get("class", name)))
+                for name, line in show.items()
             ),
+            tuple(
+                CommandTarget(*self._quantity(place, line, SET_POINTS), name, *self._range(place, line))
+                for name, line in command.items()
+                for place in [("command", name)]
+            ),
+            tuple(self._of_rig(("measure", name), line) for name, line in measure.items()),
+            tuple(self._of_rig(("follow", name), line) for name, line in follow.items()),
         )
 
     def _section(self, data: Mapping[str, Any], name: str) -> dict[str, dict[str, Any]]:
@@ -169,16 +166,6 @@ class _Reader:
             self._known((name, signal), line, _SECTIONS[name])
         return section
 
-    def _shown(self, name: str, line: Mapping[str, Any]) -> ShownSignal:
-        quantity, unit, factor = self._quantity(("show", name), line)
-        kind = str(line.get("class", name))
-        return ShownSignal(name, quantity, unit, factor, kind)
-
-    def _target(self, name: str, line: Mapping[str, Any]) -> CommandTarget:
-        place = ("command", name)
-        quantity, unit, factor = self._quantity(place, line, SET_POINTS)
-        return CommandTarget(name, quantity, unit, factor, *self._range(place, line))
-
     def _of_rig(self, place: Place, line: Mapping[str, Any]) -> RigSignal:
         known = SET_POINTS if place[0] == "follow" else tuple(MEASURED)
         if place[0] == "measure" and all(downhole(str(place[-1]))):
@@ -190,7 +177,7 @@ class _Reader:
         times = [line.get("stale_after", _STALE_AFTER), line.get("frozen_after", 0.0)]
         if not all(isinstance(one, int | float) and 0.0 <= one < math.inf for one in times):
             raise self._error(place, f"{quantity}: expected times [s] from 0, found {times}")
-        return RigSignal(quantity, node, unit, factor, *self._range(place, line), *map(float, times))
+        return RigSignal(quantity, unit, factor, node, *self._range(place, line), *map(float, times))
 
     def _range(self, place: Place, line: Mapping[str, Any]) -> tuple[float, float]:
         low, high = (line.get(key, default) for key, default in (("low", -math.inf), ("high", math.inf)))
@@ -221,13 +208,3 @@ class _Reader:
     def _error(self, place: Place, message: str) -> SignalsError:
         line = next((self._lines[place[:n]] for n in range(len(place), -1, -1) if place[:n] in self._lines), 1)
         return SignalsError(f"{self._path}:{line}: {message}")
-
-
-def is_ours(kind: str) -> bool:
-    """Return True for a class that D-WIS does not have."""
-    return kind not in PROTOTYPES
-
-
-def prototype(kind: str) -> Any:
-    """Prototype of a class; None for a name of the user."""
-    return PROTOTYPES.get(kind) or PROPOSED.get(kind)

@@ -20,7 +20,7 @@ from drill_twin_rig.gateway.signals import RigSignal
 
 BEGIN, END = "&&", "!!"
 _ABSENT = {-9999.0, -999.25, -8888.0}  # what rigs send for no value, with any number of digits
-_LONGEST_LINE, _MOST_ITEMS = 256, 1000
+_LINE, _MOST_ITEMS = 256, 1000  # bytes; items of a sentence
 
 
 class SentenceReader:
@@ -65,7 +65,7 @@ class WitsReader(RigReader):
         Raises:
             RefusedError: A line is longer than those of WITS.
         """
-        opening = asyncio.open_connection(self._address.hostname, self._address.port, limit=_LONGEST_LINE)
+        opening = asyncio.open_connection(self._address.hostname, self._address.port, limit=_LINE)
         reader, writer = await asyncio.wait_for(opening, PATIENCE)
         try:
             self._connected()
@@ -83,7 +83,7 @@ class WitsReader(RigReader):
         try:
             return await reader.readline()
         except ValueError as error:
-            raise RefusedError(f"expected lines of WITS, found one of more than {_LONGEST_LINE} bytes") from error
+            raise RefusedError(f"expected lines of WITS, found one of more than {_LINE} bytes") from error
 
     def _readings(self) -> Iterator[SignalReading]:
         for item in self._items:

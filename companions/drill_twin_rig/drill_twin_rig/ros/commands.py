@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Set-points of the gateway on `/rig/command`: who has control decides, and the safe one follows its loss."""
+"""Set-points of the gateway on `/rig/command`, and the safe one after a loss of control."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ class CommandOutput:
             self.command = Command(values.get("weight_on_bit", 0.0), values.get("surface_rotation", 0.0))
 
     def send(self, wanted: Mapping[str, float]) -> None:
-        """Send set-points, by quantity [SI], now; one that is missing stays."""
+        """Send set-points at once, by quantity [SI]; a set-point that is missing stays."""
         with self._lock:
             if self.command is None or self._to_safe is not None:
                 return
@@ -82,7 +82,7 @@ class CommandOutput:
 
     @property
     def is_safe(self) -> bool:
-        """True from the loss of control on, until the next one."""
+        """True from a loss of control until the gateway begins to command again."""
         return self._to_safe is not None
 
     def _publish(self) -> None:

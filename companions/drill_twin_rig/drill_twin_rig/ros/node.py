@@ -29,8 +29,7 @@ from drill_twin_rig.gateway.control import Control, Permission
 from drill_twin_rig.gateway.quantities import QUANTITIES, TwinQuantities
 from drill_twin_rig.gateway.signals import Signals, read_signals, signals_path
 from drill_twin_rig.ros.commands import CommandOutput
-from drill_twin_rig.ros.control_desk import ControlDesk
-from drill_twin_rig.ros.rig import RigLink
+from drill_twin_rig.ros.rig import ControlDesk, RigLink
 
 if TYPE_CHECKING:
     from drill_twin_rig.gateway.opc_ua.keys import Keys
@@ -104,7 +103,11 @@ class Gateway(TwinNode):
         self._signals = read_signals(signals_path(self.settings.signals))
         self._quantities = TwinQuantities(time.monotonic)
         self._output = CommandOutput(self, self._quantities)
-        self._control = Control(self._signals.command, self.settings.heartbeat_timeout, self._on_targets)
+        self._control = Control(
+            self._signals.command,
+            self.settings.heartbeat_timeout,
+            lambda: self._output.send(self._control.values),  # at once, in the server's thread
+        )
         self._desk = ControlDesk(self, self._output, self._control)
         self._unread = ""
         self._server, keys = _make_server(self.settings, self._signals, self._control)
@@ -136,7 +139,7 @@ class Gateway(TwinNode):
             self._unread = f"{topic}: {error}"
 
     def _on_scene(self, raw: bytes) -> None:
-        """Take the limits of the scene, as the simulator does: what it would refuse is refused here, and said."""
+        """Take the limits of the scene, so that a set-point beyond them is refused here, and the client is told."""
         try:
             limits = limits_for(
                 parse_scene(read_string(raw), name=TWIN_SCENE), max_weight_on_bit=0.0, max_speed=0.0, negative=False
@@ -144,10 +147,10 @@ class Gateway(TwinNode):
         except DrillTwinError as error:
             self._unread = f"{TWIN_SCENE}: {error}"
             return
-        of = {"weight_on_bit": limits.weight_on_bit, "surface_rotation": limits.rotation}
-        self._control.set_limits(of)
+        taken = {"weight_on_bit": limits.weight_on_bit, "surface_rotation": limits.rotation}
+        self._control.set_limits(taken)
         if self._rig is not None:
-            self._rig.limits = of
+            self._rig.limits = taken
 
     def step(self) -> None:
         """Process many messages at a time."""
@@ -181,12 +184,6 @@ class Gateway(TwinNode):
             return False
         slow = TOPICS[QUANTITIES[quantity].topic].rate == "1 Hz"
         return self._quantities.age(quantity) > float(self.settings.stale_after) + slow
-
-    # --- OPC UA -> twin -------------------------------------------------------------------------------------------
-
-    def _on_targets(self) -> None:
-        """Publish the targets at once; called in the server's thread."""
-        self._output.send(self._control.values)
 
     def health(self) -> Status:
         """Clients, control, and the signals that have no value or an old one."""

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A rig's signals as topics: what it measures on `/measured/rig/state`, and its set-points as commands."""
+"""Signals of a rig as topics, its set-points as commands, and the decision who commands."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 from urllib.parse import urlsplit
 
 import numpy as np
+from std_srvs.srv import Trigger
 
 from drill_twin.core.files.foreign_file import ForeignFile
 from drill_twin.core.loopback import is_loopback
@@ -21,6 +22,7 @@ from drill_twin.io.messages.topics import MEASURED as MEASURED_NAMESPACE
 from drill_twin.io.messages.topics import MEASURED_RIG_STATE, summary_topic
 from drill_twin.ros.core.node import TwinNode
 from drill_twin.ros.core.parameters import ParameterError
+from drill_twin_rig.gateway.control import Control, Permission
 from drill_twin_rig.gateway.quantities import MEASURED, downhole
 from drill_twin_rig.gateway.rig_reader import RigReader
 from drill_twin_rig.gateway.signals import Limits, RigSignal, Signals, range_taken
@@ -29,11 +31,12 @@ from drill_twin_rig.ros.commands import CommandOutput
 
 if TYPE_CHECKING:
     from drill_twin_rig.gateway.opc_ua.keys import Keys
+    from drill_twin_rig.gateway.opc_ua.server import OpcUaServer
     from drill_twin_rig.gateway.rig_reader import CheckedValue
 
 
 class RigLink:
-    """Publishes what a rig measures, and sends its set-points."""
+    """Link to a rig: publishes what it measures, and sends its set-points."""
 
     def __init__(self, node: TwinNode, output: CommandOutput, signals: Signals, keys: Keys | None) -> None:
         """Begin to read.
@@ -69,17 +72,17 @@ class RigLink:
         self.follows = False
         """True while the set-points of the rig are in force."""
         self.lost = ""
-        """Reason why they are not any more; empty before, and once they are again."""
+        """Reason why the set-points of the rig are not in force any more; empty before, and once they are again."""
 
     def work(self) -> None:
-        """Publish what has come, and send the set-points; the safe one when they are not sound any more."""
+        """Publish what has come, and send the set-points, or the safe one when they are not sound any more."""
         self._checked = self._client.checked()
         self._publish()
         if self._signals.follow and not self._withdrawn:
             self._follow()
 
     def _publish(self) -> None:
-        """Publish the measured values of surface and subs, those of which one is newer than the last."""
+        """Publish the values of the surface and of each sub, where one is newer than all that were published."""
         sound = {one.quantity: self._checked[one] for one in self._signals.measure if not self._checked[one].fault}
         surface = {MEASURED[quantity]: checked for quantity, checked in sound.items() if quantity in MEASURED}
         if stamp := self._newer(MEASURED_RIG_STATE, surface.values()):
@@ -95,7 +98,7 @@ class RigLink:
                 self._node.topics.publish(topic, template.fill(stamp, row))
 
     def _newer(self, topic: str, sound: Collection[CheckedValue]) -> int:
-        """Stamp of the newest value [ns]; 0 unless it is newer than the last one on the topic."""
+        """Stamp of the newest value [ns]; 0 unless it is newer than the last stamp on the topic."""
         stamp = max((stamp_ns(one.stamp) for one in sound if math.isfinite(one.stamp)), default=0)
         if stamp <= self._published.get(topic, 0):
             return 0
@@ -151,6 +154,73 @@ class RigLink:
     def close(self) -> None:
         """Disconnect."""
         self._client.close()
+
+
+class ControlDesk:
+    """Decision on who commands: a client that requests control, the rig, or another node."""
+
+    def __init__(self, node: TwinNode, output: CommandOutput, control: Control) -> None:
+        """Begin without a client in control.
+
+        Args:
+            node: The gateway.
+            output: Publisher of set-points.
+            control: State of the control that clients request.
+        """
+        self._node, self.output, self.control = node, output, control
+        self.rig: RigLink | None = None
+        """Link to a rig, where there is one."""
+        self.denied = ""
+        """Reason why the last request was denied, in a sentence."""
+        self._told: tuple[Permission, str] | None = None
+
+    def work(self, server: OpcUaServer) -> None:
+        """Decide what is due, show it to the clients, and repeat the set-points in force."""
+        if self.control.check_heartbeat():
+            self.output.go_safe()
+            self._node.publish_diagnostics()
+        if self.control.permission is Permission.PENDING and self._node.settings.grant != "ask":
+            self._decide(granted=self._node.settings.grant == "always")
+        held = self.output.is_safe or (self.rig is not None and self.rig.follows)
+        if self.control.permission is Permission.UNSET and self.output.command is not None and not held:
+            self.output.end()
+        now = (self.control.permission, self.control.holder)
+        if now != self._told:
+            self._told = now
+            server.show_control(*now)
+        self.output.repeat()
+
+    def _decide(self, *, granted: bool) -> str:
+        """Grant or deny what is requested; returns the reason of a denial."""
+        others = ", ".join(self.output.others())
+        if self.rig is not None and self.rig.follows:
+            others = "the rig"
+        reason = f"{others} commands" if others else "" if granted else "the parameter grant is never"
+        self.denied = f"control denied: {reason}" if reason else ""
+        if reason:
+            self.control.deny(reason)
+        elif self.control.grant():
+            self.output.begin()
+            self._node.get_logger().info(f"{self.control.holder} has control")
+        return reason
+
+    def grant(self, request: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
+        """Answer `~/grant_control`: give control to the client that requests it."""
+        del request
+        pending = self.control.permission is Permission.PENDING
+        response.message = self._decide(granted=True) if pending else "nobody requests control"
+        response.success = not response.message
+        return response
+
+    def withdraw(self, request: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
+        """Answer `~/withdraw_control`: take control away; the last set-point holds until another source commands."""
+        del request
+        response.success = self.control.deny("withdrawn") or self.output.command is not None
+        if self.rig is not None:
+            self.rig.stop_following()
+        self.output.end()
+        self.denied = "control was withdrawn" if response.success else ""
+        return response
 
 
 def _is_wits(settings: Any) -> bool:

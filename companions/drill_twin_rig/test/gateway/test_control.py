@@ -8,7 +8,7 @@ import pytest
 from drill_twin_rig.gateway.control import HEARTBEAT, REQUEST, Control, Permission, User
 from drill_twin_rig.gateway.signals import CommandTarget
 
-WOB = CommandTarget("WOBTarget", "weight_on_bit", "kN", 1000.0, 0.0, 100.0)
+WOB = CommandTarget("weight_on_bit", "kN", 1000.0, "WOBTarget", 0.0, 100.0)
 
 
 @pytest.fixture
@@ -49,7 +49,7 @@ def test_a_value_that_is_no_set_point_is_refused(control, value):
 
 def test_without_limits_of_a_file_those_of_the_scene_hold(now):
     """1e308 was answered Good once, and published."""
-    open_ended = CommandTarget("WOBTarget", "weight_on_bit", "kN", 1000.0, 0.0, math.inf)
+    open_ended = CommandTarget("weight_on_bit", "kN", 1000.0, "WOBTarget", 0.0, math.inf)
     control = Control([open_ended], 2.0, lambda: None, lambda: now[0])
     user = _holder(control)
     assert control.refusal(user, "WOBTarget", 1e308).text.endswith("which limits it, found none so far")

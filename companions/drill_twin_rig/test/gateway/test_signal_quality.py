@@ -8,7 +8,7 @@ import pytest
 from drill_twin_rig.gateway.rig_reader import QualityCheck, SignalReading, unit_fault
 from drill_twin_rig.gateway.signals import RigSignal
 
-SIGNAL = RigSignal("weight_on_bit", "ns=2;s=WOB", "kN", 1000.0, 0.0, 500.0, stale_after=2.0, frozen_after=5.0)
+SIGNAL = RigSignal("weight_on_bit", "kN", 1000.0, "ns=2;s=WOB", 0.0, 500.0, stale_after=2.0, frozen_after=5.0)
 NOW = 1.8e9
 
 

@@ -11,8 +11,8 @@ import pytest
 from drill_twin_rig.gateway.signals import RigSignal
 from drill_twin_rig.gateway.wits0 import SentenceReader, WitsReader
 
-WOB = RigSignal("weight_on_bit", "wits=0116", "kdaN", 1e4, -math.inf, math.inf, 2.0, 0.0)
-TORQUE = RigSignal("surface_torque", "wits=0118", "kN m", 1e3, -math.inf, math.inf, 2.0, 0.0)
+WOB = RigSignal("weight_on_bit", "kdaN", 1e4, "wits=0116", -math.inf, math.inf, 2.0, 0.0)
+TORQUE = RigSignal("surface_torque", "kN m", 1e3, "wits=0118", -math.inf, math.inf, 2.0, 0.0)
 
 
 class Rig:

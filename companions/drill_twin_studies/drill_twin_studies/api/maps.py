@@ -6,20 +6,91 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from pathlib import Path
 
+import numpy as np
+
 from drill_twin.api.ensemble import executor_of
 from drill_twin.api.scenes import Overrides, Quantity, as_scene, in_si, range_of
-from drill_twin.core.errors import ArgumentError
+from drill_twin.core import __version__
+from drill_twin.core.errors import ArgumentError, SceneError
 from drill_twin.core.units.dimension import TIME
+from drill_twin.io.messages.topic_words import digest_of
 from drill_twin.runs import compile_kernel
 from drill_twin.scene import Scene
 from drill_twin.scene.overrides import full_key
-from drill_twin_studies.maps import MapPlan, OperatingMap, Plane, Span, build_map
-from drill_twin_studies.maps.build import check_set_points
+from drill_twin.scene.schema import number_at
+from drill_twin_studies.maps import OperatingMap, Plane, Regime, Span
+from drill_twin_studies.maps.runs import FINER, Key, Runner
+from drill_twin_studies.maps.search import BoundarySearch, Progress, growth_of, open_journal
 
 STEPS = 128
 """Steps of the lattice along each range: a boundary is located within 1 / 128 of it."""
 ASKED = 10.0
 """Time for which a set-point of a safe window must stay calm, over that of a run."""
+MOST_RUNS = 1_000_000
+"""Largest number of runs that can be asked for."""
+SEED = "numerics.seed"
+MOST_DRAWS = 1000
+"""Largest number of draws."""
+
+
+def draws_of(scene: Scene, seeds: int, vary: Mapping[str, tuple[float, float]]) -> tuple[Mapping[str, float], ...]:
+    """Values by key of each draw; empty where one draw is asked for and nothing varies.
+
+    The points of a scrambled Sobol sequence (Owen 1998) fill the ranges.
+
+    Args:
+        scene: The base scene; its own numbers are the first draw.
+        seeds: Number of draws.
+        vary: Least and largest value in SI by full key.
+
+    Raises:
+        ArgumentError: Too many draws, or ranges for one.
+    """
+    if not 1 <= seeds <= MOST_DRAWS:
+        raise ArgumentError(f"seeds: expected 1 to {MOST_DRAWS}, found {seeds}")
+    if vary and seeds == 1:
+        raise ArgumentError("vary: expected 2 or more seeds with uncertain numbers, one draw for each; found 1")
+    if seeds == 1:
+        return ()
+    from scipy.stats import qmc
+
+    draws = [{SEED: scene.numerics.seed} | {key: number_at(scene, key) or 0.0 for key in vary}]
+    points = qmc.Sobol(max(1, len(vary)), seed=0).random(1 << (seeds - 1).bit_length())
+    for number, point in enumerate(points[: seeds - 1].tolist(), 1):
+        shares = zip(point, vary.items(), strict=False)
+        draws.append(
+            {SEED: scene.numerics.seed + number}
+            | {key: low + (high - low) * share for share, (key, (low, high)) in shares}
+        )
+    return tuple(draws)
+
+
+MOST_CHECKS, RUNS_FOR_ONE = 59, 20
+"""Checks of a round: 59 of 59 show that at most 5 % are not calm (95 %); at most one for so many runs of a map."""
+ROUNDS = 4
+"""Most rounds of checks; not measured."""
+
+
+def check(search: BoundarySearch, made: Callable[[], OperatingMap], runs: int, draws: int) -> None:
+    """Check the windows; each check that fails makes them smaller, and a new round begins.
+
+    Args:
+        search: Search whose runs the map has.
+        made: Makes the map of its runs so far.
+        runs: Largest number of runs of the search.
+        draws: Number of draws, one after the other for the checks; 0 without.
+    """
+    count = min(MOST_CHECKS, runs // RUNS_FOR_ONE)
+    for number in range(ROUNDS):
+        cells = np.argwhere(made().window_cells)
+        if not (count and cells.size):
+            return
+        random = np.random.default_rng(number)
+        places = cells[random.integers(len(cells), size=count)] * FINER + random.integers(FINER + 1, size=(count, 2))
+        keys = [Key(i, j, k % max(1, draws), None, FINER) for k, (i, j) in enumerate(places.tolist())]
+        search.make("check of the windows", keys, beyond=True)
+        if all(search.records[key].regime is Regime.SMOOTH for key in keys):
+            return
 
 
 def operating_map(
@@ -39,7 +110,7 @@ def operating_map(
     folder: str | Path | None = None,
     workers: int | None = None,
     dask: str | None = None,
-    progress: Callable[[str, int, int], None] | None = None,
+    progress: Progress | None = None,
 ) -> OperatingMap:
     """Regimes of motion over weight on bit and speed, from runs that crowd where the regime changes.
 
@@ -76,20 +147,71 @@ def operating_map(
         from drill_twin.studies.accuracy import resolve
 
         own = resolve(own).scene
-    if own.rig.block is not None and own.rig.block.auto_driller is None:
-        raise ArgumentError(
-            f"{own.name}: expected a load as set-point, found a block moved by its speed, under which there is none to "
-            "vary; use `rig.weight_on_bit.at: bit`, or an auto-driller"
-        )
-    check_set_points(own)
+    _check_scene(own)
     plane = Plane(Span(*range_of(own, "wob", wob)), Span(*range_of(own, "rpm", rpm)), steps).checked()
     if plane.speed.low < 0.0:
         raise ArgumentError(f'rpm: expected speeds from 0 upwards, found "{str(rpm)[:60]}"; a map is of one sense')
     length = own.rig.duration if duration is None else in_si("duration", duration, TIME)
     asked = ASKED * length if calm_for is None else in_si("calm_for", calm_for, TIME)
     ranges = {full_key(key, own): range_of(own, key, given) for key, given in (vary or {}).items()}
-    place = None if folder is None else Path(folder)
+    if not 1 <= runs <= MOST_RUNS:
+        raise ArgumentError(f"runs: expected 1 to {MOST_RUNS}, found {runs}")
+    if not 0.0 < length <= 1e6:
+        raise ArgumentError(f"duration: expected a time above 0 s and up to 1e6 s, found {length:g} s")
+    if not length <= asked <= 1e6:
+        raise ArgumentError(
+            f"calm for: expected a time from that of a run, {length:g} s, up to 1e6 s, found {asked:g} s"
+        )
+    draws = draws_of(own, seeds, ranges)
+    setup = {
+        "version": __version__, "scene": own.model_copy(update={"units": "auto"}).to_yaml(), "duration": length,
+        "time asked": asked, "range of the weight on bit": list(plane.weight), "range of the speed": list(plane.speed),
+        "lattice": plane.steps, "draws": [dict(draw) for draw in draws],
+    }  # fmt: skip
     with executor_of(workers, dask) as executor:
-        plan = MapPlan(plane, length, asked, seeds, ranges, runs, hysteresis, growth, executor)
         compile_kernel(own, own.numerics.frame_period, analysis=True)
-        return build_map(own, plan, place, *([progress] if progress is not None else []))
+        journal = None if folder is None else open_journal(Path(folder), setup)
+        rates = growth_of(own, plane) if growth else None
+        lateral, torsional = (None, None) if rates is None else rates
+        runner = Runner(own, plane, length, asked, draws, executor)
+        search = BoundarySearch(runner, journal, runs, progress or (lambda _, __, ___: None), lateral)
+        search.calm()
+        search.onset()
+        search.regimes()
+        if draws:
+            search.draws()
+        if hysteresis:
+            search.end_of_whirl()
+
+        def made() -> OperatingMap:
+            return OperatingMap(
+                own.name, digest_of(own), own.to_yaml(), plane, length, draws, search.records, search.notes,
+                [] if lateral is None else lateral.tolist(), [] if torsional is None else torsional.tolist(), asked,
+            )  # fmt: skip
+
+        check(search, made, runs, len(draws))
+        return made()
+
+
+def _check_scene(scene: Scene) -> None:
+    """Refuse a scene that has no map.
+
+    Raises:
+        ArgumentError: The block is moved by its speed.
+        SceneError: It has no marks, begins in a whirl, or plays recorded set-points.
+    """
+    if scene.rig.block is not None and scene.rig.block.auto_driller is None:
+        raise ArgumentError(
+            f"{scene.name}: expected a load as set-point, found a block moved by its speed, under which there is none "
+            "to vary; use `rig.weight_on_bit.at: bit`, or an auto-driller"
+        )
+    for key in ("weight_on_bit", "rotation"):
+        if getattr(scene.rig, key).shape == "table":
+            raise SceneError(
+                f"{scene.name}: expected set-points with a final value, found a recorded {key}; "
+                f"--set rig.{key}.shape=ramp --set rig.{key}.value=... replaces it"
+            )
+    if not scene.string.marks:
+        raise SceneError(f"{scene.name}: expected marks on the string, from which its motion is judged, found none")
+    if scene.rig.start == "whirl-state":
+        raise SceneError(f'{scene.name}: expected a run from rest, found rig.start "whirl-state"; --set rig.start=axis')

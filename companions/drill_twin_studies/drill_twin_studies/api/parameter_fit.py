@@ -118,7 +118,7 @@ def fit(
             time = runs["time"][runs["time"] >= first]
             measured = {channel: found.at(channel, time) for channel in found.series}
         computed = {name: f"{name}{INSTANT}" if name in found.instant else name for name in measured}
-        batches.append({name: runs[of][:, -time.size :] for name, of in computed.items()})
+        batches.append({name: runs[output][:, -time.size :] for name, output in computed.items()})
         merged = {channel: np.concatenate([batch[channel] for batch in batches]) for channel in measured}
         if likelihood == "series":
             result = of_series(measured, merged, len(ranges))

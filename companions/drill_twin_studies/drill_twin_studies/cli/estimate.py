@@ -55,8 +55,8 @@ def estimate(
     """Estimate numbers, loads and the chance of whirl along a record, as the node `estimator` does along a rig."""
     import drill_twin as dt
     from drill_twin_studies.estimation import CHANNELS, SET_POINTS
+    from drill_twin_studies.estimation.estimate import HELD
     from drill_twin_studies.estimation.figure import estimate_figure
-    from drill_twin_studies.estimation.prediction import HELD
     from drill_twin_studies.fitting.posterior import of_law
     from drill_twin_studies.fitting.record import channel_column
 
@@ -99,7 +99,7 @@ def estimate(
 
 
 def _shown(found: Estimate, scene: Scene, troubles: dict[str, int]) -> Iterator[Table | str]:
-    from drill_twin_studies.estimation.prediction import HELD, shown_unit
+    from drill_twin_studies.estimation.estimate import HELD, shown_unit
     from drill_twin_studies.fitting.posterior import of_law, shown_number
     from drill_twin_studies.goodness import table as goodness_table
 
@@ -113,7 +113,7 @@ def _shown(found: Estimate, scene: Scene, troubles: dict[str, int]) -> Iterator[
     title = f"{scene.name} at {found.time:g} s"
     yield Table(("", "mean", "deviation", "low", "high"), rows, title=title, right=(1, 2, 3, 4))
     for reason in dict.fromkeys(found.withheld.values()):
-        yield f"{', '.join(name for name, of in found.withheld.items() if of == reason)}: withheld, {reason}"
+        yield f"{', '.join(name for name, why in found.withheld.items() if why == reason)}: withheld, {reason}"
     for key, share in found.untold.items():
         yield f"{key}: the record does not tell it, its band covers {share:.0%} of its range"
     yield from of_law(found.numbers, scene)
@@ -132,5 +132,5 @@ def _line(found: Estimate) -> str:
 def _plain(found: Estimate) -> dict[str, Any]:
     plain = asdict(found)
     del plain["frames"]
-    plain["goodness"] = {name: of.to_dict() for name, of in found.goodness.items()}
+    plain["goodness"] = {name: one.to_dict() for name, one in found.goodness.items()}
     return plain | {"alarm": found.alarm, "remembered": found.remembered}

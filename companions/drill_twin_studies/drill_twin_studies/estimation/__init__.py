@@ -2,10 +2,9 @@
 """Estimates of state and numbers of a running rig from what is measured, by an ensemble that is corrected."""
 
 from drill_twin_studies.estimation.ensemble_filter import CHANNELS, EnsembleFilter, EstimatorOptions
-from drill_twin_studies.estimation.estimate import Estimate, FilterWindow
+from drill_twin_studies.estimation.estimate import Band, Estimate, FilterWindow
 from drill_twin_studies.estimation.intake import SET_POINTS, Intake
 from drill_twin_studies.estimation.members import LOAD
-from drill_twin_studies.estimation.prediction import Band, unit_of
 from drill_twin_studies.estimation.square_root_filter import Correction, correction
 
 __all__ = [
@@ -20,5 +19,4 @@ __all__ = [
     "FilterWindow",
     "Intake",
     "correction",
-    "unit_of",
 ]

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The ensemble beside a rig, corrected window by window by what is measured."""
+"""Ensemble beside a rig, corrected window by window by what is measured."""
 
 from __future__ import annotations
 
@@ -15,14 +15,21 @@ from drill_twin.core.arrays import Array, Mask
 from drill_twin.core.errors import ArgumentError
 from drill_twin.core.rig_channels import INSTANT
 from drill_twin.scene import Scene
-from drill_twin_studies.estimation.channel_errors import ChannelErrors
-from drill_twin_studies.estimation.doubts import JUMP_WINDOWS, Doubts
-from drill_twin_studies.estimation.estimate import Estimate, FilterWindow
-from drill_twin_studies.estimation.innovations import WINDOWS, Innovations, widening, widening_of_numbers
-from drill_twin_studies.estimation.jumps import UNEXPLAINED, Jumps
+from drill_twin_studies.estimation.doubts import JUMP_WINDOWS, UNEXPLAINED, Doubts, Jumps
+from drill_twin_studies.estimation.estimate import (
+    UNTOLD,
+    Band,
+    Estimate,
+    FilterWindow,
+    Prediction,
+    Swing,
+    WindowTiming,
+    bands_of,
+    untold_of,
+)
+from drill_twin_studies.estimation.innovations import WINDOWS, ChannelErrors, Innovations, widening, widening_of_numbers
 from drill_twin_studies.estimation.members import LOAD, EstimatorMembers
 from drill_twin_studies.estimation.phase import PhaseCorrection
-from drill_twin_studies.estimation.prediction import UNTOLD, Band, Prediction, Swing, WindowTiming
 from drill_twin_studies.estimation.restarts import Restarts
 from drill_twin_studies.estimation.square_root_filter import Correction, applied, corrections
 from drill_twin_studies.estimation.subs import VALUES, speed
@@ -33,17 +40,18 @@ CHANNELS = ("torque", "motor_torque", "hookload", "top_drive_speed", "bit_speed"
 _CORRECTED = ("weight_on_bit", "bit_speed", "bit_torque")
 """Virtual sensors that the correction of torsion and axial motion changes."""
 _LATERAL = ("radius", "bending_stress")
-"""Those that the correction of the lateral motion changes too; the largest wall force, of an impact, follows none."""
+"""Virtual sensors that the correction of the lateral motion changes too; the largest wall force, which is that of an
+impact, follows none."""
 _FOLLOWED = ("radius", "bit_speed")
 """Virtual sensors whose bands hold with a sub as without."""
 _FEW, _IMPACT = 2.0, 1.1
-"""Factors of the spread with a sub, as so few members have too little in the many directions of a motion that it
-corrects: of the bands of the other virtual sensors, and of what the surface measures where a misfit is judged; and of
-the band of the largest wall force, of an impact. Found on 57 truths of `pa6_bench`; judged on others
-(docs/drill_twin_studies/bands.md).
+"""Factors of the spread with a sub. A sub corrects a motion in many directions, and few members have too little spread
+in them. The first is for the bands of the other virtual sensors, and for what the surface measures where a misfit is
+judged. The second is for the band of the largest wall force, which is that of an impact. Found on 57 truths of
+`pa6_bench`; judged on others (docs/drill_twin_studies/bands.md).
 """
 _WHIRLS = 0.5
-"""Share of members that whirl, above which none is followed ahead."""
+"""Share of members that whirl, above which none is followed ahead: more than half of them whirl already."""
 
 
 @dataclass(frozen=True)
@@ -56,10 +64,10 @@ class EstimatorOptions:
         rate: Samples a second that are compared [Hz].
         error: Error of a sample, of sensor and model together, as a share of the channel's largest value.
         memory: Time over which what was learnt of the numbers fades [s]: the spread grows as exp(t / memory).
-        horizon: Time ahead for which the chance of whirl is computed [s]; 0 s: it is not.
+        horizon: Time ahead for which the chance of whirl is computed [s]; 0: it is not computed.
         scouts: Members that are followed over the horizon.
-        frames: Whether estimates have the frames of the nearest member.
-        seed: Of the draws.
+        frames: True if estimates have the frames of the nearest member.
+        seed: Seed of the draws.
     """
 
     members: int = 64
@@ -85,17 +93,17 @@ class EstimatorOptions:
             value = getattr(self, name)
             kind = Integral if isinstance(least, int) else Real
             if not isinstance(value, kind) or not least <= float(value) <= most:
-                of = "a whole number" if kind is Integral else "a number"
-                raise ArgumentError(f"{name}: expected {of} of {least:g} to {most:g}, found {value!r}")
+                expected = "a whole number" if kind is Integral else "a number"
+                raise ArgumentError(f"{name}: expected {expected} of {least:g} to {most:g}, found {value!r}")
 
 
 class EnsembleFilter:
     """Ensemble that follows a rig.
 
     Attributes:
-        options: How it runs.
+        options: Runs and assumptions.
         members: The ensemble.
-        pace: Frames, samples and windows.
+        pace: Lengths of frames, samples and windows.
         time: End of the last window [s].
     """
 
@@ -115,9 +123,9 @@ class EnsembleFilter:
             ranges: Lowest and highest value of each free number [SI], by key; see
                 `drill_twin_studies.estimation.members`.
             channels: Channels that correct, of `CHANNELS`.
-            options: How it runs.
+            options: Runs and assumptions.
             subs: Subs of the scene whose readings correct.
-            instant: Channels whose samples are values at their times, and not means since the last ones.
+            instant: Channels whose samples are values at their times; other samples are means since the last one.
 
         Raises:
             ArgumentError: A number that cannot be changed in the middle of a run, or a sub that the scene has not.
@@ -145,13 +153,14 @@ class EnsembleFilter:
         self._distance: Array = np.zeros(options.members)
 
     def advance(self, window: FilterWindow) -> Estimate:
-        """Advance all members by a window, correct them, and say what is known then.
+        """Advance all members by a window, correct them, and return what is known at its end.
 
         Raises:
             RunError: No member could be followed.
         """
         self._restarts.begin(window)
-        frames, prediction = self.members.advance(window, self._nearest)
+        nearest = int(np.argmin(self._distance)) if self.options.frames else -1
+        frames, prediction = self.members.advance(window, nearest)
         start, self.time, self._regained = self.time, self.time + self.pace.window, False
         predicted, measured, readings = self._compared(prediction, window)
         measured = self._errors.screen(predicted, measured)
@@ -185,9 +194,9 @@ class EnsembleFilter:
         factor, of_numbers = widening(goodness), widening_of_numbers(goodness)
         estimate = Estimate(
             time=self.time,
-            numbers=self.members.bands(of_numbers),
-            untold=self.members.untold(of_numbers),
-            sensors={name: self._band(name, of, factor) for name, of in sensors.items()}
+            numbers=bands_of(self.members.normal, self.members.ranges, of_numbers),
+            untold=untold_of(self.members.normal, self.members.ranges, of_numbers),
+            sensors={name: self._band(name, values, factor) for name, values in sensors.items()}
             | dict.fromkeys(withheld, UNTOLD),
             withheld=withheld,
             whirls=float(prediction.whirls.mean()),
@@ -218,7 +227,7 @@ class EnsembleFilter:
             each.forget()
 
     def _band(self, name: str, values: Array, factor: float) -> Band:
-        """Band of a virtual sensor; after a jump not explained or a lost motion, all that the members did of late."""
+        """Band of a virtual sensor; after an unexplained jump or a lost motion, with all that members did of late."""
         own = Band.of(values, self._wider(name, factor))
         if UNEXPLAINED not in self._jumps.since and not self._regained:
             return own
@@ -233,11 +242,6 @@ class EnsembleFilter:
         if name == "weight_on_bit" and LOAD in self.members.keys:  # known at least as well as before any record
             factor = min(factor, 1.0 / float(self.members.normal[:, self.members.keys.index(LOAD)].std(ddof=1)))
         return impact * factor
-
-    @property
-    def _nearest(self) -> int:
-        """Number of the member that is nearest to the rig; -1 if its frames are not asked for."""
-        return int(np.argmin(self._distance)) if self.options.frames else -1
 
     def _compared(self, prediction: Prediction, window: FilterWindow) -> tuple[Array, Array, Array]:
         """Channels of the members, (N, C, S), and of the rig, (C, S), and readings of its subs, (s, F, 6)."""
@@ -287,4 +291,5 @@ class EnsembleFilter:
         coming = np.where(np.sign(coming) == np.sign(commands[-1]), coming, 0.0)
         count = min(self.options.scouts, len(self.members))
         chosen = np.linspace(0, len(self.members) - 1, count).round().astype(int).tolist()
-        return float(self.members.forecast(coming.reshape(windows, self.pace.frames, -1), chosen).mean())
+        coming = coming.reshape(windows, self.pace.frames, -1)
+        return float(np.mean([self.members.whirls_ahead(number, coming) for number in chosen]))

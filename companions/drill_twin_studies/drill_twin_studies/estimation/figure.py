@@ -9,8 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from drill_twin.core.units.system import UnitSystem
-from drill_twin_studies.estimation.estimate import Estimate
-from drill_twin_studies.estimation.prediction import SHARE, shown_unit
+from drill_twin_studies.estimation.estimate import SHARE, Estimate, shown_unit
 from drill_twin_studies.fitting.record import Record
 
 if TYPE_CHECKING:
@@ -25,7 +24,7 @@ def estimate_figure(found: Sequence[Estimate], record: Record, units: UnitSystem
     Args:
         found: Estimates in the order of their times.
         record: The record that they follow; a channel of a sensor's name is drawn beside it.
-        units: Of the sensors.
+        units: Units of the sensors.
     """
     from drill_twin.report.figures.style import BLUE, LIGHT, VERMILION, laid_out, styled, unbridged
 
@@ -39,7 +38,9 @@ def estimate_figure(found: Sequence[Estimate], record: Record, units: UnitSystem
         panels = figure.subplots(len(names) + 2, sharex=True, squeeze=False)[:, 0]
         for axes, (name, size, unit) in zip(panels, names, strict=False):
             bands = [one.numbers.get(name) or one.sensors[name] for one in found]
-            low, mean, high = (size * np.array([getattr(band, of) for band in bands]) for of in ("low", "mean", "high"))
+            low, mean, high = (
+                size * np.array([getattr(band, part) for band in bands]) for part in ("low", "mean", "high")
+            )
             axes.fill_between(time, low, high, color=LIGHT, label=f"{SHARE:.0%} of the members")
             axes.plot(time, mean, color=VERMILION, marker=".", linewidth=1.2, label="mean at the end of a window")
             if name in record.series:
@@ -48,8 +49,8 @@ def estimate_figure(found: Sequence[Estimate], record: Record, units: UnitSystem
             axes.set_ylabel(f"{name.rpartition('.')[2].replace('_', ' ')} [{unit}]")
         for name in channels:
             panels[-2].plot(time, [one.misfit.get(name, np.nan) for one in found], label=name.replace("_", " "))
-            of = [one.goodness[name] for one in found]
-            panels[-1].semilogy(time, [one.chi_square for one in of], label=name.replace("_", " "))
+            chi_square = [one.goodness[name].chi_square for one in found]
+            panels[-1].semilogy(time, chi_square, label=name.replace("_", " "))
         panels[-2].set_ylabel("misfit [-]")
         panels[-2].set_title("rms of measured less predicted, over the largest value", fontsize=9.5)
         panels[-1].set_ylabel("chi-square [-]")

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Innovations, measured less predicted, of the last windows: how well the model explains what is measured."""
+"""Innovations, measured less predicted, of the last windows, and the errors of channels that they show."""
 
 from __future__ import annotations
 
@@ -14,8 +14,86 @@ from drill_twin.core.arrays import Array
 from drill_twin_studies.estimation.square_root_filter import correction
 from drill_twin_studies.goodness import Goodness, goodness, noise_of
 
+_MEMORY = 10.0
+"""Windows over which a raised error fades; not measured."""
+_GATE = 8.0
+"""Standard deviations from which a sample is absurd, if most samples of its channel are not; not measured."""
+
+
+class ChannelErrors:
+    """Standard deviations of C channels.
+
+    Attributes:
+        scale: Largest size of each channel so far [SI], shape (C,).
+        absurd: Samples that were left out so far.
+    """
+
+    def __init__(self, channels: Sequence[str], share: float, floor: Array | float = 0.0) -> None:
+        """Begin.
+
+        Args:
+            channels: Names.
+            share: Error of sensor and model together, as a share of the channel's scale.
+            floor: Least error of a sample, of a noise that is known, shape (C,).
+        """
+        self.channels, self._share = list(channels), share
+        self.scale: Array = np.zeros(len(channels))
+        self._raised: Array = np.zeros(len(channels))
+        self._least: Array = np.maximum(floor, np.full(len(channels), np.finfo(float).tiny ** 0.25))
+        self.absurd = 0
+
+    @property
+    def stated(self) -> Array:
+        """Standard deviation that is stated for the error of a sample of each channel, shape (C,)."""
+        return np.maximum(self._share * self.scale, self._least)
+
+    @property
+    def deviation(self) -> Array:
+        """Standard deviation of the error of a sample, with what innovations have shown, shape (C,)."""
+        return np.maximum(np.sqrt(self._raised), self.stated)
+
+    def forget(self) -> None:
+        """Forget what the innovations of a jump have shown."""
+        self._raised[:] = 0.0
+
+    def screen(self, predicted: Array, measured: Array) -> Array:
+        """Measured samples; NaN for a sample that is absurd beside the others of its channel.
+
+        Args:
+            predicted: Channels of N members, shape (N, C, S).
+            measured: Channels of the rig, shape (C, S).
+        """
+        with np.errstate(invalid="ignore"):
+            self.scale = np.fmax(self.scale, np.abs(predicted).max(axis=(0, 2)))
+            width = np.sqrt(predicted.var(axis=0, ddof=1) + self.deviation[:, None] ** 2)
+            off = np.abs(measured - predicted.mean(axis=0)) > _GATE * width
+        known = np.isfinite(measured).sum(axis=1)
+        few = off.sum(axis=1) < 0.5 * np.maximum(known, 1)
+        off &= few[:, None]
+        self.absurd += int(off.sum())
+        return np.where(off, np.nan, measured)
+
+    def learn(self, measured: Array, before: Array, after: Array) -> None:
+        """Raise the errors that the innovations show (Desroziers, Berre, Chapnik and Poli 2005, Eq. 1).
+
+        Args:
+            measured: Channels of the rig, shape (C, S); NaN where missing.
+            before: Mean of the members before the correction, shape (C, S).
+            after: Mean of the members after it, shape (C, S).
+        """
+        product = np.where(np.isfinite(measured), (measured - after) * (measured - before), 0.0)
+        found = product.sum(axis=1) / np.maximum(np.isfinite(measured).sum(axis=1), 1)
+        self._raised = np.maximum(self._raised + (found - self._raised) / _MEMORY, 0.0)
+
+
+LIMIT = 3.0
+"""Rms innovation of a window over the predicted one, from which the window is not explained. The samples of a window
+may err alike: then the ratio is the size of one normal value, which is larger in 0.3 % of the windows of a right
+model."""
+
+
 WINDOWS = 20
-"""Windows that are judged together."""
+"""Windows that are judged together; not measured."""
 _FEWEST = 10
 """Windows from which a change of the mean innovation can be told; half of the samples that tell their noise."""
 _LEAST_NOISE = 0.25
@@ -105,14 +183,14 @@ class Innovations:
 def widening(found: Mapping[str, Goodness]) -> float:
     """Factor of the bands of what is not measured: root of the largest chi-square of a channel where that exceeds 1.
 
-    It is taken to err as the measured channels do. What is told is widened, not the ensemble as by the inflation of
-    Anderson (2009).
+    What is not measured is taken to err as the measured channels do. The bands are widened, and not the ensemble, which
+    the inflation of Anderson (2009) widens.
     """
     return math.sqrt(max([1.0, *(one.chi_square for one in found.values() if one.samples)]))
 
 
 def widening_of_numbers(found: Mapping[str, Goodness]) -> float:
-    """Factor of the bands of numbers: chi-square counts with the samples that are not independent of one another.
+    """Factor of the bands of numbers: as `widening`, with chi-square times the samples for each independent one.
 
     The filter learns from each sample as from a new one; where the model errs alike from sample to sample, the mean of
     many has the error of the independent ones alone.

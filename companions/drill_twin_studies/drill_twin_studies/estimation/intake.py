@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Windows from the samples of a rig: late, missing, repeated, frozen and absurd ones, and jumps of the clock."""
+"""Windows from the samples of a rig, which may be late, missing, repeated, frozen or absurd, or jump in time."""
 
 from __future__ import annotations
 
@@ -14,40 +14,44 @@ from drill_twin.core.arrays import Array
 from drill_twin.scene import Scene
 from drill_twin.scene.blocks.sensors import Sub
 from drill_twin.scene.set_points import Command, Schedule
-from drill_twin_studies.estimation.estimate import FilterWindow
-from drill_twin_studies.estimation.prediction import REACH, WindowTiming
+from drill_twin_studies.estimation.estimate import REACH, FilterWindow, WindowTiming
 from drill_twin_studies.estimation.subs import SubIntake
 
 SET_POINTS = tuple(field.name for field in fields(Command))
 """Names of the set-points among the values of a sample [N], [rad/s], [m/s]; those of `Command`."""
-_LONGEST_GAP = 5.0
-"""Time without a sample [s] that is followed without measurement; a longer one is a jump of the clock."""
+_GAP = 5.0
+"""Time without a sample [s] that is followed without measurement; a longer time is a jump of the clock; not
+measured."""
 _BACK = 1.0
-"""Time that a stamp may lie behind the newest one [s] and be late; farther back it is a jump of the clock."""
+"""Time by which a stamp may lie behind the newest one [s] to count as late; a stamp farther back is a jump of the
+clock; not measured."""
 _ROUND_OFF = 2e-6
-"""Error of times [s]: stamps are counted from 1970."""
+"""Error of times [s]: a double that counts seconds from 1970 is exact to 0.2 us, and differences are rounded to 1
+us."""
 _USUAL = 20
-"""Last samples of a channel, whose median distance is the usual one."""
+"""Last samples of a channel, whose median distance is the usual time from sample to sample."""
 _LOST = 1.5
-"""Distance over the usual one from which a sample between is lost: half-way between one and two of them."""
+"""Distance of two samples over the usual one, from which a sample between is lost: half-way between one and two."""
 _FROZEN = 3.0
-"""Time after which a channel that used to change and does not is frozen [s]; of `_FEWEST` samples at least."""
+"""Time for which a channel that used to change has one value, after which it is frozen [s], over more than `_FEWEST`
+samples; not measured."""
 _FEWEST = 8
-"""Samples in a window from which single ones can be told to be absurd."""
+"""Samples in a window from which single samples can be told to be absurd; not measured."""
 _SPREADS = 15.0
-"""Robust standard deviations from the median, and `_SHARE` of the largest value, beyond which a sample is absurd."""
+"""Robust standard deviations from the median, added to `_SHARE` of the largest value, beyond which a sample is absurd;
+not measured."""
 _SHARE = 0.05
 _MOST = 0.15
-"""Largest share of absurd samples; more are no error of single samples."""
+"""Largest share of absurd samples in a window: more are no error of single samples; not measured."""
 Sample = tuple[float, Mapping[str, float]]
 """Time [s] and values by name."""
 
 
 class Intake:
-    """Makes windows of samples.
+    """Intake of samples, which become windows of time.
 
-    A mean is over the time since the sample before; where that is lost, over the usual one. Where it begins and ends in
-    the frames of the model is said by the weights of a window, so a sample lies wherever its stamp says.
+    A sample is a mean over the time since the sample before it, or over the usual time where the sample before is lost.
+    The weights of a window say over which frames of the model the mean is, so a sample may have any stamp.
 
     Attributes:
         troubles: Number of samples, windows or jumps by kind of trouble.
@@ -68,7 +72,7 @@ class Intake:
         self._schedule = Schedule.from_scene(scene)
         self._origin: float | None = None  # stamp of time zero
         self._start = 0.0  # of the open window
-        self._past = {name: deque[float](maxlen=_USUAL) for name in channels}  # times of its last samples
+        self._past = {name: deque[float](maxlen=_USUAL) for name in channels}  # times of the last samples of a channel
         self._newest = 0.0
         self._open: list[Sample] = []
         self._held: dict[str, tuple[float, float]] = {}  # last set-points, with their times
@@ -88,7 +92,7 @@ class Intake:
 
         Args:
             stamp: Its time [s], of any clock.
-            values: By channel or `SET_POINTS`; NaN for those that it does not have.
+            values: Values by channel, or by name of `SET_POINTS`; NaN for what the sample does not have.
         """
         if not math.isfinite(stamp):
             self.troubles["stamp not finite"] += 1
@@ -96,7 +100,7 @@ class Intake:
         if self._origin is None:
             self._origin = stamp
         time = round(stamp - self._origin, 6)
-        if time > self._newest + _LONGEST_GAP or time < self._newest - _BACK:
+        if time > self._newest + _GAP or time < self._newest - _BACK:
             self.troubles["clock jump"] += 1
             self._origin += time - self._newest  # time goes on from where it was
             time = self._newest
@@ -123,7 +127,7 @@ class Intake:
         if self._origin is None:
             return
         time = stamp - self._origin
-        if not time > self._start or time > self._newest + _LONGEST_GAP:
+        if not time > self._start or time > self._newest + _GAP:
             self.troubles["reading out of time"] += 1
             return
         self._subs[sub].take(time, values)
@@ -150,7 +154,7 @@ class Intake:
         commands = np.stack([self._set_points(name, samples, following, ends) for name in SET_POINTS], axis=1)
         parts = {name: self._compared(name, samples) for name in self._channels}
         readings = np.array([sub.close(self._start) for sub in self._subs])
-        usual = {name: of for name in self._channels if math.isfinite(of := self._usual(name))}
+        usual = {name: time for name in self._channels if math.isfinite(time := self._usual(name))}
         overdue = following[0] - self._newest > _LOST * min([REACH, *usual.values()])
         if not samples and overdue:
             self.troubles["missing window"] += 1
@@ -161,13 +165,13 @@ class Intake:
                 measured={name: measured for name, (measured, _) in parts.items()},
                 weights=np.array([weights for _, weights in parts.values()]),
                 readings=readings if self._subs else None,
-                spacing=min((of for name, of in usual.items() if name != "hookload"), default=math.nan),
+                spacing=min((time for name, time in usual.items() if name != "hookload"), default=math.nan),
                 between=not samples and not overdue,
             )
         )
 
     def _set_points(self, name: str, samples: Sequence[Sample], following: Sample, ends: Array) -> Array:
-        """Set-point at the end of each frame: between those given linear, after the last one held."""
+        """Set-point at the end of each frame: linear between given set-points, and held after the last one."""
         given = [(time, values[name]) for time, values in samples if math.isfinite(values.get(name, math.nan))]
         if name not in self._held and not given:
             return self._schedule.over(ends.tolist())[:, SET_POINTS.index(name)]
@@ -176,8 +180,7 @@ class Intake:
         if math.isfinite(after := following[1].get(name, math.nan)):
             points = [*points, (following[0], after)]
         time, value = np.array(points).T
-        held: Array = np.interp(ends, time, value)
-        return held
+        return np.asarray(np.interp(ends, time, value))
 
     def _usual(self, name: str) -> float:
         """Usual time from sample to sample of a channel [s]; NaN where it is not known yet."""

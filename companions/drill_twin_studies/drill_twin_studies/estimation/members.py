@@ -24,20 +24,18 @@ from drill_twin.scene.load import override
 from drill_twin.scene.overrides import full_key
 from drill_twin.scene.set_points import Command
 from drill_twin.whirl.criteria import Criteria
-from drill_twin_studies.estimation.estimate import FilterWindow
-from drill_twin_studies.estimation.lateral import LateralMotion, asynchronous_radius
-from drill_twin_studies.estimation.prediction import Band, Prediction, WindowTiming, bands_of, untold_of
+from drill_twin_studies.estimation.estimate import FilterWindow, Prediction, WindowTiming
 from drill_twin_studies.estimation.square_root_filter import Correction, applied
-from drill_twin_studies.estimation.subs import VALUES, SubReader, listed
+from drill_twin_studies.estimation.subs import VALUES, LateralMotion, SubReader, asynchronous_radius, listed
 from drill_twin_studies.fitting.sampling import Ranges, in_ranges
 
 LOAD = "load_factor"
-"""Number that is no key of a scene: weight on bit of a member over the one that is commanded or indicated."""
+"""Number that is no key of a scene: weight on bit of a member over the weight that is commanded or indicated."""
 _TAIL = "tail"
 """Name of the frames before a window among the arrays of a checkpoint."""
 WIDEST, FARTHEST = 4.0, 2.5
-"""Standard deviations to which a number of a member, and the mean of the members, may move in the space where its prior
-is standard normal: all members at one end of a range would have no spread, and none would come back."""
+"""Standard deviations to which a number of a member, and the mean of the members, may move in the space where the prior
+of the number is standard normal: all members at one end of a range would have no spread, and none would come back."""
 
 
 class EstimatorMembers:
@@ -45,11 +43,12 @@ class EstimatorMembers:
 
     Attributes:
         scene: The scene of which they are variants.
+        ranges: Lowest and highest value of each free number [SI], by key.
         keys: Keys of the free numbers.
         pace: Frames, samples and windows.
-        channels: Names of what they compute at the frames.
+        channels: Names of what the twins compute at the frames.
         subs: Downhole subs.
-        lateral: Their lateral motion.
+        lateral: Lateral motion of the twins.
         normal: Free numbers in the space where their prior is standard normal, shape (N, d).
         twins: The twins.
     """
@@ -70,7 +69,7 @@ class EstimatorMembers:
             ArgumentError: A number that cannot be changed in the middle of a run, or a sub that the scene has not.
             SceneError: A range does not fit the scene.
         """
-        self.scene, self._ranges, self.pace, self.channels = scene, ranges, pace, list(channels)
+        self.scene, self.ranges, self.pace, self.channels = scene, ranges, pace, list(channels)
         self.keys, self.subs = list(ranges), listed(scene, subs)
         self._full = {key: full_key(key, scene) for key in self.keys if key != LOAD}
         self._seeds = [seed + number + 1 for number in range(count)]
@@ -92,15 +91,7 @@ class EstimatorMembers:
     @property
     def values(self) -> Array:
         """Free numbers [SI], shape (N, d)."""
-        return in_ranges(special.ndtr(self.normal), self._ranges)
-
-    def bands(self, factor: float = 1.0) -> dict[str, Band]:
-        """Bands of the free numbers [SI] by key, their deviations times a factor."""
-        return bands_of(self.normal, self._ranges, factor)
-
-    def untold(self, factor: float = 1.0) -> dict[str, float]:
-        """Share of its range that the band of a number covers, by key, of those that the record does not tell."""
-        return untold_of(self.normal, self._ranges, factor)
+        return in_ranges(special.ndtr(self.normal), self.ranges)
 
     def advance(self, window: FilterWindow, shown: int = -1) -> tuple[list[Frame], Prediction]:
         """Advance by a window; a member that fails becomes a copy of one that does not.
@@ -211,15 +202,6 @@ class EstimatorMembers:
             f"{name}/{axis}": part for name, places in named for axis, part in (("x", places.real), ("y", places.imag))
         }
 
-    def forecast(self, commands: Array, chosen: Sequence[int]) -> Mask:
-        """Check which of some members whirl at a time in the windows to come, shape (chosen,); all are back afterwards.
-
-        Args:
-            commands: Set-points to come, of a number of windows, shape (W, F, 3).
-            chosen: Numbers of the members.
-        """
-        return np.array([self._whirls_ahead(number, commands) for number in chosen], dtype=bool)
-
     def _frames(self, number: int, commands: Array) -> list[Frame]:
         """Frames of a member over a window, which it has still before it afterwards."""
         twin, load = self.twins[number], self._load(number)
@@ -236,7 +218,13 @@ class EstimatorMembers:
         """Weight on bit of a member over that of the set-points."""
         return float(self.values[number, self.keys.index(LOAD)]) if LOAD in self.keys else 1.0
 
-    def _whirls_ahead(self, number: int, commands: Array) -> bool:
+    def whirls_ahead(self, number: int, commands: Array) -> bool:
+        """True for a member that whirls at a time in the windows to come; it is back afterwards.
+
+        Args:
+            number: Number of the member.
+            commands: Set-points to come, of a number of windows, shape (W, F, 3).
+        """
         twin = self.twins[number]
         before = twin.checkpoint()
         try:
@@ -279,7 +267,7 @@ class EstimatorMembers:
         return self._with({"numerics.seed": self._seeds[number]} | found)
 
     def _with(self, values: Mapping[str, float]) -> Scene:
-        return override(self.scene, {self._full.get(key, key): of for key, of in values.items() if key != LOAD})
+        return override(self.scene, {self._full.get(key, key): value for key, value in values.items() if key != LOAD})
 
     def _check(self) -> None:
         """Refuse what cannot be changed in the middle of a run.
@@ -293,7 +281,7 @@ class EstimatorMembers:
                     f"free: expected numbers of effects, of rig.top_drive, or {LOAD}, found {key}, which shapes the "
                     "mesh; `drill-twin fit` finds it from a record"
                 )
-        ends = [in_ranges(np.full((1, len(self.keys)), end), self._ranges)[0].tolist() for end in (0.0, 1.0)]
+        ends = [in_ranges(np.full((1, len(self.keys)), end), self.ranges)[0].tolist() for end in (0.0, 1.0)]
         low, high = (kernel_of(self._with(dict(zip(self.keys, end, strict=True)))) for end in ends)
         if low != high or low[-1]:
             raise ArgumentError("free: expected one law over each range and no numerics.audit, found another at an end")

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """Correction of the lateral motion by downhole subs.
 
-In a vertical hole a motion that is turned about the axis is as possible as it was, so the phase of a whirl is uniform
-and no linear filter finds it: each member is turned to the measured phase first. What is left is near-linear while the
-members follow the rig, and the square-root filter corrects it: lateral motion, torsion and numbers.
+In a vertical hole a motion is as possible when it is turned about the axis. So the phase of a whirl is uniform, and no
+linear filter finds it: each member is turned to the measured phase first. What is left is near-linear while the members
+follow the rig, and the square-root filter corrects it: lateral motion, torsion and numbers.
 """
 
 from __future__ import annotations
@@ -13,13 +13,13 @@ from collections.abc import Sequence
 import numpy as np
 
 from drill_twin.core.arrays import Array, ComplexArray
-from drill_twin_studies.estimation.channel_errors import ChannelErrors
+from drill_twin_studies.estimation.innovations import ChannelErrors
 from drill_twin_studies.estimation.members import EstimatorMembers
 from drill_twin_studies.estimation.square_root_filter import Correction, applied, correction
 from drill_twin_studies.estimation.subs import lateral_velocity, replace_outliers, velocity_noise
 
 _COHERENCE = 0.5
-"""Correlation with the measured motion from which a member's phase is a phase of the same motion."""
+"""Correlation with the measured motion from which a member's phase is a phase of the same motion; not measured."""
 
 _LOST = 2.0
 """Chi-square of a window above which the members have lost the motion; while they follow it, it is 0.01 to 0.5."""
@@ -29,9 +29,9 @@ class PhaseCorrection:
     """Corrects members by the lateral velocity of s subs.
 
     Attributes:
-        predicted: Of the last window, as x and y of each sub, shape (N, 2 s, S), turned.
-        measured: Likewise, shape (2 s, S); NaN where there were no readings.
-        errors: Of these channels.
+        predicted: Velocities of the last window, x and y of each sub, shape (N, 2 s, S), turned.
+        measured: The same of the rig, shape (2 s, S); NaN where there were no readings.
+        errors: Errors of these channels.
         chi_square: Mean square of measured less predicted over the predicted one, in the last window with readings.
     """
 
@@ -52,10 +52,10 @@ class PhaseCorrection:
     def __call__(
         self, members: EstimatorMembers, predicted: Array, measured: Array, found: Sequence[Correction]
     ) -> list[Correction]:
-        """Turn the members, and find the correction of their lateral motion; they have that afterwards.
+        """Turn the members, find the correction of their lateral motion, and apply it.
 
         Args:
-            members: At the end of the window.
+            members: Members at the end of the window.
             predicted: Readings of the subs, shape (N, F, s, 6).
             measured: The same of the rig, shape (s, F, 6); NaN for a sub without.
             found: Corrections by the other channels, which come first.

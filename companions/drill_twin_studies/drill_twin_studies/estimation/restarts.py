@@ -1,14 +1,14 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Restarts after a jump: which number, changed alone, makes the members do what was measured since.
+"""Restarts after a jump, to find the number that, changed alone, makes the members do what was measured since.
 
-Regression on the members does not tell it: torque is no linear function of friction, and the numbers that act on one
-channel all correlate with it. So a few members go some windows back and follow again, with the numbers as they were,
-each with another value of one number, and of all numbers that the channel tells, together. The values close in on the
-best one.
+Regression on the members does not tell the number: torque is no linear function of friction, and all numbers that act
+on one channel correlate with it. So a few members go some windows back and follow the rig again with the numbers that
+they had: first as they were, then with another value of one number in each member, then with other values of all
+numbers that the channel tells. The values close in on the best one.
 
-Members that have lost a motion are too much alike, and wrong. As they were some windows back, followed with the numbers
-of then and not corrected, they differ by as much as the motion can: if that explains what was measured, no number has
-jumped.
+Members that have lost a motion are wrong, and too much alike. Followed from some windows back, with the numbers that
+they had and without correction, they differ by as much as the motion can. If such members explain what was measured, no
+number has jumped.
 """
 
 from __future__ import annotations
@@ -29,21 +29,24 @@ from drill_twin_studies.estimation.members import EstimatorMembers
 from drill_twin_studies.goodness import noise_of
 
 _BACK = 6, 4, 2
-"""Windows to go back: friction at rest shows only when the bit breaks off, windows after it has changed."""
+"""Windows to go back: friction at rest shows only when the bit breaks off, some windows after the friction has changed;
+not measured."""
 _TRIALS, _WIDTHS = 16, (0.25, 0.06)
-"""Values that are tried at a time, and the parts of the prior in which they lie about the best of the last ones."""
+"""Values that are tried at a time, and the parts of the prior about the last best value in which they lie; not
+measured."""
 _EXPLAINS = 1.0
 """Rms of measured less computed over the stated error, up to which a restart explains what was measured. Restarts with
-the number that had jumped reached 0.4 to 0.5, all of them 1.5 to 3.3 after a jump of the string's stiffness."""
+the number that had jumped reached 0.4 to 0.5; after a jump of the string's stiffness all restarts had 1.5 to 3.3."""
 
 _OVER_NOISE = 1.6
-"""The same over the noise of what was measured, where that is larger."""
+"""Rms of measured less computed over the noise of what was measured, which counts where the noise is larger; not
+measured."""
 _LOST = 2.0
-"""Normalised innovation of members with unchanged numbers, up to which they explain what was measured: it was 0.3 to
-0.8 in five of six cases where the motion was lost, and 4 to 13 after jumps of load and of friction on the wall."""
+"""Normalised innovation of members with unchanged numbers, up to which these members explain what was measured. It was
+0.3 to 0.8 in five of six cases where the motion was lost, and 4 to 13 after jumps of load and of wall friction."""
 _GAIN = 0.85
-"""Misfit of all numbers together, as new rock changes them, over that of the best one alone, up to which they explain
-what was measured: more numbers always explain more."""
+"""Misfit of all numbers together, as new rock changes them, over the misfit of the best number alone, up to which all
+together explain what was measured: more numbers always explain more."""
 
 
 class _Window(NamedTuple):
@@ -56,15 +59,15 @@ class _Window(NamedTuple):
 
 
 class Restart(NamedTuple):
-    """Change of numbers that explains what was measured; none, where the members had lost the motion.
+    """Change of numbers that explains what was measured; of no number, if the members had lost the motion.
 
     Attributes:
         windows: Windows to go back.
         chosen: Numbers that have changed, shape (d,).
-        centre: Their places in the prior, from 0 to 1, shape (d,); of the others nothing.
+        centre: Places of all numbers in the prior, from 0 to 1, shape (d,); only those of the chosen ones are new.
         misfit: Rms of measured less computed over the stated error, of the best member.
-        normalised: Rms of measured less the mean of the members over what these and the stated error predict, of the
-            channel in which it is largest.
+        normalised: Rms of measured less the mean of the members, over what members and stated error predict, in the
+            channel where it is largest.
     """
 
     windows: int
@@ -81,7 +84,7 @@ class Restarts:
         """Begin.
 
         Args:
-            members: They.
+            members: Members of the ensemble.
             channels: Names of the channels of the surface.
             few: Factor by which the spread of the members may be too small.
         """
@@ -99,16 +102,17 @@ class Restarts:
         self._past.append(_Window(members.normal.copy(), states, window, np.empty(0)))
 
     def end(self, measured: Array) -> None:
-        """End it with what was measured, shape (C, S), the channels of the surface first."""
+        """End the window with what was measured, shape (C, S), the channels of the surface first."""
         self._past[-1] = self._past[-1]._replace(measured=measured[: len(self._channels)])
 
     def found(self, told: Mask, errors: Array, judged: int) -> Restart | None:
-        """Numbers that explain the last windows, changed alone or all together, or none of them; None if they do not.
+        """Change of numbers that explains the last windows, of none, one or all of them; None if no change explains
+        them.
 
         Args:
-            told: Numbers that the channel tells, shape (d,).
+            told: Numbers that the odd channel tells, shape (d,).
             errors: Stated errors of a sample of each channel, shape (C,).
-            judged: Last windows, which are compared: those that show the jump.
+            judged: Number of the last windows, which show the jump, and are compared.
         """
         back = [windows for windows in _BACK if windows >= judged]
         unchanged = [self._tried(start, np.zeros_like(told), None, 1.0, errors, judged) for start in back]

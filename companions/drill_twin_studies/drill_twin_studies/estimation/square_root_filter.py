@@ -11,8 +11,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
 from functools import reduce
+from typing import NamedTuple
 
 import numpy as np
 from scipy.fft import dct
@@ -20,15 +20,14 @@ from scipy.fft import dct
 from drill_twin.core.arrays import Array, Mask
 
 
-@dataclass(frozen=True)
-class Correction:
+class Correction(NamedTuple):
     """Correction of N members by m measured values.
 
     Attributes:
         weights: Part of each member's anomaly in the change of the mean, shape (N,).
         transform: From the anomalies before to those after, symmetric, shape (N, N).
         directions: Effective number of directions that were measured, trace of the matrix from measured to fitted.
-        near: Whether each member is of the third that predicts what is nearest to the measured, shape (N,).
+        near: True for the third of the members whose predictions are nearest to the measured values, shape (N,).
         surprise: Squared innovation over its variance, summed: about m if members and noise explain it.
     """
 
@@ -41,11 +40,10 @@ class Correction:
     def apply(self, values: Array) -> Array:
         """Corrected values of the members, of shape (N, ...)."""
         mean = values.mean(axis=0)
-        corrected: Array = mean + np.tensordot(self.transform + self.weights, values - mean, axes=1)
-        return corrected
+        return np.asarray(mean + np.tensordot(self.transform + self.weights, values - mean, axes=1))
 
     def apply_to_numbers(self, values: Array) -> Array:
-        """Corrected numbers, of shape (N, d), with what the members can say of them and no more.
+        """Corrected numbers, of shape (N, d), as far as the members can tell them.
 
         * Numbers have no dynamics: what they lose of their spread by chance never comes back, and N members correlate
           with m samples even where a number does not act on them. So a correction is multiplied by 1 - 1 / F where
@@ -53,8 +51,8 @@ class Correction:
           freedom (James and Stein 1961; the adjusted coefficient of determination of Ezekiel 1930). With many members
           it is that of `apply`.
         * Where a number acts on the measured in a curve, the scatter about the regression is not everywhere the same.
-          That of the members nearest to the measured counts where it is larger (heteroscedastic regression, as in
-          approximate Bayesian computation: Blum and Francois 2010).
+          The scatter of the members nearest to the measured values counts where it is larger (heteroscedastic
+          regression, as in approximate Bayesian computation: Blum and Francois 2010).
         """
         free = len(values) - 1.0 - self.directions
         before = values - values.mean(axis=0)
@@ -80,9 +78,9 @@ def correction(predicted: Array, measured: Array, variance: Array) -> Correction
     """Correction of members by measured values with independent errors.
 
     Args:
-        predicted: What each member predicts for them, shape (N, m).
+        predicted: Prediction of each member, shape (N, m).
         measured: The values, shape (m,); NaN for one that is missing.
-        variance: Of their errors, those of the model included, shape (m,).
+        variance: Variance of their errors, those of the model included, shape (m,).
     """
     known = np.isfinite(measured)
     deviation = np.sqrt(variance[known])
@@ -109,7 +107,7 @@ def corrections(predicted: Array, measured: Array, deviation: Array) -> list[Cor
     Args:
         predicted: Channels of N members, shape (N, C, S).
         measured: Channels, shape (C, S); NaN where missing.
-        deviation: Of the errors of a sample, shape (C,).
+        deviation: Standard deviation of the errors of a sample, shape (C,).
     """
     parts: list[Array] = []
     for channel, known in enumerate(np.isfinite(measured)):

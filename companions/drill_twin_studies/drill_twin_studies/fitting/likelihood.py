@@ -55,8 +55,8 @@ def of_series(record: Channels, runs: Channels, free: int) -> Array:
 def noise_in(record: Array, residual: Array) -> float:
     """Standard deviation of the errors of the samples of a record: noise, and `FLOOR` for the model's rounding.
 
-    Noise is told from the record or from what a run leaves of it, whichever has less of it: what is not smooth in a
-    motion that sticks and slips counts as noise of the record, but a run takes it away.
+    Noise is told from the record or from what a run leaves of it, whichever has less noise: jerks of a motion that
+    sticks and slips count as noise of the record, but a run takes them away.
     """
     known = record[np.isfinite(record)]
     floor = FLOOR * float(np.std(known)) if known.size else 0.0
@@ -66,10 +66,10 @@ def noise_in(record: Array, residual: Array) -> float:
 def error_variance(square: float, noise: float, count: int, free: int) -> float:
     """Variance of the error of a sample: of its noise, and of what the model leaves unexplained.
 
-    Where the residual is no larger than the noise, that is all. What exceeds the noise is an error of the model. A part
-    of that error does not show, as the free numbers have taken it up; it is assumed to be as large as the one that
-    shows, and to be shared by them: so the error of the model counts as `free` independent samples and not as `count`.
-    Chance makes every other residual of a right model exceed its noise a little: its bands are wider.
+    Where the residual is no larger than the noise, there is noise alone. What exceeds the noise is an error of the
+    model. A part of the error does not show, as the free numbers have taken it up. This part is assumed to be as large
+    as the part that shows: so the error of the model counts as `free` independent samples and not as `count`. Chance
+    makes every other residual of a right model exceed its noise a little: its bands are wider.
 
     Args:
         square: Mean square of the residual of the best run.
@@ -168,8 +168,7 @@ class WindowedRecord:
 
     def _of_mean(self, found: Array) -> Array:
         """Covariance of the mean of features, shape (windows, F)."""
-        covariance: Array = np.cov(found.T) + np.diag(self._counted)
-        return covariance / (1.0 + (len(found) - 1) / OVERLAP)
+        return np.asarray((np.cov(found.T) + np.diag(self._counted)) / (1.0 + (len(found) - 1) / OVERLAP))
 
 
 def features_goodness(record: Channels, run: Channels, period: float, window: float) -> dict[str, Goodness]:
@@ -216,5 +215,4 @@ def _shrunk(covariance: Array, freedom: float) -> Array:
     above = (1.0 - 2.0 / count) * square + count**2
     below = (freedom + 1.0 - 2.0 / count) * max(square - count, 1e-9)
     share = min(1.0, above / below)
-    found: Array = covariance * ((1.0 - share) + share * np.eye(count))
-    return found
+    return np.asarray(covariance * ((1.0 - share) + share * np.eye(count)))

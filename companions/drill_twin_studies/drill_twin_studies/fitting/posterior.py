@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 UNDETERMINED = 0.6
 """Width of a 90 % interval over that of the range, above which the record does not determine a number."""
 AT_AN_END = 0.25
-"""Probability in the last `END` of a range from which a number is at its end: five times that of the prior."""
+"""Probability in the last `END` of a range, from which a number is at an end of its range: five times the prior's."""
 AT_REST = tuple(f"effects.bit_torque_stribeck.{name}" for name in ("sticking", "decay", "exponent"))
 """Numbers of how friction falls from its value at rest. A record tells what happens once the bit has gained speed, and
 another law near rest explains it as well with other numbers (docs/drill_twin_studies/fit.md)."""
@@ -100,8 +100,7 @@ class Posterior:
         spread = self.values - weights @ self.values
         covariance = (spread.T * weights) @ spread
         size = np.sqrt(np.maximum(np.diag(covariance), np.finfo(float).tiny))
-        found: Array = covariance / np.outer(size, size)
-        return found
+        return np.asarray(covariance / np.outer(size, size))
 
     @cached_property
     def undetermined(self) -> list[str]:
@@ -130,8 +129,7 @@ class Posterior:
 
     def residual(self, channel: str) -> Array:
         """Measured less computed by the best run, shape (T,); NaN where the record has no sample."""
-        found: Array = self.measured[channel] - self.runs[channel][self.best_run]
-        return found
+        return np.asarray(self.measured[channel] - self.runs[channel][self.best_run])
 
     @cached_property
     def goodness(self) -> dict[str, Goodness]:
@@ -248,14 +246,14 @@ def fit_figure(found: Posterior) -> Figure:
             axes.plot(found.time, measured, color=BLUE, linewidth=1.0, label="record")
             axes.plot(found.time, best, color=VERMILION, linewidth=1.0, label="best run")
             axes.set_ylabel(f"{channel} [{unit}]")
-            of = found.goodness[channel]
+            fitted = found.goodness[channel]
             if found.window is not None:  # the phase of the series is not determined
                 below.set_visible(False)
                 continue
-            below.plot(found.time, found.residual(channel) / of.noise, color=BLUE, linewidth=0.8)
+            below.plot(found.time, found.residual(channel) / fitted.noise, color=BLUE, linewidth=0.8)
             below.axhspan(-HALF_WIDTH, HALF_WIDTH, color=LIGHT)
             below.set_ylabel("residual / noise")
-            below.set_title(f"rms {of.ratio:.3g}, from sample to sample {of.correlation:+.2f}", fontsize=9.5)
+            below.set_title(f"rms {fitted.ratio:.3g}, from sample to sample {fitted.correlation:+.2f}", fontsize=9.5)
         panels[-1].set_xlabel("time [s]")
         panels[0].legend(loc="upper right", ncols=3)
     return figure

@@ -28,7 +28,7 @@ SET_POINTS: Mapping[str, Dimension] = {name: channel_of(name).dimension for name
 """Set-points of a rig, as commanded or indicated, and dimensions: inputs of the estimator."""
 _KNOWN = {**CHANNELS, **SET_POINTS}
 GAP = 2.5
-"""Distance of two samples over the usual one, from which there is a gap between them."""
+"""Distance of two samples over the usual one, from which there is a gap between them; not measured."""
 _OF_BAG = {name: FIELDS[name] for name in _KNOWN if name != "motor_torque"}
 _MNEMONICS = {name: record for name in _KNOWN for record, field in RECORDED.items() if field == FIELDS[name]}
 """Channels, and the names of their columns in records."""
@@ -49,12 +49,12 @@ class Record:
     """Channels over time.
 
     Attributes:
-        source: Where it is from.
+        source: File or bag of the record.
         series: Time [s] and values [SI] by channel, each of shape (rows,).
         subs: Time [s] and readings (force, rates) by downhole sub, `measured/NAME` for those of a real rig, shapes
             (rows,) and (rows, 6); of a bag only, if asked for.
-        instant: Channels whose samples are values at their times; those of the others are means since the last sample.
-        ends: Channels whose means have the time of their end, as in files; those of others that of their middle.
+        instant: Channels whose samples are values at their times; other samples are means since the last one.
+        ends: Channels whose means are stamped with their end, as in files; other means are stamped with their middle.
     """
 
     source: str
@@ -89,8 +89,7 @@ class Record:
             return np.where(missing, np.nan, np.interp(middle, stamps, values))
         edges = np.clip(np.append(time - spacing, time[-1]), stamps[0], stamps[-1])
         total = np.concatenate(([0.0], np.cumsum(0.5 * (values[1:] + values[:-1]) * np.diff(stamps))))
-        means: Array = np.diff(np.interp(edges, stamps, total)) / np.diff(edges)
-        return np.where(missing, np.nan, means)
+        return np.where(missing, np.nan, np.diff(np.interp(edges, stamps, total)) / np.diff(edges))
 
 
 def channel_column(text: str) -> ChannelColumn:

@@ -33,8 +33,7 @@ def weighted_quantile(values: Array, weights: Array, share: float) -> Array:
     order = np.argsort(flat, axis=0)
     total = np.cumsum(weights[order], axis=0)
     row = np.argmax(total >= share * total[-1], axis=0)
-    found: Array = np.take_along_axis(flat, np.take_along_axis(order, row[None], 0), 0)[0]
-    return found.reshape(values.shape[1:])
+    return np.asarray(np.take_along_axis(flat, np.take_along_axis(order, row[None], 0), 0)[0].reshape(values.shape[1:]))
 
 
 def in_ranges(cube: Array, ranges: Ranges) -> Array:
@@ -147,8 +146,7 @@ def _draws(proposal: Any, count: int, dimensions: int, generator: np.random.Gene
     drawn = proposal.rvs(count, generator).reshape(count, dimensions)
     keep = round(_PRIOR_SHARE * count)
     drawn[:keep] = prior[:keep]
-    clipped: Array = np.clip(drawn, -6.0, 6.0)
-    return clipped
+    return np.asarray(np.clip(drawn, -6.0, 6.0))
 
 
 def _weighted(normal: Array, cube: Array, found: Array, proposals: list[Any], members: int) -> Sampling:
@@ -165,17 +163,14 @@ def _weighted(normal: Array, cube: Array, found: Array, proposals: list[Any], me
 
     def weights(power: float) -> Array:
         logarithm = base + np.where(np.isfinite(found), power * found, -np.inf)
-        found_weights: Array = special.softmax(logarithm)
-        return found_weights
+        return np.asarray(special.softmax(logarithm))
 
     def excess(power: float) -> float:
-        effective = 1.0 / np.sum(weights(power) ** 2)
-        return float(effective) - wanted
+        return float(1.0 / np.sum(weights(power) ** 2)) - wanted
 
     power = 1.0
     if excess(1.0) < 0.0:
-        lowered: float = optimize.brentq(excess, 0.0, 1.0, xtol=1e-9) if excess(0.0) > 0.0 else 0.0
-        power = lowered
+        power = float(optimize.brentq(excess, 0.0, 1.0, xtol=1e-9)) if excess(0.0) > 0.0 else 0.0
     return Sampling(cube, weights(power), found, power)
 
 

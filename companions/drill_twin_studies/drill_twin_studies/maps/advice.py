@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Advice from an operating map: where a set-point lies, which boundary is near, and the nearest calmer set-point."""
+"""Advice from an operating map: the place of a set-point, the boundary near it, and the nearest calmer set-point.
+
+Advice is given once the set-points have settled, with one target at a time.
+"""
 
 from __future__ import annotations
 
@@ -20,11 +23,9 @@ from drill_twin_studies.maps.regimes import REGIMES, Regime
 from drill_twin_studies.maps.runs import RAMP, STAY
 
 MARGIN = 0.05
-"""Distance to the boundary that a set-point should have, as a share of the ranges."""
+"""Distance to the boundary that a set-point should have, as a share of the ranges; not measured."""
 FROM_REST, DIES = "whirl begins from rest", "an existing whirl dies"
 """Names of the two boundaries."""
-
-
 NO_BOUNDARY = 1e9
 """Margin in a message where no boundary is met."""
 
@@ -52,9 +53,9 @@ class Advice(NamedTuple):
     keeps: bool
     """An existing whirl goes on at the set-point, by the map."""
     boundary: str
-    """Boundary that the margin is to."""
+    """Name of the boundary to which `margin` is the distance."""
     margin: Margin
-    """Distance to that boundary; negative beyond it."""
+    """Distance to this boundary; negative beyond it."""
     target: AdvisedSetPoint | None
     """Set-point to go to, with speed 0 where the rotation must stop; None: stay, or there is none."""
 
@@ -62,7 +63,7 @@ class Advice(NamedTuple):
 class Adviser:
     """Advice from one map.
 
-    From rest a set-point must be calm; out of an existing whirl it must be one at which a whirl dies, too.
+    An advised set-point must be calm from rest; while the string whirls, a whirl must die at it, too.
     """
 
     def __init__(self, found: OperatingMap, margin: float = MARGIN) -> None:
@@ -77,7 +78,7 @@ class Adviser:
 
     @property
     def patience(self) -> float:
-        """Time after which a whirl should have died [s]: that which the runs of the map had."""
+        """Time after which a whirl should have died [s]: the time that the runs of the map had."""
         return (RAMP + STAY) * self.map.duration
 
     @cached_property
@@ -128,8 +129,8 @@ class Adviser:
     def _target(self, allowed: Mask, weight: float, speed: float, *, above: float = 0.0) -> AdvisedSetPoint | None:
         """Nearest allowed set-point that is farther from the boundary than `above` [steps] and has the wanted margin.
 
-        Where none has it, one of those with the largest; `above` infinite asks for these. Speeds so slow that no run
-        could tell a whirl are advised only where there are no others.
+        Where no set-point has the margin, one with the largest margin, which `above` infinite asks for. Speeds so slow
+        that no run could tell a whirl are advised only where there are no others.
         """
         if not allowed.any():
             return None
@@ -183,39 +184,37 @@ class Adviser:
         return f"{where}: no calm set-point in its ranges, {low} to {high}"
 
 
-class AdviceEncoder:
-    """Encoder of `/advice/state`."""
-
-    _NAMES = (
+_ADVICE = JointStateTemplate(
+    (
         "advice", "weight_on_bit", "rotation", "regime", "whirls", "existing_whirl", "margin/weight_on_bit",
         "margin/rotation", "margin/share", "target", "target/weight_on_bit", "target/rotation", "target/share",
-    )  # fmt: skip
+    ),
+    velocity=False, effort=False,
+)  # fmt: skip
 
-    def __init__(self) -> None:
-        self._template = JointStateTemplate(self._NAMES, velocity=False, effort=False)
 
-    def encode(self, stamp: int, advice: Advice | None, weight: float, speed: float, *, whirls: bool) -> bytes:
-        """CDR of advice at a set-point, all numbers finite.
+def encode_advice(stamp: int, advice: Advice | None, weight: float, speed: float, *, whirls: bool) -> bytes:
+    """CDR of `/advice/state`, advice at a set-point; all numbers are finite.
 
-        Args:
-            stamp: Header stamp [ns].
-            advice: The advice; None where there is none.
-            weight: Weight on bit [N].
-            speed: Speed [rad/s].
-            whirls: The string whirls now.
-        """
-        values = np.zeros(len(self._NAMES))
-        values[1:5] = weight, speed, -1.0, whirls
-        if advice is not None:
-            code = {Level.OK: AdviceCode.HOLD, Level.WARN: AdviceCode.NEAR}.get(advice.level, AdviceCode.LEAVE)
-            regime = -1 if advice.regime is None else advice.regime.code
-            margin, target = advice.margin, advice.target
-            values[0], values[3], values[5] = code, regime, advice.keeps
-            values[6:9] = margin.weight, margin.speed, margin.share
-            if target is not None:
-                values[9:] = 1.0, target.weight, target.speed, target.margin
-        finite = np.nan_to_num(values, nan=0.0, posinf=NO_BOUNDARY, neginf=-NO_BOUNDARY)
-        return self._template.fill(stamp, finite)
+    Args:
+        stamp: Header stamp [ns].
+        advice: The advice; None where there is none.
+        weight: Weight on bit [N].
+        speed: Speed [rad/s].
+        whirls: The string whirls now.
+    """
+    values = np.zeros(len(_ADVICE.names))
+    values[1:5] = weight, speed, -1.0, whirls
+    if advice is not None:
+        code = {Level.OK: AdviceCode.HOLD, Level.WARN: AdviceCode.NEAR}.get(advice.level, AdviceCode.LEAVE)
+        regime = -1 if advice.regime is None else advice.regime.code
+        margin, target = advice.margin, advice.target
+        values[0], values[3], values[5] = code, regime, advice.keeps
+        values[6:9] = margin.weight, margin.speed, margin.share
+        if target is not None:
+            values[9:] = 1.0, target.weight, target.speed, target.margin
+    finite = np.nan_to_num(values, nan=0.0, posinf=NO_BOUNDARY, neginf=-NO_BOUNDARY)
+    return _ADVICE.fill(stamp, finite)
 
 
 def _depth(flags: Mask) -> Array:
@@ -223,3 +222,77 @@ def _depth(flags: Mask) -> Array:
     from scipy.ndimage import distance_transform_edt
 
     return np.full(flags.shape, math.inf) if flags.all() else np.asarray(distance_transform_edt(flags))
+
+
+SMOOTHING = 0.5
+"""Time over which set-points are smoothed [s], as the weight on bit swings with the whirl; not measured."""
+MOVED = 0.02
+"""Distance beyond which set-points have a new place, as a share of the ranges; not measured."""
+SETTLING = 2.0
+"""Time for which set-points must have held before there is advice [s]; not measured."""
+SPEAKS_AFTER = 10.0
+"""Time of a whirl after which there is advice though set-points swing [s]; not measured."""
+
+
+class Tracker:
+    """Set-points smoothed over time, and the advice that stands: one at a time, given once they have settled.
+
+    A target stands until other set-points have settled, so also on the way to it.
+    """
+
+    def __init__(self) -> None:
+        """Begin without a set-point."""
+        self.time = -math.inf
+        """Time of the last set-point [s]."""
+        self.weight = self.speed = math.nan
+        """Weight on bit [N] and speed [rad/s], smoothed."""
+        self._begin(-math.inf, math.nan, math.nan)
+
+    def _begin(self, time: float, weight: float, speed: float) -> None:
+        self.time, self.weight, self.speed = time, weight, speed
+        self.waits_for = ""
+        """Reason why there is no advice; empty while there is advice."""
+        self._held = (math.inf, math.inf)  # place near which set-points stay
+        self._settling = self._changing = time  # times since which they have stayed there, or not settled
+        self._place: tuple[float, float] | None = None  # set-points of the advice
+        self._since = time  # of a whirl there
+        self._has_target = self._stops = False
+
+    def take(self, time: float, weight: float, speed: float) -> None:
+        """Take the weight on bit [N] and the speed [rad/s] at a time [s]; one before the last begins anew."""
+        if self.time == -math.inf or time < self.time:
+            self._begin(time, weight, speed)
+            return
+        share = -math.expm1((self.time - time) / SMOOTHING)
+        self.weight += share * (weight - self.weight)
+        self.speed += share * (speed - self.speed)
+        self.time = time
+
+    def advise(self, adviser: Adviser, *, whirls: bool) -> Advice | None:
+        """Advice that stands; None while there is none, as set-points change or the string does not turn."""
+        plane, now = adviser.map.plane, (self.weight, self.speed)
+        near, place = MOVED * plane.steps, plane.place(*now)
+        if math.dist(place, self._held) >= near:
+            self._held, self._settling = place, self.time
+        # The weight may swing with a whirl so much that it never settles; then it is time to speak.
+        if self.time - self._settling >= SETTLING or (whirls and self.time - self._changing >= SPEAKS_AFTER):
+            self._changing = self.time
+            if self._place is None or math.dist(place, plane.place(*self._place)) >= near:
+                self._place, self._since = now, self.time
+        elif self._place is not None and not self._has_target:
+            self._place = None
+        if not whirls:
+            self._since = self.time
+        self.waits_for = ""
+        if not whirls and abs(self.speed) < MOVED * plane.speed.high:
+            self.waits_for, self._place = "the string does not turn: no advice", None
+        elif self._place is None:
+            self.waits_for = f"set-points are changing: advice once they have held for {SETTLING:g} s"
+        if self._place is None:
+            self._has_target = False
+            return None
+        seconds, stops = self.time - self._since, self._stops and whirls
+        advice = adviser.advise(*self._place, whirls=whirls, seconds=seconds, stops=stops)
+        self._has_target = advice.target is not None
+        self._stops = whirls and advice.target is not None and advice.target.speed == 0.0
+        return advice

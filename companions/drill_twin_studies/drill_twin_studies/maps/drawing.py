@@ -37,11 +37,11 @@ class Boundary(NamedTuple):
     segments: list[list[list[float]]]
     """Segments of two points, weight on bit [N] and speed [rad/s]."""
     colour: str
-    """Of the line."""
+    """Colour of the line."""
     style: str
-    """Of the line: solid, dashed or dotted."""
+    """Style of the line: solid, dashed or dotted."""
     width: float
-    """Of the line [points]."""
+    """Width of the line [points]."""
 
 
 def boundaries(found: OperatingMap) -> list[Boundary]:
@@ -64,7 +64,7 @@ def grows(found: OperatingMap) -> Mask:
 def margins(flags: Mask) -> tuple[Array, Array, Array]:
     """Distances from each node to the boundary of flagged nodes [steps]: along each range, and the shortest.
 
-    That of `OperatingMap.margin` at the nodes, without its sign; infinite where there is no boundary.
+    The distances are those of `OperatingMap.margin` without the sign; infinite where there is no boundary.
     """
     along = [np.apply_along_axis(_to_the_others, axis, flags) for axis in (0, 1)]
     return along[0], along[1], _to_the_others(flags)
@@ -166,8 +166,8 @@ def page_data(found: OperatingMap, scene: str) -> dict[str, Any]:
         "version": __version__,
         "own": own,
         "units": {
-            of: [1.0 / found.units.show(1.0, of), getattr(found.units, of)]
-            for of in ("force", "rotation", "torque", "stress")
+            quantity: [1.0 / found.units.show(1.0, quantity), getattr(found.units, quantity)]
+            for quantity in ("force", "rotation", "torque", "stress")
         },
         "whirling": [regime.value for regime in REGIMES if regime.whirls],
         "known": _digits(found.known),

@@ -1,17 +1,16 @@
 # SPDX-License-Identifier: Apache-2.0
-"""An operating map: its runs, what it says of a set-point, and its file."""
+"""Operating map: what it says of a set-point, and its file."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from functools import cached_property
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Annotated, Any, Literal, NamedTuple
 
 import numpy as np
-from pydantic import ValidationError
+from pydantic import BaseModel, Field, ValidationError
 
 from drill_twin.core.arrays import Mask
 from drill_twin.core.errors import ArgumentError, SceneError
@@ -23,30 +22,53 @@ from drill_twin.io.messages.topic_words import digest_of
 from drill_twin.scene import Scene
 from drill_twin.scene.load import parse_scene
 from drill_twin.scene.problems import path_text
-from drill_twin_studies.maps.fields import MapFields, MapFile
+from drill_twin_studies.maps.fields import MapFields
 from drill_twin_studies.maps.plane import Node, Plane, Span
 from drill_twin_studies.maps.regimes import REGIMES, Regime
-from drill_twin_studies.maps.runs import Key, RunRecord, values_of
-from drill_twin_studies.maps.window import SafeWindow, basis, cells_of, rectangles, safe_cells
+from drill_twin_studies.maps.runs import Key, RunOfFile, RunRecord, values_of
 
 FORMAT = 2
 _FILE = ForeignFile("the map.json of `drill-twin map`", 256_000_000, ArgumentError)
+
+
+Number = Annotated[float, Field(ge=-1e15, le=1e15)]
+"""Number of a file: no quantity of a string in SI is larger, and the product of two is finite."""
+_Grid = Sequence[Sequence[Number]]
+
+
+class MapFile(BaseModel):
+    """Fields of `map.json` that are read; all others follow from them."""
+
+    format: Literal[2]
+    scene_name: str
+    digest: str
+    scene: str
+    weight: Annotated[tuple[Number, Number], Field(alias="weight_on_bit_N")]
+    speed: Annotated[tuple[Number, Number], Field(alias="rotation_rad_s")]
+    steps: int
+    duration_s: Annotated[Number, Field(gt=0.0)]
+    calm_for_s: Annotated[Number, Field(ge=0.0)]
+    draws: Sequence[Mapping[str, Number | str]]
+    notes: Sequence[str]
+    growth: _Grid
+    torsional_growth: _Grid
+    runs: Sequence[RunOfFile]
 
 
 class Margin(NamedTuple):
     """Distance of a set-point to the boundary of calm operation; negative where it is beyond."""
 
     weight: float
-    """Along the weight on bit [N]; infinite where the range has no boundary there."""
+    """Distance along the weight on bit [N]; infinite where the range has no boundary there."""
     speed: float
-    """Along the speed [rad/s]; infinite as above."""
+    """Distance along the speed [rad/s]; infinite where the range has no boundary there."""
     share: float
-    """Shortest distance, as a share of both ranges; infinite as above."""
+    """Shortest distance, as a share of both ranges; infinite where they have no boundary."""
 
     def text(self, units: UnitSystem) -> str:
         """Distance along each axis that meets the boundary; empty without one."""
         both = ((self.weight, "force"), (self.speed, "rotation"))
-        return " or ".join(units.text(abs(value), of, ".3g") for value, of in both if math.isfinite(value))
+        return " or ".join(units.text(abs(value), quantity, ".3g") for value, quantity in both if math.isfinite(value))
 
 
 @dataclass(frozen=True)
@@ -59,43 +81,6 @@ class OperatingMap(MapFields):
         checks = len(self.checks)
         said = f"{len(self.records) - checks} runs of {self.duration:g} s from rest"
         return f"{said}, and {checks} checks of {self.asked:g} s" if checks else said
-
-    @property
-    def clean_checks(self) -> int:
-        """Checks in the windows since the last one that was not smooth."""
-        count, inside = 0, self.window_cells
-        for key, record in self.checks:
-            here = inside[self.plane.cells_at(key.place)].any()
-            count = 0 if record.regime is not Regime.SMOOTH else count + int(here)
-        return count
-
-    @cached_property
-    def window_nodes(self) -> Sequence[tuple[int, int, int, int]]:
-        """First and last node of each safe window along weight on bit and speed."""
-        return rectangles(safe_cells(self))
-
-    @cached_property
-    def window_cells(self) -> Mask:
-        """Unit cells in any of the windows, shape (n, n)."""
-        return cells_of(self.window_nodes, self.plane.steps)
-
-    @property
-    def windows(self) -> Sequence[SafeWindow]:
-        """Safe windows (`drill_twin_studies.maps.window`), the largest first; they may overlap."""
-        command = self.plane.command
-        return [
-            SafeWindow(*map(Span, command((i, j)), command((k, m)))) for i, k, j, m in self.window_nodes
-        ]  # fmt: skip
-
-    @property
-    def window(self) -> SafeWindow | None:
-        """Largest safe window."""
-        return next(iter(self.windows), None)
-
-    @property
-    def basis(self) -> Sequence[str]:
-        """Grounds of the windows, as sentences."""
-        return basis(self, self.window_cells, self.clean_checks)
 
     # --- at a set-point -------------------------------------------------------------------------------------------
 
@@ -214,7 +199,7 @@ class OperatingMap(MapFields):
                    file.growth, file.torsional_growth, file.calm_for_s)  # fmt: skip
 
     def check_scene(self, scene: Scene) -> None:
-        """Check that it is a map of a scene.
+        """Check that the map is of a scene.
 
         Raises:
             ArgumentError: String, hole, top drive or effects of the scene have other numbers.

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -84,7 +85,7 @@ def wanted(labels: Labels, coarse: int, finest: int, hint: Labels | None = None,
     """Nodes to be labelled next, so that cells with more than one label are split down to a size.
 
     A cell whose corners are known is split into four if the known nodes in it or on its edges have different labels.
-    It depends on the labels alone, so a search that was broken off goes on as if it had not been.
+    The nodes depend on the labels alone, so a search that was broken off goes on as if it had not been.
 
     Args:
         labels: What is known.
@@ -107,15 +108,16 @@ def wanted(labels: Labels, coarse: int, finest: int, hint: Labels | None = None,
             missing = [node for node in corners if labels[node] == UNKNOWN]
             found.update(dict.fromkeys(missing))
             inside = (slice(i, i + size + 1), slice(j, j + size + 1))
-            expected = hint is not None and size > hinted and _differ(hint[inside])
-            if not missing and size > finest and (_differ(labels[inside]) or expected):
+            expected = hint is not None and size > hinted and differ(hint[inside])
+            if not missing and size > finest and (differ(labels[inside]) or expected):
                 split.append((i, j))
         size //= 2
         cells = [(i + a, j + b) for i, j in split for a in (0, size) for b in (0, size)]
     return list(found)
 
 
-def _differ(labels: Labels) -> bool:
+def differ(labels: Labels) -> bool:
+    """True for labels of which two known ones are not the same."""
     known = labels[labels != UNKNOWN]
     return bool(known.size and (known != known[0]).any())
 
@@ -128,7 +130,7 @@ def on_lattice(grid: Array, steps: int) -> Array:
 
 
 def filled(labels: Labels) -> Labels:
-    """Labels of all nodes: that of the nearest known one.
+    """Labels of all nodes: each has the label of the nearest known node.
 
     Raises:
         ArgumentError: No label is known.
@@ -155,20 +157,10 @@ def boundary(flags: Mask) -> Iterator[tuple[Array, Array]]:
 
     Marching squares; a cell with both diagonals mixed is cut about its flagged corners.
     """
-    mixed = flags[:-1, :-1].astype(int) + flags[1:, :-1] + flags[:-1, 1:] + flags[1:, 1:]
-    for i, j in np.argwhere((mixed > 0) & (mixed < 4)).tolist():
-        around = [(i, j), (i + 1, j), (i + 1, j + 1), (i, j + 1)]
-        values = [bool(flags[node]) for node in around]
-        crossings = [
-            0.5 * (np.array(around[k], float) + np.array(around[(k + 1) % 4], float))
-            for k in range(4)
-            if values[k] != values[(k + 1) % 4]
-        ]
-        if len(crossings) == 4 and not values[0]:
-            crossings = crossings[1:] + crossings[:1]
-        if len(crossings) == 4:
-            crossings = [crossings[3], crossings[0], crossings[1], crossings[2]]
-        yield from zip(crossings[::2], crossings[1::2], strict=True)
+    from contourpy import contour_generator
+
+    for line in contour_generator(z=flags.astype(float)).lines(0.5):
+        yield from pairwise(np.asarray(line)[:, ::-1])
 
 
 def known_and_calm(made: Mask, calm: Mask) -> tuple[Mask, Mask]:
@@ -196,3 +188,41 @@ def known_and_calm(made: Mask, calm: Mask) -> tuple[Mask, Mask]:
 def corners(values: Array | Mask) -> Array:
     """Values at the four corners of each cell, shape (4, n, n)."""
     return np.array([values[:-1, :-1], values[1:, :-1], values[:-1, 1:], values[1:, 1:]])
+
+
+MOST_WINDOWS, LEAST_GAIN = 3, 0.08
+"""Largest number of windows, and share of the safe cells that each window after the first must add; not measured."""
+
+
+def rectangles(safe: Mask) -> list[tuple[int, int, int, int]]:
+    """Largest rectangle of safe cells, and others that add most to it: first and last node along both ranges."""
+    found: list[tuple[int, int, int, int]] = []
+    new = safe.astype(int)
+    while len(found) < MOST_WINDOWS:
+        gain, best = _best_rectangle(safe, new)
+        if gain <= (LEAST_GAIN * safe.sum() if found else 0):
+            break
+        found.append(best)
+        i, k, j, m = best
+        new[i:k, j:m] = 0
+    return found
+
+
+def _best_rectangle(safe: Mask, new: Array) -> tuple[int, tuple[int, int, int, int]]:
+    """Rectangle of safe cells with the largest sum of `new`, and that sum."""
+    sums = np.zeros(np.add(safe.shape, 1), int)
+    sums[1:, 1:] = new.cumsum(axis=0).cumsum(axis=1)
+    heights = np.zeros(safe.shape[1], int)
+    gain, best = 0, (0, 0, 0, 0)
+    for i, row in enumerate(safe):
+        heights = np.where(row, heights + 1, 0)
+        for j in range(heights.size):
+            tall = np.minimum.accumulate(heights[j:])
+            tall = tall[: int(np.argmin(tall > 0)) if not tall.all() else tall.size]
+            if tall.size:
+                last, top = j + 1 + np.arange(tall.size), i + 1 - tall
+                sizes = sums[i + 1, last] - sums[top, last] - sums[i + 1, j] + sums[top, j]
+                k = int(np.argmax(sizes))
+                if sizes[k] > gain:
+                    gain, best = int(sizes[k]), (int(top[k]), i + 1, j, int(last[k]))
+    return gain, best

@@ -13,10 +13,11 @@ from drill_twin.whirl.motion.states import NO_WHIRL
 from drill_twin.whirl.motion.stick_slip_index import FULL, MODERATE, STUCK
 
 BUCKLED_RADIUS = 0.25
-"""Least radius of a mark, over its clearance, of a string that is buckled and does not whirl."""
+"""Least radius of a mark, over its clearance, of a string that is buckled and does not whirl; not measured."""
 
 BEHIND = 0.05
-"""Least difference of the mean speeds of bit and top drive, over the latter, of a string that still winds up."""
+"""Difference of the mean speeds of bit and top drive, over that of the top drive, from which the string still winds up;
+not measured."""
 
 
 class TorsionalSpeeds(NamedTuple):
@@ -66,7 +67,7 @@ class Regime(Enum):
     @property
     def code(self) -> int:
         """Place in the order of the regimes."""
-        return _CODES[self]
+        return REGIMES.index(self)
 
     @property
     def whirls(self) -> bool:
@@ -75,7 +76,6 @@ class Regime(Enum):
 
 
 REGIMES = tuple(Regime)
-_CODES = {regime: code for code, regime in enumerate(REGIMES)}
 _BY_STATE = {
     MotionState.SYNCHRONOUS_WHIRL: Regime.FORWARD,
     MotionState.FORWARD_WHIRL: Regime.FORWARD,
@@ -94,8 +94,8 @@ def regime_of(
         summary: Its findings.
         radius_shares: Largest radius of each mark over its clearance, late in the run.
         torsion: Speeds of bit and top drive late in the run.
-        vertical: Whether the hole is vertical, so that a string off the axis is a buckled one.
-        grows: Whether a motion grows that would not be calm in the time asked.
+        vertical: True for a vertical hole, in which a string off the axis is buckled.
+        grows: True if a motion grows that would not be calm in the time asked.
     """
     state = summary.motion[-1].state if summary.motion else MotionState.AT_REST
     ratio = summary.mode_ratio or 0.0

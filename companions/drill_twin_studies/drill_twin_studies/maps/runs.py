@@ -24,15 +24,15 @@ from drill_twin_studies.maps.plane import Node, Plane
 from drill_twin_studies.maps.regimes import Regime, TorsionalSpeeds, regime_of
 
 UNCHANGED = 1.1
-"""Change between two stretches up to which a motion that is large already does not grow."""
+"""Ratio of two stretches up to which a motion that is large already does not grow; not measured."""
 FLOOR = 1e-6
-"""Share of the limit below which a size is taken for this: there it is round-off, which has no trend."""
+"""Share of the limit that smaller sizes are raised to: below it they are round-off, which has no trend; not
+measured."""
 LARGEST = 700.0
-"""Largest exponent of a growth."""
+"""Largest exponent of a growth: exp(709.8) is the largest double."""
 
 
-@dataclass(frozen=True)
-class Trend:
+class Trend(NamedTuple):
     """Sizes in two stretches of time, one after the other.
 
     Attributes:
@@ -47,14 +47,14 @@ class Trend:
 
     @property
     def rate(self) -> float:
-        """Growth of the largest of them [1/s]; NaN where there is none."""
+        """Growth of the largest size [1/s]; NaN where there is none."""
         before, now = float(self.before.max()), float(self.now.max())
         return math.log(now / before) / self.apart if before > 0.0 and now > 0.0 else math.nan
 
     def reaches(self, limit: float, ahead: float) -> bool:
-        """One of them, growing on at its rate, is larger than a limit in a time ahead [s].
+        """True if a size that goes on growing at its rate is larger than a limit in a time ahead [s].
 
-        One that is larger already counts where it grew by more than `UNCHANGED`.
+        A size that is larger already counts if it grew by more than `UNCHANGED`.
         """
         before, now = (np.maximum(size, FLOOR * limit) for size in (self.before, self.now))
         change = np.log(now / before)
@@ -65,11 +65,12 @@ class Trend:
 
 WEIGHT, SPEED = "rig.weight_on_bit", "rig.rotation"
 HOLD, RAMP, STAY = 1.0, 0.25, 1.25
-"""Of the duration of a run: time at a whirling set-point, of the way from there to the node, and at the node."""
+"""Times over the duration of a run from rest: at a whirling set-point, on the way from it to the node, and at the node;
+not measured."""
 ORBIT = 120
-"""Samples kept of the last orbit."""
+"""Samples of the last orbit that are kept; not measured."""
 ORBIT_RATE = 25.0
-"""Largest rate of those samples [Hz]."""
+"""Largest rate of the samples of an orbit [Hz]; not measured."""
 OUTPUTS = ("findings", "last_half", "settling", "marks")
 FINER = 64
 """Places of a check in each step of the lattice."""
@@ -85,21 +86,22 @@ class Key(NamedTuple):
     origin: Node | None = None
     """Whirling node that the run comes from; None: from rest."""
     finer: int = 1
-    """Above 1: a check, a run of the time asked at i and j of so many parts of a step."""
+    """1 for i and j in steps of the lattice; `FINER` for a check, a run of the whole time asked: i and j in so many
+    parts of a step."""
 
     @property
     def node(self) -> Node:
-        """Its node; of a check, the nearest one below."""
+        """Node of the run; of a check, the nearest node below."""
         return self.i // self.finer, self.j // self.finer
 
     @property
     def place(self) -> tuple[float, float]:
-        """Its place on the lattice, in steps."""
+        """Place of the run on the lattice, in steps."""
         return self.i / self.finer, self.j / self.finer
 
     @property
     def searches(self) -> bool:
-        """It is a run from rest at a node."""
+        """True for a run from rest at a node."""
         return self.origin is None and self.finer == 1
 
     def length(self, duration: float, asked: float) -> float:
@@ -134,7 +136,7 @@ class RunRecord:
     top_index: float = math.nan
     """Stick-slip index of bit and top drive at the end."""
     failure: str = ""
-    """The reason why it could not be followed."""
+    """Reason why the run could not be followed; empty if it was."""
     orbit: tuple[tuple[int, int], ...] = ()
     """Last orbit of the mark with the largest radius, in thousandths of its clearance."""
 
@@ -174,7 +176,7 @@ class RunOfFile(RunRecord):
     @property
     def record(self) -> RunRecord:
         """The record alone."""
-        return RunRecord(*(getattr(self, of.name) for of in fields(RunRecord)))
+        return RunRecord(*(getattr(self, field.name) for field in fields(RunRecord)))
 
 
 @dataclass(frozen=True)
@@ -183,11 +185,11 @@ class Runner:
 
     Attributes:
         scene: The base scene.
-        plane: Its plane.
+        plane: Plane of the map.
         duration: Simulated time of a run from rest [s].
         asked: Time for which a calm set-point must stay calm [s]: what grows is extrapolated to it.
         draws: Values of seed and uncertain numbers by key, one mapping a draw; empty without draws.
-        executor: Place where they are run.
+        executor: Place where the members are run.
     """
 
     scene: Scene
@@ -198,7 +200,7 @@ class Runner:
     executor: Executor
 
     def run(self, keys: Sequence[Key]) -> Generator[tuple[Key, RunRecord]]:
-        """Run them, and yield each as it ends; those of one length together, those from rest first."""
+        """Make runs, and yield each as it ends; runs of one length together, runs from rest first."""
         for kind in sorted({(key.finer, key.origin is not None) for key in keys}):
             group = [key for key in keys if (key.finer, key.origin is not None) == kind]
             length = group[0].length(self.duration, self.asked)

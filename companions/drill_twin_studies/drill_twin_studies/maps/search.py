@@ -1,8 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
 """Search for the boundaries of a map: onset of whirl first, then other regimes, draws, and the end of a whirl.
 
-Each step depends on the labels of the runs before alone, never on their order or time, so that a search that was broken
-off takes the runs of its journal and ends with the same map.
+Each step depends on the labels of the runs before alone, never on their order or time. So a search that was broken off
+takes the runs of its journal and ends with the same map.
+
+Growth rates of the linear string place the first runs. A whirl that grows slowly begins after the end of a run, and
+friction starts whirls that no growth rate knows: so the growth rate at which whirl begins is not taken to be zero, but
+found from the runs so far.
 """
 
 from __future__ import annotations
@@ -10,16 +14,67 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import closing
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from drill_twin.core.arrays import Array
+from drill_twin.core.errors import DrillTwinError
 from drill_twin.core.files.json_files import JsonLines
-from drill_twin_studies.maps.growth_hint import expected
-from drill_twin_studies.maps.plane import UNKNOWN, Labels, Node, Plane, nearest_known, wanted
+from drill_twin.scene import Scene
+from drill_twin_studies.maps.plane import UNKNOWN, Labels, Node, Plane, differ, nearest_known, on_lattice, wanted
 from drill_twin_studies.maps.regimes import Regime
 from drill_twin_studies.maps.runs import HOLD, Key, Runner, RunRecord
+
+GROWTH_POINTS = 33
+"""Points of the map of growth rates along each range."""
+
+
+class Growth(NamedTuple):
+    """Largest growth rates on even grids over the plane."""
+
+    lateral: Array
+    """Growth rate of a lateral mode [1/s], for the onset of whirl."""
+    torsional: Array | None
+    """Growth rate of a motion about or along the axis [1/s], for the onset of stick-slip; None in the lateral form."""
+
+
+def growth_of(scene: Scene, plane: Plane) -> Growth | None:
+    """Largest growth rates over the plane; None where the string has no such map."""
+    from drill_twin.dynamics.rotordynamics.campbell import growth_map
+    from drill_twin.dynamics.rotordynamics.equations import EquationsOfMotion
+
+    weights, speeds = (np.linspace(span.low, span.high, GROWTH_POINTS) for span in (plane.weight, plane.speed))
+    try:
+        found = growth_map(EquationsOfMotion(scene), weights, speeds)
+    except DrillTwinError:  # a hole that is not vertical, an effect that depends on time, no balance
+        return None
+    return Growth(found.lateral, found.torsional)
+
+
+def expected(growth: Array, labels: Labels) -> Labels | None:
+    """Labels that the growth rates let expect: whirl above the rate that parts the known labels with the fewest errors.
+
+    Args:
+        growth: Growth rates on an even grid [1/s].
+        labels: What is known of whirl; with one label only the rate is zero.
+
+    Returns:
+        Expected label of each node; None where the growth rates explain less than half of the rarer label.
+    """
+    values, known = on_lattice(growth, labels.shape[0] - 1), labels != UNKNOWN
+    order = np.argsort(values[known], kind="stable")
+    rates, whirls = values[known][order], labels[known][order] == 1
+    rarer = min(whirls.sum(), (~whirls).sum())
+    if rarer == 0:
+        return np.asarray(values > 0.0, np.int8)
+    below, above = np.cumsum(whirls)[:-1], np.cumsum(~whirls[::-1])[-2::-1]
+    errors = np.where(np.diff(rates) > 0.0, below + above, whirls.size)
+    place = int(np.argmin(errors, axis=0)) if errors.size else 0
+    if not errors.size or 2 * errors[place] >= rarer:
+        return None
+    return np.asarray(values > 0.5 * (rates[place] + rates[place + 1]), np.int8)
+
 
 Journal = JsonLines[tuple[Key, RunRecord]]
 """Runs of a map in the order in which they ended."""
@@ -47,9 +102,9 @@ FEW_RUNS, FEW_CELLS = 200, 4
 REGIME_CELLS = 32
 """Cells along each range down to which boundaries between other regimes are followed, and where draws are made."""
 FEW = 3
-"""Draws after the first that are made along the onset; where none of them whirls, all others follow."""
+"""Draws after the first that are made along the onset; if none of them whirls, all others follow; not measured."""
 EARLY = 0.8
-"""Share of the duration within which a whirl must begin to be one that a run can come from."""
+"""Share of the duration within which a whirl must begin for another run to come from it; not measured."""
 
 Progress = Callable[[str, int, int], None]
 """Takes the phase, the runs that have ended, and the number expected by now."""
@@ -64,7 +119,7 @@ class BoundarySearch:
     """Search of one map.
 
     Attributes:
-        records: The runs that it took, in its order.
+        records: Runs that the search took, in its order.
         notes: What limits the map, as sentences.
     """
 
@@ -75,7 +130,7 @@ class BoundarySearch:
 
         Args:
             runner: Makes the runs.
-            journal: Keeps them; None: they are not kept.
+            journal: Keeps the runs; None: no run is kept.
             budget: Largest number of runs.
             progress: Takes phase, runs that have ended, and the number expected by now.
             growth: Growth rates at the points of an even grid [1/s]; None where they do not apply.
@@ -83,7 +138,7 @@ class BoundarySearch:
         self._runner, self._journal, self._budget, self._progress = runner, journal, budget, progress
         self.records: dict[Key, RunRecord] = {}
         self.notes: list[str] = []
-        self._growth = growth
+        self._growth, self._plane, self._steps = growth, runner.plane, runner.plane.steps
         self._first, self._others = (FEW_CELLS, FEW_CELLS) if budget <= FEW_RUNS else (ONSET_CELLS, COARSE)
         if growth is not None:
             self._first = FEW_CELLS
@@ -91,12 +146,12 @@ class BoundarySearch:
     # --- phases ---------------------------------------------------------------------------------------------------
 
     def calm(self) -> None:
-        """Find where the string is smooth, to a 32nd of the ranges: the safe windows need it first."""
+        """Find the smooth set-points, to a 32nd of the ranges: the safe windows need them first."""
         finest = max(1, self._steps // REGIME_CELLS)
         self._refine("calm", lambda record: int(record.regime is Regime.SMOOTH), FEW_CELLS, finest)
 
     def onset(self) -> None:
-        """Find where whirl begins from rest, to one step of the lattice."""
+        """Find the set-points at which whirl begins from rest, to one step of the lattice."""
         self._refine("onset of whirl", whirl_label, self._first, 1, self._growth)
 
     def regimes(self) -> None:
@@ -106,7 +161,7 @@ class BoundarySearch:
     def draws(self) -> None:
         """Repeat the runs along the onset with other seeds and numbers: a few at each node, all where none whirls.
 
-        Where one of a few whirls, the chance is above what is asked, however many more would be made.
+        If one of a few draws whirls, the chance is above what is asked, however many more draws would be made.
         """
         count, size = len(self._runner.draws), max(1, self._steps // REGIME_CELLS)
         labels = self._labels(whirl_label)
@@ -123,7 +178,7 @@ class BoundarySearch:
                     return
 
     def end_of_whirl(self) -> None:
-        """Find where an existing whirl dies: runs that come from a whirling set-point, over those calm from rest."""
+        """Find the set-points at which a whirl dies, by runs from a whirling set-point to those calm from rest."""
         whirling = self._plane.labels()
         for key, record in self._from_rest():
             early = record.onset_s < EARLY * self._runner.duration
@@ -144,23 +199,12 @@ class BoundarySearch:
             for key in keys:
                 if key in self.records:
                     labels[key.node] = self.records[key].whirls
-        unmade = [key for key, record in self.records.items() if key.origin and not record.onset_s < self._hold]
+        hold = HOLD * self._runner.duration
+        unmade = [key for key, record in self.records.items() if key.origin and not record.onset_s < hold]
         if unmade:
             self.notes.append(f"in {len(unmade)} runs from a whirl it had not begun when the set-points moved")
 
     # --- steps ----------------------------------------------------------------------------------------------------
-
-    @property
-    def _plane(self) -> Plane:
-        return self._runner.plane
-
-    @property
-    def _steps(self) -> int:
-        return self._plane.steps
-
-    @property
-    def _hold(self) -> float:
-        return HOLD * self._runner.duration
 
     def _from_rest(self) -> Iterable[tuple[Key, RunRecord]]:
         return [(key, record) for key, record in self.records.items() if key.searches and key.draw == 0]
@@ -187,9 +231,7 @@ class BoundarySearch:
         found: dict[Node, None] = {}
         for i in range(0, self._steps, size):
             for j in range(0, self._steps, size):
-                inside = labels[i : i + size + 1, j : j + size + 1]
-                known = inside[inside != UNKNOWN]
-                if known.size and (known != known[0]).any():
+                if differ(labels[i : i + size + 1, j : j + size + 1]):
                     found.update(dict.fromkeys((a, b) for a in (i, i + size) for b in (j, j + size)))
         return [node for node in found if Key(*node) in self.records]
 

@@ -12,12 +12,11 @@ import drill_twin as dt
 from drill_twin.cli.app import app
 from drill_twin.core.errors import ArgumentError
 from drill_twin.dynamics.twin.twin import Twin
-from drill_twin_studies.estimation.lateral import LateralMotion
+from drill_twin_studies.estimation.estimate import WindowTiming
 from drill_twin_studies.estimation.members import EstimatorMembers
 from drill_twin_studies.estimation.phase import turns
-from drill_twin_studies.estimation.prediction import WindowTiming
 from drill_twin_studies.estimation.square_root_filter import correction
-from drill_twin_studies.estimation.subs import VALUES, SubIntake, lateral_velocity, replace_outliers
+from drill_twin_studies.estimation.subs import VALUES, LateralMotion, SubIntake, lateral_velocity, replace_outliers
 
 SUB = (
     "{name: near_bit, distance_from_bit: 1 m, radius: 6 mm, rate: 50 Hz, accelerometer: {noise: 5 mm/s^2, "

@@ -12,8 +12,8 @@ import drill_twin as dt
 from drill_twin.cli.app import app
 from drill_twin.core.errors import ArgumentError
 from drill_twin.dynamics.twin.twin import Twin
+from drill_twin_studies.estimation.doubts import Jumps, told_of_jumps
 from drill_twin_studies.estimation.innovations import widening, widening_of_numbers
-from drill_twin_studies.estimation.jumps import Jumps, told_of_jumps
 from drill_twin_studies.goodness import Goodness
 
 OVER = {"wob": 55e3, "numerics.step": "20 ms", "numerics.frame_rate": 10.0}

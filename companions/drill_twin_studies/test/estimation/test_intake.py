@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 import drill_twin as dt
+from drill_twin_studies.estimation.estimate import WindowTiming
 from drill_twin_studies.estimation.intake import Intake
-from drill_twin_studies.estimation.prediction import WindowTiming
 
 PACE = WindowTiming(0.01, 100, 10)
 

@@ -7,9 +7,8 @@ import numpy as np
 import pytest
 
 from drill_twin.api.scenes import load_scene
-from drill_twin_studies.estimation.estimate import FilterWindow
+from drill_twin_studies.estimation.estimate import FilterWindow, WindowTiming
 from drill_twin_studies.estimation.members import EstimatorMembers
-from drill_twin_studies.estimation.prediction import WindowTiming
 from drill_twin_studies.estimation.restarts import Restarts
 
 RANGES = {"bit_torque_stribeck.sticking": (0.55, 0.95), "load_factor": (0.9, 1.1)}

@@ -9,7 +9,7 @@ import pytest
 from scipy import special
 
 import drill_twin as dt
-from drill_twin_studies.estimation.prediction import Swing, WindowTiming, bands_of
+from drill_twin_studies.estimation.estimate import Swing, WindowTiming, bands_of
 from drill_twin_studies.fitting import Record
 from drill_twin_studies.fitting.sampling import in_ranges
 from drill_twin_studies.goodness import Goodness, sentence, table

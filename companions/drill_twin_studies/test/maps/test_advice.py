@@ -11,8 +11,7 @@ from drill_twin.io.messages.decode import read_joint_state
 from drill_twin.io.messages.diagnostics import Level
 from drill_twin.io.messages.topic_words import AdviceCode
 from drill_twin_studies.maps import OperatingMap, Plane, Regime, Span
-from drill_twin_studies.maps.advice import AdviceEncoder, Adviser
-from drill_twin_studies.maps.advice_tracker import Tracker
+from drill_twin_studies.maps.advice import Adviser, Tracker, encode_advice
 from drill_twin_studies.maps.runs import Key, RunRecord
 
 STEPS = 16
@@ -196,7 +195,7 @@ def test_advice_leads_to_a_set_point_that_is_held():
 
 def test_its_message_has_the_numbers_of_the_sentence():
     said = adviser().advise(100.0, 10.0, whirls=False)
-    state = read_joint_state(AdviceEncoder().encode(5, said, 100.0, 10.0, whirls=False))
+    state = read_joint_state(encode_advice(5, said, 100.0, 10.0, whirls=False))
     values = dict(zip(state.names, state.position.tolist(), strict=True))
     assert state.stamp == 5
     assert (values["advice"], values["weight_on_bit"], values["rotation"]) == (AdviceCode.LEAVE, 100.0, 10.0)
@@ -207,7 +206,7 @@ def test_its_message_has_the_numbers_of_the_sentence():
 
 def test_its_message_is_finite_outside_the_map_and_without_advice():
     for said in (None, adviser().advise(1e4, 10.0, whirls=True)):
-        state = read_joint_state(AdviceEncoder().encode(0, said, math.nan, 10.0, whirls=True))
+        state = read_joint_state(encode_advice(0, said, math.nan, 10.0, whirls=True))
         assert np.isfinite(state.position).all()
         assert (state.position[0] == AdviceCode.NONE) == (said is None)
         assert state.position[state.index("regime")] == -1.0

@@ -5,8 +5,8 @@ import numpy as np
 import pytest
 
 import drill_twin as dt
-from drill_twin_studies.maps.growth_hint import GROWTH_POINTS, expected, growth_of
 from drill_twin_studies.maps.plane import UNKNOWN, Plane, Span
+from drill_twin_studies.maps.search import GROWTH_POINTS, expected, growth_of
 
 STEPS = 64
 GROWTH = np.add.outer(np.linspace(-1.0, 3.0, GROWTH_POINTS), np.zeros(GROWTH_POINTS))

@@ -6,12 +6,12 @@ import doctest
 import pytest
 from scipy import stats
 
-from drill_twin_studies.maps import window
+from drill_twin_studies.maps import proportions
 from drill_twin_studies.maps.proportions import proportion_interval
 
 
 def test_examples():
-    assert doctest.testmod(window).failed == 0
+    assert doctest.testmod(proportions) == (0, 4)
 
 
 @pytest.mark.parametrize(("count", "trials"), [(0, 1), (1, 1), (0, 4), (1, 5), (5, 5), (41, 42), (60, 200)])

@@ -15,11 +15,11 @@ from drill_twin.core.errors import ArgumentError
 from drill_twin.runs.ensemble import Threads
 from drill_twin_studies.cli.operating_map import _shown
 from drill_twin_studies.maps import OperatingMap, Plane, Regime, Span
-from drill_twin_studies.maps.plane import known_and_calm
+from drill_twin_studies.maps.fields import MARGIN
+from drill_twin_studies.maps.plane import known_and_calm, rectangles
 from drill_twin_studies.maps.regimes import TorsionalSpeeds
 from drill_twin_studies.maps.runs import FINER, Key, Runner, RunRecord, Trend
 from drill_twin_studies.maps.search import BoundarySearch
-from drill_twin_studies.maps.window import MARGIN, rectangles
 
 STEPS = 32
 PLANE = Plane(Span(0.0, 320.0), Span(0.0, 32.0), STEPS)  # a step is 10 N and 1 rad/s

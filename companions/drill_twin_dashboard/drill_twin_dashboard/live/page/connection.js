@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The websocket of the server: pictures come, requests go. What came before the page was opened is asked for once.
+// The websocket of the server: pictures come, requests go. The history before the page was opened is asked for once.
 import { keepHistory, takeHistory } from "./state.js";
 
 // The code of a link comes behind the # of the address, which is sent to nobody. It is exchanged, once, for a cookie and

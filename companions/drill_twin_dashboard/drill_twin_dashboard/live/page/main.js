@@ -1,14 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// The page: each part takes from a picture of the server what it shows. companions/drill_twin_dashboard/drill_twin_dashboard/live/page_state.py makes the pictures.
+// The page: each part takes from a picture of the server what it shows. `live/page_state.py` makes the pictures.
 import { eventsTable, showAlarms } from "./alarms.js";
 import { connect } from "./connection.js";
 import { beginControls, offerControls, showControls } from "./controls.js";
 import { drawMap } from "./map_view.js";
-import { beginOrbits, drawOrbits, showOrbits } from "./orbits.js";
 import { $, element, keepTrails, replace, state } from "./state.js";
 import { offerTrends, showValues, trendsTable } from "./trends.js";
 import { number, offerUnits, text, unitsFor } from "./units.js";
-import { drawString } from "./well_view.js";
+import { beginOrbits, drawOrbits, drawString, showOrbits } from "./views.js";
 
 const ROWS = [["bit_rps", "bit speed", "rotation"], ["bit_torque", "bit torque", "torque"], ["drag", "drag", "force"]];
 let sceneText = null, refused = "";

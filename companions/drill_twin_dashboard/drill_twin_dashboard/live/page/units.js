@@ -9,7 +9,7 @@ let chosen = null, listeners = [];
 export const unit = (quantity) => (chosen ?? SYSTEMS.lab)[quantity];
 export const size = (quantity) => UNITS[quantity][unit(quantity)][0];
 export const digits = (quantity) => UNITS[quantity][unit(quantity)][1];
-// A few more digits than usual for what would round to nothing; no sign before a zero.
+// A number that would round to nothing gets a few more digits than usual; a zero has no sign.
 export function number(value, quantity, extra = 2) {
   if (value === null || value === undefined) return "-";
   const scaled = value / size(quantity), usual = Math.abs(scaled) < 1e3 ? digits(quantity) : 0;
@@ -35,7 +35,7 @@ function remembered() {
   } catch { return null; }
 }
 
-// Those that `--units` asks for, else those chosen here before, else the scene's.
+// Takes the units that `--units` asks for, else the units chosen here before, else the scene's.
 export function unitsFor(scene, asked) { if (asked || !remembered()) choose(SYSTEMS[asked || scene.units], false); }
 
 export function offerUnits() {

@@ -4,14 +4,14 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any, Self
+from typing import Any
 
 from asyncua import ua
 
 from drill_twin_rig.gateway.control import HEARTBEAT, REQUEST
-from drill_twin_rig.gateway.dwis import NAMESPACE, PROPOSED_NAMESPACE, UNITS
+from drill_twin_rig.gateway.dwis import NAMESPACE, PROPOSED, PROPOSED_NAMESPACE, PROTOTYPES, UNITS
 from drill_twin_rig.gateway.quantities import QUANTITIES
-from drill_twin_rig.gateway.signals import CommandTarget, ShownSignal, is_ours, prototype
+from drill_twin_rig.gateway.signals import CommandTarget, ShownSignal
 
 PERMISSION, HOLDER = "Permission", "Holder"
 _VERBS = (
@@ -25,42 +25,30 @@ _VERBS = (
 
 
 class AddressSpace:
-    """Nodes of a server that is not started yet; `build` makes one."""
+    """Nodes of a server that is not started yet; `begin` comes first."""
 
-    @classmethod
-    async def build(cls, server: Any, application: str) -> Self:
+    async def begin(self, server: Any, application: str) -> None:
         """Create the folders and the verbs of D-WIS as types of references.
 
         Args:
             server: The server of asyncua, initialised.
             application: Namespace of the nodes of signals.
         """
-        space = cls()
-        space._spaces = {uri: await server.register_namespace(uri) for uri in (NAMESPACE, PROPOSED_NAMESPACE)}
-        space._own = space._spaces[application] = await server.get_namespace_index(application)
-        objects = server.nodes.objects
-        space.root = await objects.add_object(space.id("DrillTwin"), space.name("DrillTwin"))
-        space._signals = await space.root.add_folder(space.id("Signals"), space.name("Signals"))
-        space._points = await space.root.add_folder(space.id("DataPoints"), space.name("DataPoints"))
-        space._vocabulary = await space.root.add_folder(space.id("Vocabulary"), space.name("Vocabulary"))
+        self._spaces = {uri: await server.register_namespace(uri) for uri in (NAMESPACE, PROPOSED_NAMESPACE)}
+        self._own = await server.get_namespace_index(application)
+        self._nouns: dict[str, Any] = {}
+        self.root = await server.nodes.objects.add_object(self.id("DrillTwin"), self.name("DrillTwin"))
+        """Object that holds all of the gateway."""
+        self._signals, self._points, self._vocabulary = [
+            await self.root.add_folder(self.id(name), self.name(name))
+            for name in ("Signals", "DataPoints", "Vocabulary")
+        ]
         links = server.get_node(ua.ObjectIds.NonHierarchicalReferences)
-        index = space._spaces[NAMESPACE]
-        space._verbs = {
+        index = self._spaces[NAMESPACE]
+        self._verbs = {
             verb: await links.add_reference_type(ua.NodeId(verb, index), ua.QualifiedName(verb, index), False)
             for verb in _VERBS
         }
-        return space
-
-    def __init__(self) -> None:
-        self.root: Any
-        """Object that holds all of the gateway."""
-        self._signals: Any
-        self._points: Any
-        self._vocabulary: Any
-        self._own = 0
-        self._spaces: dict[str, int] = {}
-        self._verbs: dict[str, Any] = {}
-        self._nouns: dict[str, Any] = {}
 
     def id(self, name: str) -> Any:
         """Node id of a node of ours."""
@@ -75,20 +63,22 @@ class AddressSpace:
         variable = await self._signals.add_variable(
             self.id(signal.name), self.name(signal.name), ua.Variant(0.0, ua.VariantType.Double)
         )
-        meaning = QUANTITIES[signal.quantity].meaning
-        if is_ours(signal.kind):
+        meaning, ours = QUANTITIES[signal.quantity].meaning, signal.kind not in PROTOTYPES
+        if ours:
             meaning += " (class proposed by drill_twin, not of D-WIS)"
         await self.describe(variable, meaning, signal.unit)
         point = await self._points.add_object(self.id(f"{signal.name}#01"), self.name(f"{signal.name}#01"))
         await self.link(point, "HasDynamicValue", variable)
         await self.link(point, "BelongsToClass", await self._noun("ComputedData"))
-        await self.link(point, "BelongsToClass", await self._noun(signal.kind, ours=is_ours(signal.kind)))
-        if kind := prototype(signal.kind):
-            await self.link(point, "IsOfMeasurableQuantity", await self._noun(kind.quantity))
-            if kind.location:
-                await self.link(point, "IsPhysicallyLocatedAt", await self._noun(kind.location))
-            if kind.incident:
-                await self.link(point, "IsRelatedToDrillingIncident", await self._noun(kind.incident))
+        await self.link(point, "BelongsToClass", await self._noun(signal.kind, ours=ours))
+        if kind := (PROTOTYPES | PROPOSED).get(signal.kind):
+            for verb, noun in (
+                ("IsOfMeasurableQuantity", kind.quantity),
+                ("IsPhysicallyLocatedAt", kind.location),
+                ("IsRelatedToDrillingIncident", kind.incident),
+            ):
+                if noun:
+                    await self.link(point, verb, await self._noun(noun))
         empty = ua.DataValue(
             ua.Variant(0.0, ua.VariantType.Double), ua.StatusCode(ua.StatusCodes.BadWaitingForInitialData)
         )

@@ -30,8 +30,7 @@ from drill_twin.core.files.yaml_reader import LARGEST_TEXT, plain_yaml
 
 LEAST_LENGTH: Final = 8
 """Characters of a password at least: NIST SP 800-63B where it is one factor of two; the certificate is the other."""
-_LONGEST = 1000  # characters
-_LONGEST_NAME = 60
+_MOST, _NAME_LENGTH = 1000, 60  # characters of a password and of a name
 _COST = (17, 8, 1)  # log2 n, r, p: the least that OWASP's password storage cheat sheet names for scrypt; 128 MiB
 _COST_BEFORE = (13, 8, 1)  # of hashes that do not name theirs
 _HARDEST = (20, 16, 8)
@@ -61,9 +60,9 @@ class PasswordHash:
         Raises:
             KeysError: It is too short or too long.
         """
-        if not LEAST_LENGTH <= len(password) <= _LONGEST:
+        if not LEAST_LENGTH <= len(password) <= _MOST:
             raise KeysError(
-                f"password: expected {LEAST_LENGTH} to {_LONGEST} characters, found {len(password)}; four words make a "
+                f"password: expected {LEAST_LENGTH} to {_MOST} characters, found {len(password)}; four words make a "
                 "good one"
             )
         salt = secrets.token_bytes(16)
@@ -91,7 +90,7 @@ class PasswordHash:
 
     def is_of(self, password: str) -> bool:
         """True for the password; takes some tenths of a second of a core and 128 MiB, so call it beside a loop."""
-        return hmac.compare_digest(_scrypt(password[: _LONGEST + 1], self.salt, self.cost, len(self.hash)), self.hash)
+        return hmac.compare_digest(_scrypt(password[: _MOST + 1], self.salt, self.cost, len(self.hash)), self.hash)
 
 
 NOBODY: Final = PasswordHash(bytes(16), bytes(64))
@@ -129,8 +128,8 @@ def set_password(path: Path, name: str, password: str) -> bool:
         KeysError: Name or password are of no use, or the file is not.
         OSError: It cannot be written.
     """
-    if not name.isprintable() or not 0 < len(name) <= _LONGEST_NAME:
-        raise KeysError(f"user: expected a name of 1 to {_LONGEST_NAME} printable characters, found {name[:80]!r}")
+    if not name.isprintable() or not 0 < len(name) <= _NAME_LENGTH:
+        raise KeysError(f"user: expected a name of 1 to {_NAME_LENGTH} printable characters, found {name[:80]!r}")
     users = read_users(path) if path.exists() else {}
     is_new = name not in users
     users[name] = PasswordHash.of(password)
@@ -147,11 +146,6 @@ def check_private(path: Path) -> None:
     mode = path.stat().st_mode & 0o777
     if mode & 0o077:
         raise KeysError(f"{path}: expected a file that its owner alone reads, found mode {mode:o}; chmod 600 {path}")
-
-
-def fitting(users: Mapping[str, PasswordHash], name: str) -> PasswordHash:
-    """Hash of a user; for one who is unknown, that of no password."""
-    return users.get(name, NOBODY)
 
 
 CERTIFICATE, PRIVATE_KEY, TRUSTED, USERS = "certificate.der", "private_key.pem", "trusted", "users.yaml"
@@ -188,7 +182,7 @@ class Keys:
 
     def is_user(self, name: str, password: str) -> bool:
         """Return True for a known user with this password; takes tenths of a second, for an unknown one too."""
-        return fitting(self.users, name).is_of(password)
+        return self.users.get(name, NOBODY).is_of(password)
 
 
 def read_keys(folder: Path) -> Keys:

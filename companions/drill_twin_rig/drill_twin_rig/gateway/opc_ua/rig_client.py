@@ -10,9 +10,8 @@ from __future__ import annotations
 import asyncio
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
 from datetime import UTC
-from typing import Any
+from typing import Any, NamedTuple
 
 from asyncua import Client, ua
 from asyncua.crypto.security_policies import SecurityPolicyBasic256Sha256
@@ -22,8 +21,7 @@ from drill_twin_rig.gateway.rig_reader import PATIENCE, RefusedError, RigReader,
 from drill_twin_rig.gateway.signals import RigSignal
 
 
-@dataclass(frozen=True)
-class ServerAccess:
+class ServerAccess(NamedTuple):
     """Address of a rig's server, and the way to enter it."""
 
     url: str
@@ -49,7 +47,7 @@ class RigClient(RigReader):
             signals: Signals to read.
             period: Time between two readings [s].
         """
-        self._access, self._units = access, [""] * len(signals)
+        self._access = access
         super().__init__(signals, period)
 
     async def connect_and_read(self) -> None:
@@ -67,12 +65,13 @@ class RigClient(RigReader):
         async with client:
             uris = await client.get_namespace_array()
             nodes = [client.get_node(_node_id(signal.node, uris)) for signal in self._signals]
-            self._units = [
+            self._unusable = [
                 unit_fault(signal, await _unit(node)) for signal, node in zip(self._signals, nodes, strict=True)
             ]
             self._connected()
+            ids = [node.nodeid for node in nodes]
             while True:
-                await self._read(client, [node.nodeid for node in nodes])
+                self._take(map(_reading, await client.uaclient.read_attributes(ids, ua.AttributeIds.Value)))
                 await asyncio.sleep(self._period)
 
     async def _secure(self, client: Any, keys: Keys) -> None:
@@ -95,14 +94,6 @@ class RigClient(RigReader):
             str(keys.private_key),
             server_certificate=bytes(found[0].ServerCertificate),
         )
-
-    async def _read(self, client: Any, nodes: Sequence[Any]) -> None:
-        found = await client.uaclient.read_attributes(nodes, ua.AttributeIds.Value)
-        self._take(_reading(one) for one in found)
-
-    def fault_of(self, index: int) -> str:
-        """Reason why a signal is not used whatever its value; empty if there is none."""
-        return self._units[index]
 
 
 def _reading(found: Any) -> SignalReading:

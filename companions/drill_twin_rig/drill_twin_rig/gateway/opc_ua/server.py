@@ -11,9 +11,8 @@ import asyncio
 import logging
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from datetime import UTC, datetime
-from typing import Any
+from typing import Any, NamedTuple
 
 from asyncua import Server, ua
 from asyncua.common.callback import CallbackType
@@ -37,8 +36,7 @@ _LOOK = 0.1  # s between two looks at the places
 logging.getLogger("asyncua").setLevel(logging.CRITICAL)  # what a client does wrong is no error of this program
 
 
-@dataclass(frozen=True)
-class PublishedSample:
+class PublishedSample(NamedTuple):
     """Value of a signal in its unit."""
 
     value: float
@@ -96,10 +94,11 @@ class OpcUaServer:
         await server.set_application_uri(APPLICATION)
         await server.set_build_info(APPLICATION, "drill_twin", "drill_twin", __version__, "0", datetime.now(UTC))
         await self._secure(server)
-        space = await AddressSpace.build(server, APPLICATION)
+        space = AddressSpace()
+        await space.begin(server, APPLICATION)
         self._nodes = {signal.name: await space.add_signal(signal) for signal in self._signals.values()}
         self._control_nodes = await space.add_control(self._targets)
-        self.sessions.watch({node: name for name, node in self._control_nodes.items()})
+        self.sessions.names = {node: name for name, node in self._control_nodes.items()}
         server.subscribe_server_callback(CallbackType.PreWrite, self.sessions.before_write)
         server.subscribe_server_callback(CallbackType.PostWrite, self.sessions.after_write)
         self._server = server
@@ -114,7 +113,7 @@ class OpcUaServer:
             silent = [one for one in clients if not _has_session(one)]
             for one in silent[: max(len(clients) - (MOST_CLIENTS - _FREE), 0)]:
                 one.transport.close()
-                self.sessions.note_silent()
+                self.sessions.refused["silent"] += 1
 
     async def _secure(self, server: Any) -> None:
         if self._keys is None:
@@ -129,36 +128,29 @@ class OpcUaServer:
 
     def show(self, samples: Mapping[str, PublishedSample]) -> None:
         """Show the values of signals from now on; what has not changed is not sent again."""
-        changed = []
+        now, changed = datetime.now(UTC), []
         for name, sample in samples.items():
-            value = (sample.value, _status(sample))
-            if value != self._shown.get(name):
-                self._shown[name] = value
-                changed.append((name, *value))
+            value, status = sample.value, ua.StatusCodes.BadNoData
+            if math.isfinite(value):
+                status = ua.StatusCodes.UncertainLastUsableValue if sample.stale else ua.StatusCodes.Good
+            if (value, status) != self._shown.get(name):
+                self._shown[name] = value, status
+                variant = ua.Variant(value, ua.VariantType.Double)
+                told = ua.DataValue(variant, ua.StatusCode(status), SourceTimestamp=now, ServerTimestamp=now)
+                changed.append((self._nodes[name], told))
         if changed:
             self._thread.post(self._write(changed))
 
     def show_control(self, permission: int, holder: str) -> None:
         """Show who has control."""
-        self._thread.post(self._write_control(permission, holder))
+        values = ua.Variant(permission, ua.VariantType.UInt16), ua.Variant(holder, ua.VariantType.String)
+        nodes = self._control_nodes[PERMISSION], self._control_nodes[HOLDER]
+        self._thread.post(self._write(list(zip(nodes, map(ua.DataValue, values), strict=True))))
 
-    async def _write_control(self, permission: int, holder: str) -> None:
-        for name, value in (
-            (PERMISSION, ua.Variant(permission, ua.VariantType.UInt16)),
-            (HOLDER, ua.Variant(holder, ua.VariantType.String)),
-        ):
-            await self._server.write_attribute_value(self._control_nodes[name], ua.DataValue(value))
-
-    async def _write(self, changed: Sequence[tuple[str, float, int]]) -> None:
-        now = datetime.now(UTC)
-        for name, value, status in changed:
-            data = ua.DataValue(
-                ua.Variant(value, ua.VariantType.Double),
-                ua.StatusCode(status),
-                SourceTimestamp=now,
-                ServerTimestamp=now,
-            )
-            await self._server.write_attribute_value(self._nodes[name], data)
+    async def _write(self, values: Sequence[tuple[Any, Any]]) -> None:
+        """Write values by node id."""
+        for node, value in values:
+            await self._server.write_attribute_value(node, value)
 
     @property
     def clients(self) -> int:
@@ -174,9 +166,3 @@ class OpcUaServer:
 def _has_session(client: Any) -> bool:
     session = client.processor.session
     return session is not None and session.is_activated()
-
-
-def _status(sample: PublishedSample) -> int:
-    if not math.isfinite(sample.value):
-        return int(ua.StatusCodes.BadNoData)
-    return int(ua.StatusCodes.UncertainLastUsableValue if sample.stale else ua.StatusCodes.Good)

@@ -29,14 +29,10 @@ from drill_twin_rig.gateway.control import Control, User
 from drill_twin_rig.gateway.opc_ua.keys import Keys
 
 _ACTIVATE = ua.NodeId(ua.ObjectIds.ActivateSessionRequest_Encoding_DefaultBinary)
-_AT_ONCE = 2  # 128 MiB each; a connection has one under way, and connections are bounded
+_AT_ONCE = 2  # hashes, of 128 MiB each; a connection has one under way, and connections are bounded
 _VERDICT: ContextVar[tuple[str, str] | None] = ContextVar("verdict", default=None)
+"""Name and password of the request that is worked on, if they were found right."""
 _THREADS = ThreadPoolExecutor(_AT_ONCE, thread_name_prefix="passwords")
-
-
-def is_checked(name: str, password: str) -> bool:
-    """True if the request that is worked on brought this name and password, and they were found right."""
-    return _VERDICT.get() == (name, password)
 
 
 class _Processor(UaProcessor):  # type: ignore[misc]  # of a library without types
@@ -67,7 +63,7 @@ class _Processor(UaProcessor):  # type: ignore[misc]  # of a library without typ
 binary_server_asyncio.UaProcessor = _Processor  # asyncua has no other place for it
 
 
-_TOLD = 10.0  # s; for so long a refusal is told
+_TOLD = 10.0  # s, for which a refusal is told
 
 
 class _SessionUser:
@@ -85,24 +81,18 @@ class Sessions:
     def __init__(self, control: Control, keys: Keys | None) -> None:
         self._control, self.keys = control, keys
         """Keys; None: everybody reads, and nobody writes."""
-        self._names: Mapping[Any, str] = {}
+        self.names: Mapping[Any, str] = {}
+        """Names of the nodes that are written through the control, by node id."""
         self._last_refusal = ("", -_TOLD)
         self.refused: Counter[str] = Counter()
-        """Refused connections and writes, by kind: certificate, user, right, value, silent."""
-
-    def watch(self, names: Mapping[Any, str]) -> None:
-        """Name the nodes that are written through the control, by node id."""
-        self._names = names
+        """Refused connections and writes, by kind: certificate, user, right, value; and silent, for connections
+        without a session that were closed as places were short."""
 
     @property
     def refusal(self) -> str:
         """The last refusal, for some seconds; empty afterwards."""
         text, told = self._last_refusal
         return text if time.monotonic() - told < _TOLD else ""
-
-    def note_silent(self) -> None:
-        """Count a connection that was closed without a session, as places were short."""
-        self.refused["silent"] += 1
 
     def get_user(
         self, _server: Any, username: str | None = None, password: str | None = None, certificate: bytes | None = None
@@ -114,7 +104,7 @@ class Sessions:
         if certificate is None or (reason := self.keys.distrust(certificate)):
             self._refuse("certificate", f"client of {name or 'no user'}: {reason if certificate else 'no certificate'}")
             return None
-        if not is_checked(username or "", password or ""):
+        if _VERDICT.get() != (username or "", password or ""):
             self._refuse("user", f"user {name or 'without name'}: unknown, or the password is wrong")
             return None
         return _SessionUser(User(name, may_command=True))
@@ -156,7 +146,7 @@ class Sessions:
         if not event.is_external:
             return []
         return [
-            (self._names.get(one.NodeId, ""), one.Value.Value.Value if one.Value.Value is not None else None)
+            (self.names.get(one.NodeId, ""), one.Value.Value.Value if one.Value.Value is not None else None)
             for one in event.request_params.NodesToWrite
         ]
 

@@ -31,8 +31,7 @@ from drill_twin.ros.core.pacing import Tick
 from drill_twin.ros.core.parameters import Parameter
 from drill_twin.scene import Scene, parse_scene
 from drill_twin.whirl import MotionCode
-from drill_twin_studies.maps.advice import Advice, AdviceEncoder, Adviser
-from drill_twin_studies.maps.advice_tracker import Tracker
+from drill_twin_studies.maps.advice import Advice, Adviser, Tracker, encode_advice
 from drill_twin_studies.maps.operating_map import OperatingMap, read_map
 
 _LOW, _HIGH = 0.025, 1.1
@@ -139,7 +138,6 @@ class Advisor(TwinNode):
         self._made: OperatingMap | None = None
         self._adviser: Adviser | None = None
         self._trouble = ""
-        self._encoder = AdviceEncoder()
         self._clear()
         self._given = read_map(self.settings.map) if self.settings.map else None
         for topic in (ADVICE_STATE, ADVICE_MAP):
@@ -200,23 +198,20 @@ class Advisor(TwinNode):
     def _look_at_map(self) -> None:
         """Take the map once it is made, and advise."""
         if self._maker is not None:
-            self._take_map(self._maker)
-        if self._maker is not None and self._repeat.due():
-            self._publish(None)
+            found = None
+            try:
+                found = self._maker.result()
+            except DrillTwinError as error:
+                self._fail(error)
+            if found is not None:
+                self._made = found
+                self._use(found)
+            if found is not None or self._trouble:
+                self._drop_maker()
+            elif self._repeat.due():
+                self._publish(None)
         if self._adviser is not None and self._tracker.time >= 0.0:
             self._advise(self._adviser)
-
-    def _take_map(self, maker: MapMaker) -> None:
-        try:
-            found = maker.result()
-        except DrillTwinError as error:
-            self._fail(error)
-            found = None
-        if found is not None:
-            self._made = found
-            self._use(found)
-        if found is not None or self._trouble:
-            self._drop_maker()
 
     def _use(self, found: OperatingMap) -> None:
         from drill_twin_studies.maps.drawing import lattice_data  # takes long
@@ -246,7 +241,7 @@ class Advisor(TwinNode):
         """Publish advice, and where it is another one the sentence in the diagnostics too."""
         tracker = self._tracker
         stamp = stamp_ns(max(tracker.time, 0.0))
-        raw = self._encoder.encode(stamp, advice, tracker.weight, tracker.speed, whirls=self._whirls)
+        raw = encode_advice(stamp, advice, tracker.weight, tracker.speed, whirls=self._whirls)
         self.topics.publish(ADVICE_STATE, raw)
         if told:
             self.publish_diagnostics()

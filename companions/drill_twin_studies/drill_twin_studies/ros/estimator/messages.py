@@ -69,9 +69,9 @@ def verdict_of(found: Estimate) -> tuple[Level, str]:
 def values_for_diagnostics(found: Estimate) -> dict[str, str]:
     """Misfit of each channel, and the number of samples left out."""
     values = {f"misfit_{name}": exact(value) for name, value in found.misfit.items()}
-    for name, of in found.goodness.items():
-        values |= {f"residual_over_noise_{name}": exact(of.ratio), f"chi_square_{name}": exact(of.chi_square)}
-        values |= {f"autocorrelation_{name}": exact(of.correlation), f"in_band_{name}": exact(of.inside)}
+    for name, one in found.goodness.items():
+        values |= {f"residual_over_noise_{name}": exact(one.ratio), f"chi_square_{name}": exact(one.chi_square)}
+        values |= {f"autocorrelation_{name}": exact(one.correlation), f"in_band_{name}": exact(one.inside)}
     values |= {"not_told": ", ".join(found.untold)} if found.untold else {}
     values |= {"remembered": found.remembered} if found.spans else {}
     values |= {f"withheld_{name}": reason for name, reason in found.withheld.items()}
