@@ -19,24 +19,13 @@ from numpy.typing import NDArray
 from drill_twin.core.arrays import Integers
 from drill_twin.core.compile.packed_arguments import bind, pack
 from drill_twin.whirl.analysis_loop import compiled
-from drill_twin.whirl.analyzer_state import (
-    BLOCK,
-    CHANGED,
-    COUNT,
-    DECIDED,
-    HAS_FORCE,
-    HAS_SPIN,
-    NEW,
-    NEXT,
-    AnalyzerState,
-)
-from drill_twin.whirl.criteria import Criteria
+from drill_twin.whirl.analyzer_state import BLOCK, CHANGED, AnalyzerState
+from drill_twin.whirl.decisions import Decisions
 from drill_twin.whirl.findings import Findings, FoundRows, Onset, Quality, Summary
 from drill_twin.whirl.marks import AnalysisError, MarkArrays, MarkInfo, check_marks
-from drill_twin.whirl.motion.stick_slip import MEAN, SECOND_POLE, StickSlip
-from drill_twin.whirl.run_statistics import SAMPLE_RATE
+from drill_twin.whirl.motion.states import STATES
+from drill_twin.whirl.motion.stick_slip import StickSlip
 from drill_twin.whirl.summary import summarise
-from drill_twin.whirl.whirl_estimator import WhirlEstimator
 
 LARGEST_STAMP = 1 << 62
 """Largest stamp [ns]."""
@@ -50,7 +39,6 @@ class Analyzer:
     def __init__(
         self,
         marks: Sequence[MarkInfo],
-        criteria: Criteria | None = None,
         *,
         contact_known: bool = True,
         top_known: bool = True,
@@ -59,7 +47,6 @@ class Analyzer:
 
         Args:
             marks: Marks on the string.
-            criteria: Numbers of the criteria.
             contact_known: Their positions are those about the axis of the hole.
             top_known: The speed of the top drive is measured by itself, and is not that of the bit.
 
@@ -67,8 +54,7 @@ class Analyzer:
             AnalysisError: No mark, or two of one name.
         """
         self.marks = check_marks(marks)
-        self.criteria, self._contact_known = criteria or Criteria(), contact_known
-        self._top_known = top_known
+        self._contact_known, self._top_known = contact_known, top_known
         self.reset()
 
     def reset(self) -> None:
@@ -76,13 +62,12 @@ class Analyzer:
         self._names = tuple(mark.name for mark in self.marks)
         self._bit = StickSlip(top_known=self._top_known)
         offsets = np.array([mark.wall_offset for mark in self.marks])
-        self._state = AnalyzerState.of(MarkArrays.of(self.marks), offsets, self.criteria, self._bit.speed)
+        self._state = AnalyzerState.of(MarkArrays.of(self.marks), offsets, self._bit.speed)
         self._packed = pack(self._state)
         self._analyse = bind(compiled().analyse, self._packed)
-        self._decisions = WhirlEstimator(self._names, self._state, contact_known=self._contact_known)
+        self._decisions = Decisions(self._names, self._state, contact_known=self._contact_known)
         self._flow, self._radius = self._state.flow, self._state.samples.radius
         self._shapes = frozenset(((len(self.marks), 2), (len(self.marks), 3)))
-        self._counted = self._state.clock.stamps, self._state.samples.quality, self._state.statistics.numbers
         self._findings = self._new_findings()
 
     @property
@@ -96,16 +81,15 @@ class Analyzer:
         return self._stamp_and_quality()[1]
 
     def _stamp_and_quality(self) -> tuple[int, Quality]:
-        stamps, samples, numbers = self._counted
-        _, _, stamp, duplicate, late = stamps.tolist()
-        accepted, incomplete, missing, gaps = samples.tolist()
-        return stamp, Quality(accepted, duplicate, late, incomplete, missing, gaps, numbers.item(SAMPLE_RATE))
+        clock, samples = self._state.clock, self._state.samples
+        counts = clock.duplicate, clock.late, samples.incomplete, samples.missing, samples.gaps
+        rate = self._state.statistics.per_revolution.item()
+        return clock.last.item(), Quality(samples.accepted.item(), *(count.item() for count in counts), rate)
 
     @property
     def bit_speed(self) -> tuple[float, float]:
         """Low-passed speed of the bit and its slow mean [rad/s]."""
-        numbers = self._bit.speed.numbers
-        return numbers.item(SECOND_POLE), numbers.item(MEAN)
+        return self._bit.speed.speed.item(), self._bit.speed.mean.item()
 
     def summary(self) -> Summary:
         """The findings of the whole run so far."""
@@ -141,15 +125,15 @@ class Analyzer:
         """
         position = np.asarray(position)
         stamp = self._checked_stamp(stamp_ns, position, spin, wall_force)
-        stamps, positions, spins, forces, speeds, counts = self._state.block
-        stamps[0], speeds[0, 0], speeds[0, 1] = stamp, top_speed, bit_speed
-        positions[0] = position[:, :2]
+        block = self._state.block
+        block.stamp[0], block.top_speed[0], block.bit_speed[0] = stamp, top_speed, bit_speed
+        block.position[0] = position[:, :2]
         if spin is not None:
-            spins[0] = spin
+            block.spin[0] = spin
         if wall_force is not None:
-            forces[0] = wall_force
-        counts[COUNT], counts[NEXT] = 1, 0
-        counts[HAS_SPIN], counts[HAS_FORCE] = spin is not None, wall_force is not None
+            block.force[0] = wall_force
+        block.count[0], block.next[0] = 1, 0
+        block.has_spin[0], block.has_force[0] = spin is not None, wall_force is not None
         for _ in self._analysed():
             pass
         return self._present()
@@ -182,45 +166,45 @@ class Analyzer:
             wall_force: Normal wall force at the marks [N], shape (n, m), or None.
             bit_speed: Speed of the bit [rad/s], shape (n,), or None.
         """
-        stamps, positions, spins, forces, speeds, counts = self._state.block
-        counts[HAS_SPIN], counts[HAS_FORCE] = spin is not None, wall_force is not None
-        count = len(stamps_ns)
+        block, count = self._state.block, len(stamps_ns)
+        block.has_spin[0], block.has_force[0] = spin is not None, wall_force is not None
         found = FoundRows(self._findings, [], np.empty((count, len(self.marks), 4)), np.empty(count), {})
-        for first in range(0, len(stamps_ns), BLOCK):
+        for first in range(0, count, BLOCK):
             rows = slice(first, first + BLOCK)
-            n = counts[COUNT] = len(stamps_ns[rows])
-            counts[NEXT] = 0
-            stamps[:n] = stamps_ns[rows]
-            positions[:n] = position[rows, :, :2]
-            speeds[:n, 0] = top_speed[rows]
-            speeds[:n, 1] = math.nan if bit_speed is None else bit_speed[rows]
+            n = block.count[0] = len(stamps_ns[rows])
+            block.next[0] = 0
+            block.stamp[:n], block.position[:n], block.top_speed[:n] = (
+                stamps_ns[rows],
+                position[rows, :, :2],
+                top_speed[rows],
+            )
+            block.bit_speed[:n] = math.nan if bit_speed is None else bit_speed[rows]
             if spin is not None:
-                spins[:n] = spin[rows]
+                block.spin[:n] = spin[rows]
             if wall_force is not None:
-                forces[:n] = wall_force[rows]
+                block.force[:n] = wall_force[rows]
             for at in self._analysed():
                 found.changes[first + at] = self._present()
             self._present()
-            found.stamps.extend(self._state.found.stamp[:n].tolist())
-            found.values[rows] = self._state.found.values[:n]
-            found.bit_index[rows] = self._state.found.bit_index[:n]
+            found.stamps.extend(block.found_stamp[:n].tolist())
+            found.values[rows], found.bit_index[rows] = block.found[:n], block.bit_index[:n]
         return found
 
     def _analysed(self) -> Iterator[int]:
         """Analyse the block and decide where compiled code leaves it to Python; yield the samples with a decision."""
         while outcome := self._analyse():
             if outcome == CHANGED:
-                yield int(self._state.block.counts[NEXT]) - 1
+                yield int(self._state.block.next[0]) - 1
             elif outcome < 0:
                 self._bit.decide(-outcome)
-                self._flow[DECIDED] = 1
+                self._flow.decided[0] = 1
             else:
                 self._decisions.decide[outcome]()
-                self._flow[DECIDED] = 1
+                self._flow.decided[0] = 1
 
     def _present(self) -> Findings:
         """Findings after the last sample that was analysed."""
-        if self._flow[NEW]:
+        if self._flow.new[0]:
             self._findings = self._new_findings()
         stamp, quality = self._stamp_and_quality()
         bit = self._bit
@@ -253,8 +237,9 @@ class Analyzer:
         """The present estimates."""
         state, decisions = self._state, self._decisions
         orbit, hysteresis, clearance = state.orbit, state.motion.hysteresis, state.marks.clearance
-        state.flow[NEW] = 0
-        states, shares, definite = hysteresis.states, hysteresis.confidence, state.carrier.definite
+        state.flow.new[0] = False
+        states, definite = tuple(STATES[held] for held in hysteresis.held.tolist()), state.carrier.definite
+        shares = hysteresis.share[np.arange(len(states)), hysteresis.held]
         return Findings(
             stamp_ns=0,
             time_s=0.0,
@@ -267,8 +252,8 @@ class Analyzer:
             synchronous_radius=orbit.synchronous * clearance,
             contact_fraction=orbit.contact.copy(),
             phase=state.shape.phase.copy(),
-            planarity=state.shape.planarity,
-            rotation=orbit.rotation,
+            planarity=float(state.shape.planarity[0]),
+            rotation=float(orbit.rotation[0]),
             state=states[:-1],
             state_confidence=shares[:-1] * definite,
             criterion=tuple(decisions.criterion[:-1]),

@@ -26,7 +26,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drill_twin.core.arrays import Array, ComplexArray
-from drill_twin.whirl.criteria import Criteria
+from drill_twin.whirl import criteria
 from drill_twin.whirl.downhole.high_pass import GRAVITY, ToolNoise
 from drill_twin.whirl.downhole.motion import MotionRecord
 
@@ -100,9 +100,9 @@ def date_onset(record: MotionRecord, clearance: float, noise: ToolNoise, begin: 
     spacing = max(1, int(revolutions.size / (SAMPLES * (revolutions[-1] - revolutions[0]))))
     at = np.arange(revolutions.size - 1, -1, -spacing)[::-1]
     revolutions = revolutions[at]
-    limit = Criteria().onset_radius * clearance
+    limit = criteria.ONSET_RADIUS * clearance
     motions = _probable_motions(record, rows, at, revolutions, limit, noise, begun)
-    last, sustain = float(revolutions[-1]), Criteria().sustain
+    last, sustain = float(revolutions[-1]), criteria.SUSTAIN
     found = _first_crossing(np.abs(motions[0].position), revolutions, sustain)
     crossed = last if found is None else found
     bounds = [crossed - TIME_ERROR, crossed + TIME_ERROR]

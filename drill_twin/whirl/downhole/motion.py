@@ -18,7 +18,7 @@ from typing import NamedTuple
 import numpy as np
 
 from drill_twin.core.arrays import Array, ComplexArray
-from drill_twin.whirl.criteria import Criteria
+from drill_twin.whirl import criteria
 from drill_twin.whirl.downhole.high_pass import GRAVITY, HighPass, ToolNoise, corner_for
 from drill_twin.whirl.downhole.sub_findings import ImpactCounter, TorsionEstimator
 
@@ -203,7 +203,7 @@ class SubMotion:
         half = int(np.searchsorted([row.revolutions for row in rows], newest.revolutions - 0.5 * CALIBRATION))
         times = (rows[half].stamp - begin.stamp) * 1e-9, (end.stamp - rows[half].stamp) * 1e-9
         uneven = abs(times[1] - times[0]) > STEADY * seconds
-        slow = usual < math.tau * Criteria().rest_rotation
+        slow = usual < math.tau * criteria.REST_ROTATION
         if slow or (uneven and self._revolutions - self._begin < PATIENCE) or len(rows) < 4 * CALIBRATION:
             return
         interval = self._interval * 1e-9

@@ -24,7 +24,7 @@ from drill_twin.scene import Scene
 from drill_twin.scene.load import override
 from drill_twin.scene.overrides import full_key
 from drill_twin.scene.set_points import Command
-from drill_twin.whirl.criteria import Criteria
+from drill_twin.whirl import criteria
 from drill_twin_studies.estimation.estimate import FilterWindow
 from drill_twin_studies.estimation.lateral import LateralMotion, asynchronous_radius
 from drill_twin_studies.estimation.prediction import Band, Prediction, WindowTiming, bands_of, untold_of
@@ -84,7 +84,7 @@ class EstimatorMembers:
         self._tail: Array = np.zeros((count, len(channels), pace.tail))  # frames before the window
         self._tubes = tubes_of(scene)
         clearances = np.array([scene.clearance_at(mark.distance_from_bit) for mark in scene.string.marks])
-        self._onset = Criteria().onset_radius * clearances
+        self._onset = criteria.ONSET_RADIUS * clearances
 
     def __len__(self) -> int:
         """Number of members."""
