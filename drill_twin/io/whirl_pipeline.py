@@ -188,7 +188,7 @@ class WhirlPipeline:
         if self._without_rig or self._analyzer is None:
             return None
         try:
-            return self._mark_reader.read_rows(marks, top_speed, bit_speed)
+            return SampleRows(*self._mark_reader.read(marks), top_speed, bit_speed)
         except MessageError:
             return None
 

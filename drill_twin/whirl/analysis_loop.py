@@ -16,27 +16,7 @@ from drill_twin.core.compile.jit import strict_kernel
 from drill_twin.core.compile.kernel_cache import load_generated
 from drill_twin.core.compile.packed_arguments import field
 from drill_twin.whirl import criteria
-from drill_twin.whirl.analyzer_state import (
-    ADD,
-    BIN,
-    BIN_FULL,
-    CHANGED,
-    CHECK,
-    CROSSED,
-    DECIDE,
-    DESCRIBE,
-    DONE,
-    NOTE,
-    ONSET,
-    ORBIT,
-    SAMPLE,
-    SKIPPED,
-    STATE,
-    STATISTICS,
-    add_sample,
-    note_findings,
-    take_sample,
-)
+from drill_twin.whirl.analyzer_state import BIN_FULL, SKIPPED, add_sample, note_findings, take_sample
 from drill_twin.whirl.history import append
 from drill_twin.whirl.motion.classifier import classify
 from drill_twin.whirl.onset.asynchronous_onset import average_radius, drop_candidates, ends, watch
@@ -53,6 +33,11 @@ INTERVAL_S = 0.5
 """Longest interval of these estimates [s]."""
 FEWEST = 4
 """Fewest bins for the onset."""
+SAMPLE, BIN, ONSET, ORBIT, STATE, STATISTICS, ADD, NOTE = range(8)
+"""Steps of a sample."""
+DONE, CHECK, DECIDE, CROSSED, DESCRIBE, CHANGED = range(6)
+"""Outcome: all samples are analysed; or what Python must decide, below 0 the outcome of `add_bit_speed`; or the end of
+a sample in which Python has decided."""
 NOT_DUE, ESTIMATE, DECIDE_FIRST = range(3)
 """Outcome of `estimate_orbit`."""
 
@@ -116,7 +101,7 @@ def analyse(words: Integers, kind: Any) -> int:
     """Analyse the samples of the block, until they are done or there is something to decide.
 
     Args:
-        words: The packed `AnalyzerState`, and its type (`drill_twin.core.compile.packed_arguments`).
+        words: The packed `new_state`, and its type (`drill_twin.core.compile.packed_arguments`).
         kind: The latter.
     """
     block, samples, clock = field(words, kind, "block"), field(words, kind, "samples"), field(words, kind, "clock")

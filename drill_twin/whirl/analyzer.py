@@ -18,11 +18,11 @@ from numpy.typing import NDArray
 
 from drill_twin.core.arrays import Integers
 from drill_twin.core.compile.packed_arguments import bind, pack
-from drill_twin.whirl.analysis_loop import compiled
-from drill_twin.whirl.analyzer_state import BLOCK, CHANGED, AnalyzerState
+from drill_twin.whirl.analysis_loop import CHANGED, compiled
+from drill_twin.whirl.analyzer_state import BLOCK, new_state
 from drill_twin.whirl.decisions import Decisions
 from drill_twin.whirl.findings import Findings, FoundRows, Onset, Quality, Summary
-from drill_twin.whirl.marks import AnalysisError, MarkArrays, MarkInfo, check_marks
+from drill_twin.whirl.marks import AnalysisError, MarkInfo, check_marks, mark_columns
 from drill_twin.whirl.motion.states import STATES
 from drill_twin.whirl.motion.stick_slip import StickSlip
 from drill_twin.whirl.summary import summarise
@@ -35,6 +35,8 @@ FloatArray = NDArray[np.floating[Any]]
 
 class Analyzer:
     """Finds whirl in the motion of marks, sample by sample."""
+
+    _kind: Any = None  # numba's type of the state, the same for all; to find it takes 10 ms
 
     def __init__(
         self,
@@ -61,9 +63,9 @@ class Analyzer:
         """Discard all samples."""
         self._names = tuple(mark.name for mark in self.marks)
         self._bit = StickSlip(top_known=self._top_known)
-        offsets = np.array([mark.wall_offset for mark in self.marks])
-        self._state = AnalyzerState.of(MarkArrays.of(self.marks), offsets, self._bit.speed)
-        self._packed = pack(self._state)
+        self._state = new_state(mark_columns(self.marks), self._bit.speed)
+        self._packed = pack(self._state, Analyzer._kind)
+        Analyzer._kind = self._packed.kind
         self._analyse = bind(compiled().analyse, self._packed)
         self._decisions = Decisions(self._names, self._state, contact_known=self._contact_known)
         self._flow, self._radius = self._state.flow, self._state.samples.radius
@@ -78,13 +80,10 @@ class Analyzer:
     @property
     def quality(self) -> Quality:
         """Counts of good and bad samples so far."""
-        return self._stamp_and_quality()[1]
-
-    def _stamp_and_quality(self) -> tuple[int, Quality]:
         clock, samples = self._state.clock, self._state.samples
         counts = clock.duplicate, clock.late, samples.incomplete, samples.missing, samples.gaps
         rate = self._state.statistics.per_revolution.item()
-        return clock.last.item(), Quality(samples.accepted.item(), *(count.item() for count in counts), rate)
+        return Quality(samples.accepted.item(), *(count.item() for count in counts), rate)
 
     @property
     def bit_speed(self) -> tuple[float, float]:
@@ -125,27 +124,14 @@ class Analyzer:
         """
         position = np.asarray(position)
         stamp = self._checked_stamp(stamp_ns, position, spin, wall_force)
-        block = self._state.block
-        block.stamp[0], block.top_speed[0], block.bit_speed[0] = stamp, top_speed, bit_speed
-        block.position[0] = position[:, :2]
-        if spin is not None:
-            block.spin[0] = spin
-        if wall_force is not None:
-            block.force[0] = wall_force
-        block.count[0], block.next[0] = 1, 0
-        block.has_spin[0], block.has_force[0] = spin is not None, wall_force is not None
-        for _ in self._analysed():
-            pass
-        return self._present()
+        spins, forces = (None if part is None else part[None] for part in (spin, wall_force))
+        self.push_block(np.array([stamp]), position[None], spins, np.array([top_speed]), forces, np.array([bit_speed]))
+        return self._findings
 
     def push_bit_speed(self, stamp_ns: int, bit_speed: float) -> Findings:
         """Add a speed of the bit [rad/s] alone, at a header stamp [ns], and return the findings after it."""
         self._bit.push(stamp_ns * 1e-9, bit_speed)
-        bit = self._bit
-        self._findings = self._findings.with_sample(
-            stamp_ns, self._radius.copy(), self.quality, bit.motion, bit.criterion, bit.index
-        )
-        return self._findings
+        return self._after_sample(stamp_ns)
 
     def push_block(
         self,
@@ -206,10 +192,12 @@ class Analyzer:
         """Findings after the last sample that was analysed."""
         if self._flow.new[0]:
             self._findings = self._new_findings()
-        stamp, quality = self._stamp_and_quality()
+        return self._after_sample(self._state.clock.last.item())
+
+    def _after_sample(self, stamp: int) -> Findings:
         bit = self._bit
         self._findings = self._findings.with_sample(
-            stamp, self._radius.copy(), quality, bit.motion, bit.criterion, bit.index
+            stamp, self._radius.copy(), self.quality, bit.motion, bit.criterion, bit.index
         )
         return self._findings
 

@@ -4,14 +4,12 @@
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
 
 import numpy as np
 
 from drill_twin.core.arrays import Array, Columns, columns
 from drill_twin.core.compile.jit import strict_kernel
 from drill_twin.whirl.history import new_history
-from drill_twin.whirl.marks import MarkArrays
 from drill_twin.whirl.motion.classifier import new_motion
 from drill_twin.whirl.motion.stick_slip import add_bit_speed
 from drill_twin.whirl.onset.asynchronous_onset import new_onsets, new_radius
@@ -37,13 +35,8 @@ LARGEST_RADIUS = 3.0
 BLOCK = 256
 """Most samples in a block."""
 
-SAMPLE, BIN, ONSET, ORBIT, STATE, STATISTICS, ADD, NOTE = range(8)
-"""Steps of a sample."""
 SKIPPED, TAKEN, BIN_FULL = range(3)
 """Outcome of `take_sample`."""
-DONE, CHECK, DECIDE, CROSSED, DESCRIBE, CHANGED = range(6)
-"""Outcome: all samples are analysed; or what Python must decide, below 0 the outcome of `add_bit_speed`; or the end of
-a sample in which Python has decided."""
 
 
 def new_block(m: int) -> Columns:
@@ -93,7 +86,7 @@ def new_flow() -> Columns:
     return columns(
         "Flow",
         1,
-        step=SAMPLE,
+        step=0,  # SAMPLE
         bit_outcome=0,  # of `add_bit_speed`, to be decided
         undecided=False,  # a crossing waits for the onset to be decided
         new=False,  # there are estimates that the findings do not have
@@ -103,52 +96,31 @@ def new_flow() -> Columns:
     )
 
 
-class AnalyzerState(NamedTuple):
-    """State of the analysis of m marks."""
-
-    marks: MarkArrays
-    block: Columns
-    clock: Columns
-    samples: Columns
-    bins: Columns
-    full: Columns
-    carrier: Columns
-    separation: Columns
-    history: Columns
-    orbit: Columns
-    averaged: Columns
-    onsets: Columns
-    synchronous: Columns
-    shape: Columns
-    motion: Columns
-    statistics: Columns
-    bit: Columns
-    flow: Columns
-
-    @classmethod
-    def of(cls, marks: MarkArrays, wall_offset: Array, bit: Columns) -> AnalyzerState:
-        """State before the first sample of m marks, whose string has radii `wall_offset` [m], shape (m,)."""
-        m, clearance = marks.clearance.size, marks.clearance
-        return cls(
-            marks,
-            block=new_block(m),
-            clock=new_clock(m),
-            samples=new_samples(LARGEST_RADIUS * clearance + wall_offset),
-            bins=new_sums(m),
-            full=new_bin(m),
-            carrier=new_carrier(clearance),
-            separation=new_separation(marks.wall_radius),
-            history=new_history(m),
-            orbit=new_orbit(clearance),
-            averaged=new_radius(clearance),
-            onsets=new_onsets(marks.inclined),
-            synchronous=new_synchronous(m),
-            shape=new_shape(m, marks.levels),
-            motion=new_motion(m),
-            statistics=new_statistics(m),
-            bit=bit,
-            flow=new_flow(),
-        )
+def new_state(marks: Columns, bit: Columns) -> Columns:
+    """State of the analysis of m marks, before the first sample."""
+    m, clearance = marks.clearance.size, marks.clearance
+    return columns(
+        "AnalyzerState",
+        m,
+        marks=marks,
+        block=new_block(m),
+        clock=new_clock(m),
+        samples=new_samples(LARGEST_RADIUS * clearance + marks.wall_offset),
+        bins=new_sums(m),
+        full=new_bin(m),
+        carrier=new_carrier(clearance),
+        separation=new_separation(marks.wall_radius),
+        history=new_history(m),
+        orbit=new_orbit(clearance),
+        averaged=new_radius(clearance),
+        onsets=new_onsets(marks.inclined),
+        synchronous=new_synchronous(m),
+        shape=new_shape(m, marks.levels),
+        motion=new_motion(m),
+        statistics=new_statistics(m),
+        bit=bit,
+        flow=new_flow(),
+    )
 
 
 @strict_kernel

@@ -12,7 +12,7 @@ import numpy as np
 
 from drill_twin.core.arrays import Columns
 from drill_twin.whirl import criteria
-from drill_twin.whirl.analyzer_state import CHECK, CROSSED, DECIDE, DESCRIBE, AnalyzerState
+from drill_twin.whirl.analysis_loop import CHECK, CROSSED, DECIDE, DESCRIBE
 from drill_twin.whirl.criteria import MotionState
 from drill_twin.whirl.findings import Onset
 from drill_twin.whirl.history import newest, newest_in
@@ -130,7 +130,7 @@ TURNING = 0.5
 class Decisions:
     """Onset and motion states with their texts."""
 
-    def __init__(self, names: tuple[str, ...], state: AnalyzerState, *, contact_known: bool = True) -> None:
+    def __init__(self, names: tuple[str, ...], state: Columns, *, contact_known: bool = True) -> None:
         self._state, self._names, self._contact_known = state, names, contact_known
         self._detector = OnsetDetector(state)
         self._candidates: list[tuple[Crossing, bool]] = []

@@ -190,6 +190,13 @@ class FoundRows(NamedTuple):
     changes: dict[int, Findings]
     """Findings by the number of a sample after which a state, a text or the onset may be another."""
 
+    @classmethod
+    def of(cls, findings: Findings) -> FoundRows:
+        """Findings after one sample."""
+        columns = findings.orbit_radius, findings.precession, findings.ratio, findings.confidence
+        values = np.stack(columns, axis=-1)[None]
+        return cls(findings, [findings.stamp_ns], values, np.array([findings.bit_index]), {0: findings})
+
     def states(self) -> Array:
         """Values of `/whirl/state`: as `values`, precession in [rad/s], and the `MotionCode`, shape (n, m, 5)."""
         codes, begin, present = np.empty((*self.values.shape[:2], 1)), 0, self.before

@@ -11,7 +11,6 @@ import numpy as np
 from drill_twin.core.arrays import Array, Columns, Mask
 from drill_twin.core.compile.jit import as_python
 from drill_twin.whirl import criteria
-from drill_twin.whirl.analyzer_state import AnalyzerState
 from drill_twin.whirl.history import ASYNCHRONOUS, newest, newest_in
 from drill_twin.whirl.onset.asynchronous_onset import INTERVAL, is_converged, update_candidate, width_for
 from drill_twin.whirl.onset.low_side_swing import swing_radius
@@ -42,7 +41,7 @@ class _Displacement:
 class OnsetDetector:
     """Decisions on the begin and the end of asynchronous whirl of each mark."""
 
-    def __init__(self, state: AnalyzerState) -> None:
+    def __init__(self, state: Columns) -> None:
         self._clearance = state.marks.clearance
         self._inclined: list[bool] = state.marks.inclined.tolist()
         self._history, self._separation, self._orbit = state.history, state.separation, state.orbit

@@ -76,11 +76,6 @@ class WhirlStateEncoder:
         names = [f"{mark}/{scalar}" for mark in marks for scalar in WHIRL_SCALARS]
         self._template = JointStateTemplate(names, velocity=False, effort=False, frame_id=frame_id)
 
-    def encode(self, stamp: int, values: Array) -> bytes:
-        """As `rows`, one message: values of shape (m, 5)."""
-        check_not_infinite(WHIRL_STATE, values)
-        return self._template.fill(stamp, values.ravel())
-
     def rows(self, stamps: Sequence[int], values: Array) -> list[bytes]:
         """CDR of a `/whirl/state` at each stamp [ns].
 
