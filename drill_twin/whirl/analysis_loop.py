@@ -11,12 +11,13 @@ from __future__ import annotations
 from functools import cache
 from typing import Any
 
-from drill_twin.core.arrays import Array, Columns, Integers
+from drill_twin.core.arrays import Array, Integers
 from drill_twin.core.compile.jit import strict_kernel
 from drill_twin.core.compile.kernel_cache import load_generated
 from drill_twin.core.compile.packed_arguments import field
 from drill_twin.whirl import criteria
 from drill_twin.whirl.analyzer_state import BIN_FULL, SKIPPED, add_sample, note_findings, take_sample
+from drill_twin.whirl.columns import Columns
 from drill_twin.whirl.history import append
 from drill_twin.whirl.motion.classifier import classify
 from drill_twin.whirl.onset.asynchronous_onset import average_radius, drop_candidates, ends, watch

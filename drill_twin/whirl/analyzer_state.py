@@ -7,8 +7,9 @@ import math
 
 import numpy as np
 
-from drill_twin.core.arrays import Array, Columns, columns
+from drill_twin.core.arrays import Array
 from drill_twin.core.compile.jit import strict_kernel
+from drill_twin.whirl.columns import Columns, columns
 from drill_twin.whirl.history import new_history
 from drill_twin.whirl.motion.classifier import new_motion
 from drill_twin.whirl.motion.stick_slip import add_bit_speed

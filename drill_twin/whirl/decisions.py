@@ -10,9 +10,9 @@ from collections.abc import Callable
 
 import numpy as np
 
-from drill_twin.core.arrays import Columns
 from drill_twin.whirl import criteria
 from drill_twin.whirl.analysis_loop import CHECK, CROSSED, DECIDE, DESCRIBE
+from drill_twin.whirl.columns import Columns
 from drill_twin.whirl.criteria import MotionState
 from drill_twin.whirl.findings import Onset
 from drill_twin.whirl.history import newest, newest_in

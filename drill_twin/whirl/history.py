@@ -7,8 +7,9 @@ import math
 
 import numpy as np
 
-from drill_twin.core.arrays import Array, Columns, ComplexArray, columns
+from drill_twin.core.arrays import Array, ComplexArray
 from drill_twin.core.compile.jit import as_python, strict_kernel
+from drill_twin.whirl.columns import Columns, columns
 from drill_twin.whirl.sample_bins import BINS
 
 CAPACITY = 32 * BINS

@@ -10,8 +10,8 @@ from typing import Literal
 
 import numpy as np
 
-from drill_twin.core.arrays import Columns, columns
 from drill_twin.core.errors import DrillTwinError
+from drill_twin.whirl.columns import Columns, columns
 
 
 class AnalysisError(DrillTwinError):

@@ -8,9 +8,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from drill_twin.core.arrays import Array, Columns, Mask
+from drill_twin.core.arrays import Array, Mask
 from drill_twin.core.compile.jit import as_python
 from drill_twin.whirl import criteria
+from drill_twin.whirl.columns import Columns
 from drill_twin.whirl.history import ASYNCHRONOUS, newest, newest_in
 from drill_twin.whirl.onset.asynchronous_onset import INTERVAL, is_converged, update_candidate, width_for
 from drill_twin.whirl.onset.low_side_swing import swing_radius

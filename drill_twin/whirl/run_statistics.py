@@ -12,9 +12,10 @@ import math
 
 import numpy as np
 
-from drill_twin.core.arrays import Columns, Mask, columns
+from drill_twin.core.arrays import Mask
 from drill_twin.core.compile.jit import strict_kernel
 from drill_twin.whirl import criteria
+from drill_twin.whirl.columns import Columns, columns
 from drill_twin.whirl.sample_bins import BINS
 
 WIDTH = 0.02

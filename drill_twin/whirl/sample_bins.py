@@ -12,8 +12,9 @@ import math
 
 import numpy as np
 
-from drill_twin.core.arrays import Array, Columns, ComplexArray, Mask, columns
+from drill_twin.core.arrays import Array, ComplexArray, Mask
 from drill_twin.core.compile.jit import strict_kernel
+from drill_twin.whirl.columns import Columns, columns
 
 
 def new_clock(m: int) -> Columns:

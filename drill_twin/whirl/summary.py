@@ -6,8 +6,9 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
-from drill_twin.core.arrays import Array, Columns, number_or_none
+from drill_twin.core.arrays import Array, number_or_none
 from drill_twin.whirl import criteria
+from drill_twin.whirl.columns import Columns
 from drill_twin.whirl.criteria import MotionState
 from drill_twin.whirl.decisions import Decisions, doubt
 from drill_twin.whirl.findings import Quality, Summary

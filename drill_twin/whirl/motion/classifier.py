@@ -7,9 +7,10 @@ import math
 
 import numpy as np
 
-from drill_twin.core.arrays import Array, Columns, Mask, columns
+from drill_twin.core.arrays import Array, Mask
 from drill_twin.core.compile.jit import strict_kernel
 from drill_twin.whirl import criteria
+from drill_twin.whirl.columns import Columns, columns
 from drill_twin.whirl.motion.states import (
     AT_REST,
     CHANGED,

@@ -13,9 +13,10 @@ from itertools import pairwise
 
 import numpy as np
 
-from drill_twin.core.arrays import Array, Columns, columns
+from drill_twin.core.arrays import Array
 from drill_twin.core.compile.jit import strict_kernel
 from drill_twin.whirl import criteria
+from drill_twin.whirl.columns import Columns, columns
 from drill_twin.whirl.criteria import MotionState
 from drill_twin.whirl.findings import MotionPeriod
 

@@ -12,8 +12,8 @@ from __future__ import annotations
 
 import math
 
-from drill_twin.core.arrays import Columns, columns
 from drill_twin.core.compile.jit import as_python, strict_kernel
+from drill_twin.whirl.columns import Columns, columns
 from drill_twin.whirl.criteria import BitMotion
 from drill_twin.whirl.findings import StickSlipPeriod
 from drill_twin.whirl.motion.stick_slip_index import (

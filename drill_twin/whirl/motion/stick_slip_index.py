@@ -14,8 +14,9 @@ from __future__ import annotations
 
 import math
 
-from drill_twin.core.arrays import Array, Columns, columns
+from drill_twin.core.arrays import Array
 from drill_twin.core.compile.jit import as_python, strict_kernel
+from drill_twin.whirl.columns import Columns, columns
 
 TIME_BASE = 20
 """Length of the window [s]; two periods of the slowest string, 0.1 Hz."""

@@ -32,9 +32,10 @@ import math
 
 import numpy as np
 
-from drill_twin.core.arrays import Array, Columns, ComplexArray, Mask, columns
+from drill_twin.core.arrays import Array, ComplexArray, Mask
 from drill_twin.core.compile.jit import strict_kernel
 from drill_twin.whirl import criteria
+from drill_twin.whirl.columns import Columns, columns
 from drill_twin.whirl.history import ASYNCHRONOUS, CAPACITY, bins_in, end_of
 from drill_twin.whirl.onset.low_side_swing import keeps_to_low_side, rotary_coefficient, swing_radius
 from drill_twin.whirl.sample_bins import BINS

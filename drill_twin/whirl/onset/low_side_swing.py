@@ -13,8 +13,9 @@ from __future__ import annotations
 
 import math
 
-from drill_twin.core.arrays import Columns, ComplexArray
+from drill_twin.core.arrays import ComplexArray
 from drill_twin.core.compile.jit import strict_kernel
+from drill_twin.whirl.columns import Columns
 from drill_twin.whirl.history import end_of
 
 

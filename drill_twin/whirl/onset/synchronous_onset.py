@@ -13,9 +13,10 @@ import math
 
 import numpy as np
 
-from drill_twin.core.arrays import Array, Columns, columns
+from drill_twin.core.arrays import Array
 from drill_twin.core.compile.jit import strict_kernel
 from drill_twin.whirl import criteria
+from drill_twin.whirl.columns import Columns, columns
 from drill_twin.whirl.history import end_of
 from drill_twin.whirl.onset.threshold_crossing import Crossing, Detection, synchronous_crossing
 

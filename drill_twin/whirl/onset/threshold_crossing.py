@@ -19,7 +19,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from drill_twin.core.arrays import Array, Columns, ComplexArray
+from drill_twin.core.arrays import Array, ComplexArray
+from drill_twin.whirl.columns import Columns
 from drill_twin.whirl.history import ASYNCHRONOUS, SYNCHRONOUS, newest, newest_in
 from drill_twin.whirl.orbit.runout_separation import (
     REFIT_BINS,

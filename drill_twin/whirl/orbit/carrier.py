@@ -17,9 +17,10 @@ import math
 
 import numpy as np
 
-from drill_twin.core.arrays import Array, Columns, ComplexArray, Mask, columns
+from drill_twin.core.arrays import Array, ComplexArray, Mask
 from drill_twin.core.compile.jit import strict_kernel
 from drill_twin.whirl import criteria
+from drill_twin.whirl.columns import Columns, columns
 from drill_twin.whirl.orbit.runout_separation import CALIBRATED_FROM
 
 ENGAGED, RELEASED = 1.2, 1.0

@@ -19,9 +19,10 @@ import math
 
 import numpy as np
 
-from drill_twin.core.arrays import Array, Columns, Integers, Mask, columns
+from drill_twin.core.arrays import Array, Integers, Mask
 from drill_twin.core.compile.jit import strict_kernel
 from drill_twin.whirl import criteria
+from drill_twin.whirl.columns import Columns, columns
 from drill_twin.whirl.history import MOVING, NEGLIGIBLE, SYNCHRONOUS, bins_in, end_of
 from drill_twin.whirl.sample_bins import BINS
 

@@ -26,9 +26,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from drill_twin.core.arrays import Array, Columns, ComplexArray, Mask, columns
+from drill_twin.core.arrays import Array, ComplexArray, Mask
 from drill_twin.core.compile.jit import copy, strict_kernel
 from drill_twin.whirl import criteria
+from drill_twin.whirl.columns import Columns, columns
 
 SLOWEST = 0.2
 """The memory fades at least as fast as at this rotation [rev/s]."""
