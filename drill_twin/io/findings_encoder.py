@@ -13,8 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from drill_twin.core.arrays import Array
-from drill_twin.io.messages.cdr import JointStateTemplate
-from drill_twin.io.messages.finite import finite_number
+from drill_twin.io.messages.cdr import JointStateTemplate, finite_number
 from drill_twin.io.messages.stamps import NANOSECONDS, seconds
 from drill_twin.io.messages.topics import FRAME_ID, TWIN_SUMMARY, WHIRL_MOTION, WHIRL_ONSET, WHIRL_STATE
 from drill_twin.io.messages.whirl_encode import (
@@ -27,7 +26,7 @@ from drill_twin.io.messages.whirl_encode import (
 )
 from drill_twin.io.samples import UNKNOWN_RIG, RigSample
 from drill_twin.whirl import BitMotion, MarkInfo, MotionCode, MotionState, Onset, StickSlip, StickSlipCode
-from drill_twin.whirl.bit_only_analyzer import NOT_OBSERVABLE
+from drill_twin.whirl.analyzer import NOT_OBSERVABLE
 from drill_twin.whirl.findings import Findings, FoundRows
 
 PERIOD = NANOSECONDS // 5

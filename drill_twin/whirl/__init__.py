@@ -4,8 +4,7 @@
 `Analyzer` works on a stream of samples of the marks, `two_sided_spectrum` on a whole record.
 """
 
-from drill_twin.whirl.analyzer import Analyzer
-from drill_twin.whirl.bit_only_analyzer import BitOnlyAnalyzer
+from drill_twin.whirl.analyzer import Analyzer, BitOnlyAnalyzer
 from drill_twin.whirl.criteria import BitMotion, MotionCode, MotionState, StickSlipCode
 from drill_twin.whirl.findings import Findings, MotionPeriod, Onset, Quality, StickSlipPeriod, Summary
 from drill_twin.whirl.marks import AnalysisError, MarkInfo

@@ -77,7 +77,7 @@ def estimate_orbit(
     if not statistics.estimated[0]:
         return NOT_DUE
     flow.due_revolutions[0], flow.due_time[0] = revolutions + INTERVAL_REV - 0.25 / BINS, time + INTERVAL_S
-    fit_orbit(orbit, history, averaged.noise.level)
+    fit_orbit(orbit, history, averaged.level)
     judge(carrier, orbit.seen, orbit.rotation[0], rolling_ratio)
     crossed = watch_synchronous(synchronous, history, orbit, onsets.swing)
     ended = ends(onsets, averaged, orbit, history, separation.arm)
@@ -148,7 +148,7 @@ def analyse(words: Integers, kind: Any) -> int:
             flow.step[0] = STATISTICS
             flow.new[0] = True
             if estimate_state(
-                orbit, shape, history, motion, onsets, synchronous, averaged.noise.level, rolling_ratio, full,
+                orbit, shape, history, motion, onsets, synchronous, averaged.level, rolling_ratio, full,
                 carrier.definite,
             ):  # fmt: skip
                 return DESCRIBE

@@ -16,7 +16,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from drill_twin.core.arrays import Integers
+from drill_twin.core.arrays import Integers, number_or_none
+from drill_twin.core.compile.jit import as_python
 from drill_twin.core.compile.packed_arguments import bind, pack
 from drill_twin.whirl.analysis_loop import CHANGED, compiled
 from drill_twin.whirl.analyzer_state import BLOCK, new_state
@@ -25,10 +26,14 @@ from drill_twin.whirl.findings import Findings, FoundRows, Onset, Quality, Summa
 from drill_twin.whirl.marks import AnalysisError, MarkInfo, check_marks, mark_columns
 from drill_twin.whirl.motion.states import STATES
 from drill_twin.whirl.motion.stick_slip import StickSlip
+from drill_twin.whirl.sample_bins import accept, is_new, new_clock, rotate, seconds_of
 from drill_twin.whirl.summary import summarise
 
 LARGEST_STAMP = 1 << 62
 """Largest stamp [ns]."""
+
+NOT_OBSERVABLE = "whirl is not observable: there are no lateral positions of marks"
+_IS_NEW, _ACCEPT, _ROTATE = as_python(is_new), as_python(accept), as_python(rotate)
 
 FloatArray = NDArray[np.floating[Any]]
 
@@ -38,13 +43,7 @@ class Analyzer:
 
     _kind: Any = None  # numba's type of the state, the same for all; to find it takes 10 ms
 
-    def __init__(
-        self,
-        marks: Sequence[MarkInfo],
-        *,
-        contact_known: bool = True,
-        top_known: bool = True,
-    ) -> None:
+    def __init__(self, marks: Sequence[MarkInfo], *, contact_known: bool = True, top_known: bool = True) -> None:
         """Start an analysis of `marks`.
 
         Args:
@@ -252,4 +251,50 @@ class Analyzer:
             bit_criterion=self._bit.criterion,
             onset=decisions.onset,
             quality=self.quality,
+        )
+
+
+class BitOnlyAnalyzer:
+    """Analysis of the speeds of top drive and bit, sample by sample, where no marks have positions."""
+
+    def __init__(self) -> None:
+        self.bit = StickSlip()
+        """Stick-slip of the bit."""
+        self._clock = new_clock(0)
+        self._accepted = self._incomplete = 0
+
+    @property
+    def quality(self) -> Quality:
+        """Counts of good and bad samples so far."""
+        clock, revolutions = self._clock, self._clock.revolutions.item()
+        rate = self._accepted / revolutions if revolutions > 0.0 else math.nan
+        skipped = clock.duplicate.item(), clock.late.item(), self._incomplete
+        return Quality(self._accepted, *skipped, samples_per_revolution=rate)
+
+    def push(self, stamp_ns: int, top_speed: float, bit_speed: float) -> bool:
+        """Add a sample at a header stamp [ns], speeds in [rad/s]; return whether the motion of the bit changed."""
+        clock = self._clock
+        if not _IS_NEW(clock, stamp_ns):
+            return False
+        if not (math.isfinite(top_speed) or math.isfinite(bit_speed)):
+            self._incomplete += 1
+            return False
+        _ROTATE(clock, _ACCEPT(clock, stamp_ns), top_speed, clock.spin, has_spin=False)
+        self._accepted += 1
+        before = self.bit.motion
+        self.bit.push(stamp_ns * 1e-9, bit_speed, top_speed)
+        return self.bit.motion is not before
+
+    def summary(self) -> Summary:
+        """The findings so far."""
+        seconds = as_python(seconds_of)(self._clock)
+        return Summary(
+            rotation_rev_s=self._clock.angle.item() / math.tau / seconds if seconds > 0.0 else None,
+            stick_slip=tuple(self.bit.periods),
+            bit=self.bit.motion,
+            stick_slip_index=number_or_none(self.bit.index),
+            largest_stick_slip_index=number_or_none(self.bit.largest_index),
+            quality=self.quality,
+            notes=(NOT_OBSERVABLE,),
+            observable=False,
         )

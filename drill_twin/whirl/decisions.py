@@ -38,46 +38,30 @@ def doubt(samples: float, rolling_ratio: float) -> str:
     )
 
 
-def criterion_text(
-    state: MotionState,
-    orbit: Columns,
-    shape: Columns,
-    mark: int,
-    row: int,
-    ratio: float,
-    *,
-    carrier: Columns,
-    contact_known: bool = True,
-    swing: float = 0.0,
-    rough: float = 0.0,
-) -> str:
-    """Describe the criterion of a mark's `state`.
+def criterion_text(found: MotionState, state: Columns, mark: int, *, contact_known: bool = True) -> str:
+    """Describe the criterion of a mark's motion.
 
     Args:
-        state: The state to explain.
-        orbit: Orbits of the marks.
-        shape: Shape of the string.
+        found: The motion state to explain.
+        state: State of the analysis.
         mark: Index of the mark.
-        row: Row of the orbit: 0 for the asynchronous part, 1 for the motion about the offset.
-        ratio: Whirl ratio.
-        carrier: Carriers of the orbits.
-        swing: Radius of its swing on the low side, over the clearance.
-        rough: Share of the last revolutions in which its motion was rough.
         contact_known: Whether the distance from the axis of the hole is known; a downhole sub knows it about its mean.
     """
+    orbit, shape, row = state.orbit, state.shape, 0 if state.onsets.active[mark] else 1
+    ratio = float(orbit.ratio[mark])
     whirl, synchronous = float(orbit.radius[0, mark]), float(orbit.synchronous[mark])
     sense = "forward" if ratio > 0.0 else "backward"
     digits = 2 if abs(ratio) >= FEW_DIGITS else 3
     radius = float(orbit.radius[row, mark])
     beyond = " (about its mean place, which is off the axis, or the wall gives)" if radius > 1.0 else ""
     orbit_text = f"radius {100 * radius:.0f} % of the clearance{beyond}, ratio {ratio:+.{digits}f}"
-    match state:
+    match found:
         case MotionState.NOT_OBSERVABLE if orbit.samples_per_revolution[0] < criteria.FEWEST_SAMPLES:
             return (
                 f"{orbit.samples_per_revolution[0]:.1f} samples in a revolution, at least "
                 f"{criteria.FEWEST_SAMPLES:g} are needed to tell one whirl from another"
             )
-        case MotionState.NOT_OBSERVABLE if carrier.hidden[mark]:
+        case MotionState.NOT_OBSERVABLE if state.carrier.hidden[mark]:
             return (
                 f"fewer than {criteria.FEWEST_IN_ORBIT:g} samples in an orbit: the samples show neither its sense nor "
                 "its pace"
@@ -91,11 +75,12 @@ def criterion_text(
         case MotionState.FIXED_AXIS if row == 0 and abs(ratio) < criteria.STANDING_RATIO:
             return f"{orbit_text}: displaced, and stands there (slower than {criteria.STANDING_RATIO:.3f})"
         case MotionState.LOW_SIDE_SWING:
-            return f"to and fro on the low side, rms radius {100 * swing:.1f} % of the clearance"
+            return f"to and fro on the low side, rms radius {100 * state.onsets.swing[mark]:.1f} % of the clearance"
         case MotionState.FIXED_AXIS:
             return f"asynchronous radius {100 * whirl:.1f} %, synchronous {100 * synchronous:.1f} % of the clearance"
         case MotionState.IRREGULAR:
             coherence, unevenness = float(orbit.coherence[row, mark]), float(orbit.unevenness[row, mark])
+            rough = float(state.motion.irregularity.share[mark])
             return (
                 f"{orbit_text}, rough for {100 * rough:.0f} % of the last {criteria.IRREGULARITY_MEMORY:g} revolutions "
                 f"(coherence below {criteria.COHERENCE:g} or unevenness above {criteria.UNEVENNESS:g}); now coherence "
@@ -114,7 +99,7 @@ def criterion_text(
             return f"{orbit_text} ({sense}), about its mean"
         case _:
             contact = float(orbit.contact[mark])
-            slides = contact > criteria.CONTACT_FRACTION and state is not MotionState.ROLLING
+            slides = contact > criteria.CONTACT_FRACTION and found is not MotionState.ROLLING
             sliding = ", sliding along the wall" if slides else ""
             return f"{orbit_text} ({sense}){sliding}, in contact {100 * contact:.0f} % of the time"
 
@@ -178,7 +163,7 @@ class Decisions:
         """Check the newest orbit for a synchronous whirl that begins, and for whirls that have ended."""
         state = self._state
         crossings = synchronous_begins(
-            state.synchronous, state.marks.clearance, state.averaged.noise.level, state.orbit, state.history
+            state.synchronous, state.marks.clearance, state.averaged.level, state.orbit, state.history
         )
         self._record(crossings, synchronous=True)
         self._restart_separation(self._detector.release())
@@ -242,13 +227,8 @@ class Decisions:
         revolutions = float(hysteresis.last_revolutions[0])
         for subject in sorted((s for s in range(len(event)) if event[s] != KEPT), key=lambda s: event[s]):
             mark, held = int(motion.mark[subject]), int(hysteresis.held[subject])
-            row, ratio = 0 if state.onsets.active[mark] else 1, float(state.orbit.ratio[mark])
             found = STATES[held]
-            text = criterion_text(
-                found, state.orbit, state.shape, mark, row, ratio, carrier=state.carrier,
-                contact_known=self._contact_known, swing=float(state.onsets.swing[mark]),
-                rough=float(motion.irregularity.share[mark]),
-            )  # fmt: skip
+            text = criterion_text(found, state, mark, contact_known=self._contact_known)
             if found not in UNDOUBTED and (why := self.doubt(mark)):
                 text = f"{text}; {why}"
             self.criterion[subject] = text

@@ -169,8 +169,8 @@ class OnsetDetector:
     def _start_whirl(self, mark: int, whirl: _Displacement) -> Crossing:
         """Mark the begin of a whirl and find the time of its crossing."""
         averaged, history, onsets = self._averaged, self._history, self._onsets
-        noise = float(averaged.noise.level[mark])
-        if is_converged(averaged.noise):
+        noise = float(averaged.level[mark])
+        if as_python(is_converged)(averaged):
             noise = min(noise, whirl.noise)  # irregular motion since the crossing is not noise
         detection = Detection(
             mark=mark,

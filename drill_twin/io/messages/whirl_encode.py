@@ -12,10 +12,9 @@ from typing import NamedTuple
 
 from drill_twin.core.arrays import Array
 from drill_twin.core.errors import MessageError
-from drill_twin.io.messages.cdr import JointStateTemplate
+from drill_twin.io.messages.cdr import JointStateTemplate, check_not_infinite
 from drill_twin.io.messages.decode import JointState
 from drill_twin.io.messages.diagnostics import Level, Status, decode_diagnostics, encode_diagnostics
-from drill_twin.io.messages.finite import check_not_infinite
 from drill_twin.io.messages.stamps import NANOSECONDS, header, header_stamp, seconds, stamp_ns, time_message
 from drill_twin.io.messages.topic_row import TIME_REFERENCE
 from drill_twin.io.messages.topics import FRAME_ID, WHIRL_STATE

@@ -31,20 +31,6 @@ OPEN, DURATION, WEIGHTED_SHARE, ENTERED, DESCRIBED = range(5)
 at which it was entered [rev]; 1 after its criterion was that of the settled state."""
 
 
-@strict_kernel
-def extend(present: Array, share: float, elapsed: float) -> None:
-    """Extend a present period, shape (5,), by `elapsed` [rev], with this share of the estimates."""
-    if present[OPEN]:
-        present[DURATION] += elapsed
-        present[WEIGHTED_SHARE] += elapsed * share
-
-
-@strict_kernel
-def needs_description(present: Array, revolutions: float, after: float) -> bool:
-    """Check whether a present period started `after` revolutions ago and has not been described since."""
-    return bool(present[OPEN] and not present[DESCRIBED] and revolutions - present[ENTERED] > after)
-
-
 @dataclass
 class _Period:
     start: float
@@ -203,9 +189,11 @@ def update_states(hysteresis: Columns, lag: float, time: float, revolutions: flo
             hysteresis.event[subject] = CHANGED
         else:
             present = hysteresis.present[subject]
-            extend(present, share[now], elapsed)
-            if needs_description(present, revolutions, SETTLED):
-                hysteresis.event[subject] = SETTLED_NOW
+            if present[OPEN]:
+                present[DURATION] += elapsed
+                present[WEIGHTED_SHARE] += elapsed * share[now]
+                if not present[DESCRIBED] and revolutions - present[ENTERED] > SETTLED:
+                    hysteresis.event[subject] = SETTLED_NOW
         any_event = any_event or hysteresis.event[subject] != KEPT
     return bool(any_event)
 

@@ -162,11 +162,6 @@ class StickSlip:
         self._pending: StickSlipPeriod | None = None
 
     @property
-    def samples(self) -> int:
-        """Samples with a speed of the bit."""
-        return int(self.speed.samples[0])
-
-    @property
     def index(self) -> float:
         """Stick-slip index over the last 20 s; nan while it is not known."""
         return float(self.speed.window.index[0])

@@ -48,34 +48,30 @@ OUTLIER = 16.0
 """Largest power of a single difference, over the present estimate."""
 
 
-def new_noise(m: int) -> Columns:
-    """Noise of a bin per axis over the clearance, of m marks, before the first bin."""
-    return columns("Noise", m, level=0.0, power=0.0, bins=np.zeros(1, np.int64))  # standard deviation, its square
-
-
-def is_converged(noise: Columns) -> bool:
+@strict_kernel
+def is_converged(averaged: Columns) -> bool:
     """Check that the noise has seen enough bins."""
-    return bool(noise.bins[0] >= MEMORY // 4)
+    return bool(averaged.noise_bins[0] >= MEMORY // 4)
 
 
 @strict_kernel
-def update_noise(noise: Columns, vector: ComplexArray, whirling: Mask) -> None:
-    """Add the newest four bins over the clearance, demodulated with the precession, shape (4, m).
+def update_noise(averaged: Columns, vector: ComplexArray, whirling: Mask) -> None:
+    """Update the noise with the newest four bins over the clearance, demodulated, shape (4, m).
 
     Marks that whirl keep their estimate, since irregular motion is not noise.
     """
-    converged = noise.bins[0] >= MEMORY // 4
-    noise.bins[0] = min(noise.bins[0] + 1, MEMORY)
+    converged = is_converged(averaged)
+    averaged.noise_bins[0] = min(averaged.noise_bins[0] + 1, MEMORY)
     for k in range(whirling.size):
         first, second, third, last = vector[0, k], vector[1, k], vector[2, k], vector[3, k]
         across = last.real - 3.0 * third.real + 3.0 * second.real - first.real
         up = last.imag - 3.0 * third.imag + 3.0 * second.imag - first.imag
         power = (across * across + up * up) / (2.0 * GAIN)
         if converged:
-            power = np.minimum(power, OUTLIER * noise.power[k] + 1e-300)
+            power = np.minimum(power, OUTLIER * averaged.power[k] + 1e-300)
         if not whirling[k]:
-            noise.power[k] += (power - noise.power[k]) / noise.bins[0]
-        noise.level[k] = np.sqrt(noise.power[k])
+            averaged.power[k] += (power - averaged.power[k]) / averaged.noise_bins[0]
+        averaged.level[k] = np.sqrt(averaged.power[k])
 
 
 MOST_AVERAGED = BINS // 2
@@ -90,7 +86,9 @@ def new_radius(clearance: Array) -> Columns:
         radius=0.0,  # over the clearance
         threshold=criteria.ONSET_RADIUS,  # of the radius
         release=criteria.ONSET_RADIUS,  # radius below which a candidate is dropped
-        noise=new_noise(clearance.size),
+        level=0.0,  # noise of a bin per axis over the clearance: its standard deviation
+        power=0.0,  # square of the noise
+        noise_bins=np.zeros(1, np.int64),  # bins that the noise has seen
         width=np.ones(1, np.int64),  # bins averaged
         clearance=clearance,  # [m]
         demodulated=np.zeros((MOST_AVERAGED, clearance.size), complex),  # work
@@ -110,8 +108,8 @@ def average_radius(averaged: Columns, history: Columns, rate: Array, carrier: Ar
             angle = -(carrier[k] if carrier[k] != 0.0 else rate[k]) * since
             turned = history.vector[at, ASYNCHRONOUS, k] * complex(math.cos(angle), math.sin(angle))
             averaged.demodulated[i, k] = turned / averaged.clearance[k]
-    update_noise(averaged.noise, averaged.demodulated[bins - 4 : bins], whirling)
-    level = averaged.noise.level
+    update_noise(averaged, averaged.demodulated[bins - 4 : bins], whirling)
+    level = averaged.level
     largest = level[0]
     for k in range(1, m):
         largest = np.maximum(largest, level[k])
@@ -191,7 +189,7 @@ def update_candidate(onsets: Columns, averaged: Columns, history: Columns, k: in
     newest = end_of(history) - 1
     onsets.time[k] = history.time[newest] if averaged.radius[k] > averaged.threshold[k] else math.nan
     onsets.revolutions[k] = history.revolutions[newest]
-    onsets.noise[k] = averaged.noise.level[k]
+    onsets.noise[k] = averaged.level[k]
     onsets.bin[k] = history.appended[0]
     return False
 
@@ -220,7 +218,7 @@ def ends(onsets: Columns, averaged: Columns, orbit: Columns, history: Columns, a
         stays = onsets.inclined[k] and keeps_to_low_side(history, arm[k], k, side)
         onsets.low_side[k] = stays and rotary_coefficient(history, arm[k], k, onsets.rest[:side]) < criteria.ROTARY
         if landed and onsets.low_side[k]:
-            swing, noise = swing_radius(history, arm[k], k, bins, 0) / averaged.clearance[k], averaged.noise.level[k]
+            swing, noise = swing_radius(history, arm[k], k, bins, 0) / averaged.clearance[k], averaged.level[k]
             swing = math.sqrt(max(swing * swing - 2.0 * noise * noise, 0.0))
             if swing > criteria.RELEASE_RADIUS:
                 onsets.swing[k] = swing
