@@ -232,8 +232,8 @@ class SampleOrder(Generic[Item]):
         self.latest = -1
         self._behind: list[Item] = []
 
-    def take(self, sample: Item) -> list[Item]:
-        """Note a sample; returns those with which the analysis is to start again, mostly none."""
+    def note(self, sample: Item) -> list[Item]:
+        """Note a sample; return the samples with which the analysis is to start again, mostly none."""
         if sample.stamp >= self.latest:
             self.pass_by(sample.stamp)
             return []

@@ -31,9 +31,9 @@ from drill_twin.whirl.sample_bins import BINS, close
 INTERVAL_REV = 4.0 / BINS
 """Interval of the estimates of orbit and motion state [rev]; the onset is checked with every bin."""
 INTERVAL_S = 0.5
-"""Longest interval of these estimates [s]."""
+"""Longest interval of the estimates of orbit and motion state [s]; both intervals were chosen to save time."""
 FEWEST = 4
-"""Fewest bins for the onset."""
+"""Fewest bins for the onset: the noise is that of a third difference, which needs four."""
 SAMPLE, BIN, ONSET, ORBIT, STATE, STATISTICS, ADD, NOTE = range(8)
 """Steps of a sample."""
 DONE, CHECK, DECIDE, CROSSED, DESCRIBE, CHANGED = range(6)

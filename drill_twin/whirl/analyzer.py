@@ -79,10 +79,9 @@ class Analyzer:
     @property
     def quality(self) -> Quality:
         """Counts of good and bad samples so far."""
-        clock, samples = self._state.clock, self._state.samples
-        counts = clock.duplicate, clock.late, samples.incomplete, samples.missing, samples.gaps
-        rate = self._state.statistics.per_revolution.item()
-        return Quality(samples.accepted.item(), *(count.item() for count in counts), rate)
+        clock, samples, rate = self._state.clock, self._state.samples, self._state.statistics.per_revolution
+        counts = samples.accepted, clock.duplicate, clock.late, samples.incomplete, samples.missing, samples.gaps
+        return Quality(*(count.item() for count in (*counts, rate)))
 
     @property
     def bit_speed(self) -> tuple[float, float]:

@@ -28,5 +28,5 @@ def columns(name: str, rows: int, /, **first: Any) -> Columns:
 @cache
 def _class_of(name: str, fields: tuple[str, ...]) -> Any:
     """Class of the columns, kept in this module: compiled code on disk names the types of its arguments by module."""
-    globals()[name] = found = namedtuple(name, fields, module=__name__)  # type: ignore[misc]  # noqa: PYI024
+    globals()[name] = found = namedtuple(name, fields, module=__name__)  # noqa: PYI024
     return found

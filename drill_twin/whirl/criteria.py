@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""All criteria of the whirl analysis: the motion states and the thresholds that separate them.
+"""Motion states of the whirl analysis, and the thresholds that separate them.
+
+Thresholds that only one estimator needs stand in the file of the estimator.
 
 The motion of the centre line at a mark, z = x + i y, has three parts, which differ by the frame in which they are
 constant:
@@ -129,11 +131,16 @@ class StickSlipCode(IntEnum):
 
 
 ONSET_RADIUS = 0.05
-"""Onset: smallest radius of the asynchronous part, as a fraction of the clearance."""
+"""Onset: smallest radius of the asynchronous part, as a fraction of the clearance. It defines the onset; the ground
+truth of the evidence has the same number.
+
+A threshold below that states no reason was chosen on the draws with seeds below 300 of `evidence/docs/detection.md`,
+which judges the thresholds together, on other draws. No such threshold was measured by itself."""
 RELEASE_RADIUS = 0.04
 """End of whirl: radius below this fraction of the clearance (hysteresis)."""
 SUSTAIN = 1.0
-"""Onset: duration for which the radius stays above its threshold [rev]."""
+"""Onset: duration for which the radius stays above its threshold [rev]; part of the definition, and of the rate of
+false alarms (`onset.asynchronous_onset`)."""
 LEAST_SWEPT_ANGLE = math.radians(30.0)
 """Onset: smallest angle swept by the asynchronous part since it crossed, in the frames of hole and string [rad]."""
 SETTLING_ANGLE = math.radians(90.0)
@@ -141,7 +148,7 @@ SETTLING_ANGLE = math.radians(90.0)
 `SETTLING_RATIO`. A string that settles, on the low side or where friction pushes it up the wall, sweeps less [rad].
 """
 SETTLING_RATIO = 1.0 / 24.0
-"""Onset: whirl ratio below which `SETTLING_ANGLE` is needed."""
+"""Onset: whirl ratio below which `SETTLING_ANGLE` is needed: the orbit sweeps less in `SWEEP_WINDOW`."""
 SYNCHRONOUS_BAND = 0.3
 """Onset: distance of whirl ratio from 1 within which a motion may be synchronous while the
 rotation changes: it must sweep `SYNCHRONOUS_ANGLE` in the frame of the string, and not die away."""
@@ -163,7 +170,8 @@ FALLING_TIME = 2.0
 """Onset: duration from the first rotation during which a string in an inclined hole may fall to its low side
 [rev]."""
 ROTARY = 0.5
-"""Low side: smallest rotary coefficient of a whirl that stays there, over `SIDE_WINDOW`; a swing is below."""
+"""Low side: smallest rotary coefficient of a whirl that stays there, over `SIDE_WINDOW`; a swing is below. The ellipse
+with this coefficient is 0.27 times as wide as long (`onset.low_side_swing`)."""
 SIDE_WINDOW = 12.0
 """Low side: duration for which a swing stays there [rev]."""
 SWEEP_WINDOW = 6.0
@@ -171,9 +179,10 @@ SWEEP_WINDOW = 6.0
 whirl that has not swept it in this duration has ended [rev]."""
 LONGEST_SWEEP_WINDOW = 28.0
 """Onset: a displaced string that sweeps the angle within this duration without coming back has whirled since it was
-displaced [rev]."""
+displaced [rev]. The history holds 32 revolutions, and the steady position needs four of them before the crossing."""
 FALSE_ALARM_FACTOR = 4.5
-"""Onset: smallest ratio of the threshold to the noise left after averaging (see `onset.detector`)."""
+"""Onset: smallest ratio of the threshold to the noise left after averaging: less than 1e-8 false alarms in a revolution
+of a mark, by the derivation in `onset.asynchronous_onset`."""
 SYNCHRONOUS_RADIUS = 0.25
 """Synchronous onset: smallest radius of the synchronous part, as a fraction of the clearance."""
 SYNCHRONOUS_GROWTH = 2.0
@@ -184,7 +193,8 @@ SYNCHRONOUS_OVER_SWING = 2.0
 """Synchronous onset on the low side: smallest ratio of that radius to the rms radius of a swing,
 which looks synchronous where the rotation is as slow, as in stick-slip."""
 SEPARATION_MEMORY = 6.0
-"""Memory of offset and synchronous part [rev]."""
+"""Memory of offset and synchronous part [rev]: an orbit keeps 0.97 of its radius at a ratio of -0.1, and 0.994 at 0.5
+(`orbit.runout_separation`)."""
 SEPARATION_MEMORY_IN_WHIRL = 24.0
 """The same during whirl, so that a slow orbit does not leak into them [rev]."""
 ORBIT_WINDOW = 2.0
@@ -195,7 +205,8 @@ FEWEST_SAMPLES = 4.0
 """Not observable: fewer samples in a revolution than this, which an orbit of up to twice the rotation, in either
 sense, needs."""
 FEWEST_IN_ORBIT = 2.4
-"""Not observable: fewer samples in an orbit than this; at 2 neither its sense nor its pace can be known."""
+"""Not observable: fewer samples in an orbit than this; at 2 neither its sense nor its pace can be known (Nyquist), and
+noise asks for a margin, which was chosen."""
 NEEDED_IN_ORBIT = 2.5
 """Not definite: fewer samples than this in an orbit at pure rolling, or at `DEFINITE_RATIO`."""
 DEFINITE_RATIO = 6.0

@@ -13,15 +13,15 @@ from drill_twin.whirl.columns import Columns, columns
 from drill_twin.whirl.sample_bins import BINS
 
 CAPACITY = 32 * BINS
-"""Bins stored: 32 revolutions or more."""
+"""Bins stored: 32 revolutions or more, for `criteria.LONGEST_SWEEP_WINDOW` and the steady position before it."""
 LARGEST_STEP = 0.75
-"""Bins farther apart than this [rev] are separated by a gap."""
+"""Bins farther apart than this [rev] are separated by a gap: the angle between them is not known. Chosen."""
 LONGEST_PAUSE = 1.0
-"""Bins farther apart than this [s] are, too."""
+"""Bins farther apart than this [s] are separated by a gap, too; chosen, not measured."""
 NEGLIGIBLE = 1e-9
 """A part of a motion below this share of the position is round-off, and has no direction."""
 LEADING = 0.7
-"""Least share of the asynchronous part in a motion that is expected to advance with it."""
+"""Least share of the asynchronous part in a motion that is expected to advance with it; chosen, not measured."""
 
 ASYNCHRONOUS, MOVING, SYNCHRONOUS = range(3)
 """Rows of `vector`: the asynchronous part; position less offset; the same in the rotating frame."""

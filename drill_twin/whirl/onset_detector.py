@@ -24,7 +24,7 @@ from drill_twin.whirl.onset.threshold_crossing import (
 )
 
 RUN_UP = 16.0
-"""Duration over which the rotation is compared with its present value [rev]."""
+"""Duration over which the rotation is compared with its present value [rev]; chosen, not measured."""
 
 
 @dataclass

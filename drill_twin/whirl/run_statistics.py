@@ -19,15 +19,15 @@ from drill_twin.whirl.columns import Columns, columns
 from drill_twin.whirl.sample_bins import BINS
 
 WIDTH = 0.02
-"""Width of a cell, in whirl ratio, up to `EVEN`."""
+"""Width of a cell, in whirl ratio, up to `EVEN`; chosen, not measured."""
 EVEN = 6.0
 """Ratio from which cells keep their width over their ratio."""
 LARGEST_RATIO = 60.0
-"""Largest ratio; larger ones are counted in the outermost cells."""
+"""Largest ratio; a larger ratio is counted in an outermost cell. A stabiliser rolls at up to 50 times the rotation."""
 EVEN_CELLS = round(EVEN / WIDTH)
 CELLS = 2 * (EVEN_CELLS + math.ceil(EVEN_CELLS * math.log(LARGEST_RATIO / EVEN)))
 PEAK_CELLS = 3
-"""Cells on each side of the peak that belong to it."""
+"""Cells on each side of the peak that belong to it; chosen, not measured."""
 
 
 def new_statistics(m: int) -> Columns:

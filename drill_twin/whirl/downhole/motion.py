@@ -23,7 +23,9 @@ from drill_twin.whirl.downhole.high_pass import GRAVITY, HighPass, ToolNoise, co
 from drill_twin.whirl.downhole.sub_findings import ImpactCounter, TorsionEstimator
 
 SLOWEST = 0.06
-"""Least corner of the high pass over the rotation [-]."""
+"""Least corner of the high pass over the rotation [-].
+
+The numbers of this file were chosen, not measured by themselves; `evidence/docs/detection.md` judges them together."""
 CALIBRATION = 4.0
 """Length of the record over which constants are found [rev]."""
 STEADY = 0.02

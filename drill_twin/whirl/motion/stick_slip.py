@@ -28,7 +28,9 @@ from drill_twin.whirl.motion.stick_slip_index import (
 )
 
 CORNER = 15.0
-"""Corner frequency of each pole of the low-pass [Hz]."""
+"""Corner frequency of each pole of the low-pass [Hz].
+
+The numbers of this file were chosen, not measured by themselves; the bounds of the index follow from its definition."""
 MEAN_MEMORY, CYCLES, LONGEST_MEMORY = 3.0, 4.0, 60.0
 """Memory of the slow mean: four cycles, at least 3 s and at most 60 s."""
 BAND = 0.25
@@ -79,7 +81,9 @@ def new_bit_speed(*, top_known: bool) -> Columns:
 
 @strict_kernel
 def add_bit_speed(bit: Columns, time: float, bit_speed: float, top_speed: float) -> int:
-    """Add the speeds of bit and top drive [rad/s] at a time [s]; a bit's that is not finite or not later is ignored.
+    """Add the speeds of bit and top drive [rad/s] at a time [s].
+
+    A sample whose speed of the bit is not finite, or whose time is not later, is ignored.
 
     Returns:
         What `StickSlip.decide` has to decide.

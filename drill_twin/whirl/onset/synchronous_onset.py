@@ -21,9 +21,9 @@ from drill_twin.whirl.history import end_of
 from drill_twin.whirl.onset.threshold_crossing import Crossing, Detection, synchronous_crossing
 
 RELEASE = 0.8
-"""Synchronous whirl ends below this fraction of its thresholds."""
+"""Synchronous whirl ends below this fraction of its thresholds (hysteresis); chosen, not measured."""
 WIDTH = 4
-"""Bins averaged to find the crossing."""
+"""Bins averaged to find the crossing, a quarter of a revolution; chosen, not measured."""
 
 
 def new_synchronous(m: int) -> Columns:

@@ -31,17 +31,17 @@ from drill_twin.whirl.orbit.runout_separation import (
 )
 
 SMALLEST_NOISE = 2e-4
-"""Smallest noise of a radius, over the clearance."""
+"""Smallest noise of a radius, over the clearance, so that a record without noise can be divided by it."""
 LARGEST_WEIGHT = 1e4
-"""Largest weight of a single bin against a crossing."""
+"""Largest weight of a single bin against a crossing: a hundred standard deviations; chosen, not measured."""
 SMALLEST_SWEEP = math.radians(70.0)
 """Smallest angle swept by an orbit that is refitted, in the frames of hole and string [rad]."""
 SWEEP_RADIUS = 0.4
-"""Smallest radius, over the threshold, at which that angle is counted."""
+"""Smallest radius, over the threshold, at which the swept angle is counted; chosen, not measured."""
 FAST = 2.0
 """Ratio of precession to rotation beyond which an orbit leaks neither into the offset nor into the synchronous part."""
 STEADY_BEFORE = 4.0
-"""Duration before the crossing that is left out of the steady position [rev]."""
+"""Duration before the crossing that is left out of the steady position [rev]; chosen, not measured."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -211,7 +211,7 @@ def _rotation(history: Columns, bins: int) -> float:
 
 
 SLOWEST = math.radians(1.5)
-"""Smallest angle that a steady precession sweeps in each half of the window [rad]."""
+"""Smallest angle that a steady precession sweeps in each half of the window [rad]; chosen, not measured."""
 
 
 class SweptAngle:

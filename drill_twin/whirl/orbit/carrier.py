@@ -24,19 +24,20 @@ from drill_twin.whirl.columns import Columns, columns
 from drill_twin.whirl.orbit.runout_separation import CALIBRATED_FROM
 
 ENGAGED, RELEASED = 1.2, 1.0
-"""Rate over the rotation from which an orbit has a carrier, and below which it has none any more."""
+"""Rate over the rotation from which an orbit has a carrier, and below which it has none any more: up to 1.2 a bin
+shortens the orbit by less than 1 %, 1 - sinc(1.2 / 16)."""
 MEMORY = 2.0
-"""Memory of the angle between samples [rev]."""
+"""Memory of the angle between samples [rev]; chosen, not measured."""
 LEAST_RADIUS = 0.005
-"""Smallest radius of an orbit with a carrier, over the clearance."""
+"""Smallest radius of an orbit with a carrier, over the clearance: a tenth of that of an onset; chosen."""
 COHERENCE, CERTAIN, MARGIN = 0.5, 0.9, 4.0
 """Smallest coherence of the angles between n samples: `MARGIN` / sqrt(n), which noise alone exceeds with probability
 exp(-16), between the first two."""
 WITHIN = 7.0
-"""Largest difference of the rates from sample to sample and from bin to bin, over the rotation; bins tell it but for
-multiples of 16."""
+"""Largest difference of the rates from sample to sample and from bin to bin, over the rotation: bins tell the rate but
+for multiples of 16, so half of 16 less a margin."""
 MIXED = 0.7
-"""Share of the orbit left in the plain mean of a bin, below which a slow part is told from it."""
+"""Share of the orbit left in the plain mean of a bin, below which a slow part is told from it; chosen."""
 
 
 def new_carrier(clearance: Array) -> Columns:

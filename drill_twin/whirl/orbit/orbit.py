@@ -27,15 +27,15 @@ from drill_twin.whirl.history import MOVING, NEGLIGIBLE, SYNCHRONOUS, bins_in, e
 from drill_twin.whirl.sample_bins import BINS
 
 FEWEST = 4
-"""Fewest bins for a slope."""
+"""Fewest bins for a slope and the scatter about it; chosen, not measured."""
 RECENT = 4
 """Bins of the recent rotation: a quarter of a revolution, 2 s for a string that hardly rotates."""
 SHORTEST_WINDOW = 0.9
-"""Shortest window for which the estimates are meaningful [rev]."""
+"""Shortest window for which the estimates are meaningful [rev], a little less than a revolution; chosen."""
 SMALLEST = 1e-3
-"""Smallest radius with a precession, as a fraction of the clearance."""
+"""Smallest radius with a precession, as a fraction of the clearance; chosen, not measured."""
 OVER_NOISE = 2.0
-"""Smallest radius with a precession, over the noise of a bin."""
+"""Smallest radius with a precession, over the noise of a bin; chosen, not measured."""
 WINDOW = 8 * BINS
 """Most bins in the window: `criteria.ORBIT_WINDOW` with four for each 1/16 of a revolution, as `bins_in` gives."""
 
