@@ -138,9 +138,10 @@ def take_sample(
         start(separation, has_spin)
     for k in range(seen.size):
         samples.position[k] = complex(block.position[at, k, 0], block.position[at, k, 1])
-        samples.distance[k] = abs(samples.position[k])
         if has_spin:
             samples.phasor[k] = complex(math.cos(spin[k]), math.sin(spin[k]))
+        else:
+            samples.distance[k] = abs(samples.position[k])
     if has_spin:
         _find_distance(samples, separation)
     for k in range(seen.size):
