@@ -47,9 +47,9 @@ def new_window() -> Columns:
     return columns(
         "SpeedWindow",
         1,
-        rows=columns("Seconds", TIME_BASE + 1, **dict.fromkeys(names, 0.0)),  # the last row is being filled
         index=math.nan,  # nan while it is not known
         largest=math.nan,  # index so far
+        rows=columns("Seconds", TIME_BASE + 1, **dict.fromkeys(names, 0.0)),  # the last row is being filled
         slowest=math.nan,  # speed in the window [rad/s]
         fastest=math.nan,  # speed in the window [rad/s]
         mean=math.nan,  # speed in the window [rad/s]
