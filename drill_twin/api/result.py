@@ -38,15 +38,22 @@ class Result(Plots):
     Each group has its own `time`; those of a run of this package are all equal to `Result.time`.
     """
 
-    def __init__(self, bag: Bag, scene: Scene | None = None, selection: Selection | None = None) -> None:
+    def __init__(
+        self,
+        bag: Bag,
+        scene: Scene | None = None,
+        selection: Selection | None = None,
+        findings: Summary | None = None,
+    ) -> None:
         """Take the result of `Simulation.run` or `read_bag` instead.
 
         Args:
             bag: The bag, in memory or on disk.
             scene: The scene of the run; by default the one in the bag.
             selection: The part of the bag that is read; by default all.
+            findings: Findings of the run, where it was analysed while it went on; by default the bag is analysed.
         """
-        self._bag, self._given, self._selection = bag, scene, selection
+        self._bag, self._given, self._selection, self._findings = bag, scene, selection, findings
 
     @cached_property
     def recording(self) -> Recording:
@@ -178,7 +185,7 @@ class Result(Plots):
     @property
     def onset_s(self) -> float | None:
         """Onset of whirl [s]; None where there was none."""
-        return self.recording.summary.onset_s
+        return (self._findings or self.recording.summary).onset_s
 
     @property
     def energy(self) -> dict[str, Array]:

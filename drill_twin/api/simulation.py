@@ -262,7 +262,9 @@ class Simulation:
         if self.state is None:
             raise ArgumentError("expected a run of at least one frame, found none; call run or advance first")
         self._report()
-        return Result(self._bag.snapshot(), self.scene)
+        pipeline = self._run.pipeline  # without marks the recording analyses the readings of a sub, where it has one
+        findings = None if pipeline.bit_only is not None else pipeline.summary()
+        return Result(self._bag.snapshot(), self.scene, findings=findings)
 
     def _frames(self, name: str, length: float) -> float:
         if length <= 0.0:

@@ -13,13 +13,11 @@ from typing import NamedTuple
 import numpy as np
 
 from drill_twin.core.arrays import Array
-from drill_twin.io.messages.cdr import JointStateTemplate
-from drill_twin.io.messages.finite import finite_number
+from drill_twin.io.messages.cdr import JointStateTemplate, finite_number
 from drill_twin.io.messages.stamps import NANOSECONDS, seconds
 from drill_twin.io.messages.topics import FRAME_ID, TWIN_SUMMARY, WHIRL_MOTION, WHIRL_ONSET, WHIRL_STATE
 from drill_twin.io.messages.whirl_encode import (
     STRING_LEVEL,
-    WHIRL_SCALARS,
     OnsetMessage,
     SubjectMotion,
     WhirlStateEncoder,
@@ -28,7 +26,7 @@ from drill_twin.io.messages.whirl_encode import (
 )
 from drill_twin.io.samples import UNKNOWN_RIG, RigSample
 from drill_twin.whirl import BitMotion, MarkInfo, MotionCode, MotionState, Onset, StickSlip, StickSlipCode
-from drill_twin.whirl.bit_only_analyzer import NOT_OBSERVABLE
+from drill_twin.whirl.analyzer import NOT_OBSERVABLE
 from drill_twin.whirl.findings import Findings, FoundRows
 
 PERIOD = NANOSECONDS // 5
@@ -141,7 +139,6 @@ class FindingsEncoder:
         self.summary = TwinSummary(marks)
         """Messages on `/twin/summary`."""
         self._state, self._frame_id = WhirlStateEncoder(self._names), FRAME_ID
-        self._values = np.empty((len(marks), len(WHIRL_SCALARS)))
         self._motion: tuple[object, ...] = ()
         self._motion_due = -1
         self.onset_announced = False
@@ -162,14 +159,7 @@ class FindingsEncoder:
         self, findings: Findings, frame_id: str = FRAME_ID, rig: RigSample | None = None
     ) -> list[tuple[str, bytes]]:
         """Topics and bytes of the messages for these findings, in the frame of the samples, and the rig's state."""
-        self._set_frame(frame_id)
-        stamp, columns = findings.stamp_ns, self._values.T
-        columns[0], columns[1] = findings.orbit_radius, math.tau * findings.precession
-        columns[2], columns[3], columns[4] = findings.ratio, findings.confidence, findings.codes
-        messages = [(WHIRL_STATE, self._state.encode(stamp, self._values)), *self._on_change(stamp, findings)]
-        if self.summary.add(stamp, rig or UNKNOWN_RIG):
-            messages.append(self._summary(stamp, findings, findings.orbit_radius, findings.bit_index))
-        return messages
+        return self.rows(FoundRows.of(findings), frame_id, [rig or UNKNOWN_RIG])[0]
 
     def _summary(self, stamp: int, findings: Findings, radius: Array, bit_index: float) -> tuple[str, bytes]:
         motion = Motion(findings.motion, radius, findings.bit, bit_index, findings.onset)

@@ -57,8 +57,8 @@ class SampleRows(NamedTuple):
     """Marked points [m], shape (n, m, 3)."""
     spin: Array
     """Spin at the marks [rad], shape (n, m)."""
-    wall_force: Array
-    """Normal wall force at the marks [N], shape (n, m)."""
+    wall_force: Array | None
+    """Normal wall force at the marks [N], shape (n, m); None without forces."""
     top_speed: Array
     """Speed of the top drive [rad/s], shape (n,)."""
     bit_speed: Array
@@ -133,35 +133,28 @@ class MarkReader:
         self._layout: tuple[str, ...] = ()
         self._columns = np.zeros((0, len(MARK_AXES)), np.intp)
 
-    def read(self, state: JointState) -> tuple[Array, Array, Array | None]:
-        """Positions [m], shape (m, 3), spin [rad], shape (m,), and wall force [N], shape (m,), or None without forces.
+    def read(self, state: JointState | JointStates) -> tuple[Array, Array, Array | None]:
+        """Read one state, or states one a row, whose arrays have one dimension more.
+
+        Returns:
+            Positions [m], shape (m, 3), spin [rad], shape (m,), and wall force [N], shape (m,), or None without forces.
 
         Raises:
             MessageError: The message has no positions, or not those of the marks.
         """
         self.check(state)
-        values = np.append(state.position, np.nan)[self._columns]
-        force = None
+        values, force = self._chosen(state.position), None
         if state.effort.size:
-            components = np.append(state.effort, np.nan)[self._columns]
-            force = np.hypot(components[:, 0], components[:, 1])
-        return values[:, :3], values[:, 3], force
+            components = self._chosen(state.effort)
+            force = np.hypot(components[..., 0], components[..., 1])
+        return values[..., :3], values[..., 3], force
 
-    def read_rows(self, states: JointStates, top_speed: Array, bit_speed: Array) -> SampleRows:
-        """As `read`, of states one a row, with the speeds of the rig [rad/s], shape (n,) each.
+    def _chosen(self, values: Array) -> Array:
+        """Values of the marks by axis, shape (..., m, 4); NaN for an axis that the message lacks."""
+        unknown = np.full((*values.shape[:-1], 1), np.nan)
+        return np.concatenate((values, unknown), axis=-1)[..., self._columns]
 
-        Raises:
-            MessageError: As `read`, or there are no forces.
-        """
-        places = columns(states.names, self._marks)
-        if not (states.position.size and states.effort.size):
-            raise MessageError(f"expected positions and forces on {MARKS_STATE}, found none")
-        unknown = np.full((len(states.stamps), 1), np.nan)
-        position, effort = (np.hstack((part, unknown))[:, places] for part in (states.position, states.effort))
-        force = np.hypot(effort[..., 0], effort[..., 1])
-        return SampleRows(position[..., :3], position[..., 3], force, top_speed, bit_speed)
-
-    def check(self, state: JointState) -> None:
+    def check(self, state: JointState | JointStates) -> None:
         """Check that the marks are in a message.
 
         Raises:
@@ -239,8 +232,8 @@ class SampleOrder(Generic[Item]):
         self.latest = -1
         self._behind: list[Item] = []
 
-    def take(self, sample: Item) -> list[Item]:
-        """Note a sample; returns those with which the analysis is to start again, mostly none."""
+    def note(self, sample: Item) -> list[Item]:
+        """Note a sample; return the samples with which the analysis is to start again, mostly none."""
         if sample.stamp >= self.latest:
             self.pass_by(sample.stamp)
             return []

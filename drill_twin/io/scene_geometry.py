@@ -107,14 +107,14 @@ def select_marks(marks: Sequence[MarkInfo], names: Sequence[str]) -> list[MarkIn
 
 
 class SceneTexts:
-    """Parses the texts that differ from the last good, and from the last bad one."""
+    """Parses a text that differs from the last good and from the last bad text."""
 
     def __init__(self) -> None:
         self._text: str | None = None
         self._refused: tuple[str, DrillTwinError] | None = None
 
-    def take(self, text: str) -> Scene | None:
-        """Scene of a text; None for the last good one once more.
+    def new_scene(self, text: str) -> Scene | None:
+        """Scene of a text; None where the text is the last good one once more.
 
         Raises:
             DrillTwinError: It is no scene.

@@ -175,7 +175,7 @@ class WhirlPipeline:
         return found
 
     def encode_rows(self, found: FoundRows, frame_id: str, samples: SampleRows | None = None) -> list[list[Message]]:
-        """The messages of findings, in the frame of the samples; with these, `/twin/summary` too."""
+        """Encode findings in the frame of the samples; where the samples are given, `/twin/summary` too."""
         try:
             return [] if self._encoder is None else self._encoder.rows(found, frame_id, samples and samples.rigs)
         except MessageError as error:
@@ -188,7 +188,7 @@ class WhirlPipeline:
         if self._without_rig or self._analyzer is None:
             return None
         try:
-            return self._mark_reader.read_rows(marks, top_speed, bit_speed)
+            return SampleRows(*self._mark_reader.read(marks), top_speed, bit_speed)
         except MessageError:
             return None
 
@@ -209,7 +209,7 @@ class WhirlPipeline:
     # --- runs -----------------------------------------------------------------------------------------------------
 
     def _on_scene(self, text: str) -> list[Message]:
-        if (scene := self._texts.take(text)) is None:
+        if (scene := self._texts.new_scene(text)) is None:
             return []
         if self.runs:  # waiting samples belong to the run before
             self._clear()
@@ -281,7 +281,7 @@ class WhirlPipeline:
         if self.findings is None:
             return
         yield from self._encoder.messages(self.findings, frame, rig)
-        if behind := self._order.take(sample):
+        if behind := self._order.note(sample):
             yield from self._start_run(self.scene)
             for again in behind:
                 yield from self._analyse(again)

@@ -54,7 +54,7 @@ from drill_twin.report.selection import (
 from drill_twin.report.string_curve import along_hole, smooth
 from drill_twin.scene import Scene
 from drill_twin.whirl import Findings, MarkInfo, Summary
-from drill_twin.whirl.bit_only_analyzer import NOT_OBSERVABLE
+from drill_twin.whirl.analyzer import NOT_OBSERVABLE
 
 SHAPES = 600
 """Most poses of the string that are kept, evenly over the run."""

@@ -20,7 +20,7 @@ from drill_twin.report.load_text import (
     surface_rows,
     units_of,
 )
-from drill_twin.whirl import Criteria, MotionState
+from drill_twin.whirl import MotionState, criteria
 
 _OF_THE_STRING = {MotionState.SPIRAL.value, MotionState.SECOND_BENDING.value}
 """States of the string's shape, which no single mark can have."""
@@ -215,8 +215,8 @@ def _onset(summary: Summary) -> str:
 def _no_onset(summary: Summary) -> str:
     """Meaning of a run in which no onset was found."""
     rate, slowest = summary["quality"].get("samples_per_revolution"), (summary.get("sub") or {}).get("slowest_hz")
-    if rate is not None and rate < Criteria().fewest_samples:
-        return f"not observable: {rate:.1f} samples in a revolution, {Criteria().fewest_samples:g} are needed"
+    if rate is not None and rate < criteria.FEWEST_SAMPLES:
+        return f"not observable: {rate:.1f} samples in a revolution, {criteria.FEWEST_SAMPLES:g} are needed"
     return "none found" if slowest is None else f"none found; a whirl slower than {slowest:.2g} Hz shows in no reading"
 
 

@@ -16,30 +16,24 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from drill_twin.core.arrays import Integers
+from drill_twin.core.arrays import Integers, number_or_none
+from drill_twin.core.compile.jit import as_python
 from drill_twin.core.compile.packed_arguments import bind, pack
-from drill_twin.whirl.analysis_loop import compiled
-from drill_twin.whirl.analyzer_state import (
-    BLOCK,
-    CHANGED,
-    COUNT,
-    DECIDED,
-    HAS_FORCE,
-    HAS_SPIN,
-    NEW,
-    NEXT,
-    AnalyzerState,
-)
-from drill_twin.whirl.criteria import Criteria
+from drill_twin.whirl.analysis_loop import CHANGED, compiled
+from drill_twin.whirl.analyzer_state import BLOCK, new_state
+from drill_twin.whirl.decisions import Decisions
 from drill_twin.whirl.findings import Findings, FoundRows, Onset, Quality, Summary
-from drill_twin.whirl.marks import AnalysisError, MarkArrays, MarkInfo, check_marks
-from drill_twin.whirl.motion.stick_slip import MEAN, SECOND_POLE, StickSlip
-from drill_twin.whirl.run_statistics import SAMPLE_RATE
+from drill_twin.whirl.marks import AnalysisError, MarkInfo, check_marks, mark_columns
+from drill_twin.whirl.motion.states import STATES
+from drill_twin.whirl.motion.stick_slip import StickSlip
+from drill_twin.whirl.sample_bins import accept, is_new, new_clock, rotate, seconds_of
 from drill_twin.whirl.summary import summarise
-from drill_twin.whirl.whirl_estimator import WhirlEstimator
 
 LARGEST_STAMP = 1 << 62
 """Largest stamp [ns]."""
+
+NOT_OBSERVABLE = "whirl is not observable: there are no lateral positions of marks"
+_IS_NEW, _ACCEPT, _ROTATE = as_python(is_new), as_python(accept), as_python(rotate)
 
 FloatArray = NDArray[np.floating[Any]]
 
@@ -47,19 +41,13 @@ FloatArray = NDArray[np.floating[Any]]
 class Analyzer:
     """Finds whirl in the motion of marks, sample by sample."""
 
-    def __init__(
-        self,
-        marks: Sequence[MarkInfo],
-        criteria: Criteria | None = None,
-        *,
-        contact_known: bool = True,
-        top_known: bool = True,
-    ) -> None:
+    _kind: Any = None  # numba's type of the state, the same for all; to find it takes 10 ms
+
+    def __init__(self, marks: Sequence[MarkInfo], *, contact_known: bool = True, top_known: bool = True) -> None:
         """Start an analysis of `marks`.
 
         Args:
             marks: Marks on the string.
-            criteria: Numbers of the criteria.
             contact_known: Their positions are those about the axis of the hole.
             top_known: The speed of the top drive is measured by itself, and is not that of the bit.
 
@@ -67,22 +55,20 @@ class Analyzer:
             AnalysisError: No mark, or two of one name.
         """
         self.marks = check_marks(marks)
-        self.criteria, self._contact_known = criteria or Criteria(), contact_known
-        self._top_known = top_known
+        self._contact_known, self._top_known = contact_known, top_known
         self.reset()
 
     def reset(self) -> None:
         """Discard all samples."""
         self._names = tuple(mark.name for mark in self.marks)
         self._bit = StickSlip(top_known=self._top_known)
-        offsets = np.array([mark.wall_offset for mark in self.marks])
-        self._state = AnalyzerState.of(MarkArrays.of(self.marks), offsets, self.criteria, self._bit.speed)
-        self._packed = pack(self._state)
+        self._state = new_state(mark_columns(self.marks), self._bit.speed)
+        self._packed = pack(self._state, Analyzer._kind)
+        Analyzer._kind = self._packed.kind
         self._analyse = bind(compiled().analyse, self._packed)
-        self._decisions = WhirlEstimator(self._names, self._state, contact_known=self._contact_known)
+        self._decisions = Decisions(self._names, self._state, contact_known=self._contact_known)
         self._flow, self._radius = self._state.flow, self._state.samples.radius
         self._shapes = frozenset(((len(self.marks), 2), (len(self.marks), 3)))
-        self._counted = self._state.clock.stamps, self._state.samples.quality, self._state.statistics.numbers
         self._findings = self._new_findings()
 
     @property
@@ -93,19 +79,14 @@ class Analyzer:
     @property
     def quality(self) -> Quality:
         """Counts of good and bad samples so far."""
-        return self._stamp_and_quality()[1]
-
-    def _stamp_and_quality(self) -> tuple[int, Quality]:
-        stamps, samples, numbers = self._counted
-        _, _, stamp, duplicate, late = stamps.tolist()
-        accepted, incomplete, missing, gaps = samples.tolist()
-        return stamp, Quality(accepted, duplicate, late, incomplete, missing, gaps, numbers.item(SAMPLE_RATE))
+        clock, samples, rate = self._state.clock, self._state.samples, self._state.statistics.per_revolution
+        counts = samples.accepted, clock.duplicate, clock.late, samples.incomplete, samples.missing, samples.gaps
+        return Quality(*(count.item() for count in (*counts, rate)))
 
     @property
     def bit_speed(self) -> tuple[float, float]:
         """Low-passed speed of the bit and its slow mean [rad/s]."""
-        numbers = self._bit.speed.numbers
-        return numbers.item(SECOND_POLE), numbers.item(MEAN)
+        return self._bit.speed.speed.item(), self._bit.speed.mean.item()
 
     def summary(self) -> Summary:
         """The findings of the whole run so far."""
@@ -141,27 +122,14 @@ class Analyzer:
         """
         position = np.asarray(position)
         stamp = self._checked_stamp(stamp_ns, position, spin, wall_force)
-        stamps, positions, spins, forces, speeds, counts = self._state.block
-        stamps[0], speeds[0, 0], speeds[0, 1] = stamp, top_speed, bit_speed
-        positions[0] = position[:, :2]
-        if spin is not None:
-            spins[0] = spin
-        if wall_force is not None:
-            forces[0] = wall_force
-        counts[COUNT], counts[NEXT] = 1, 0
-        counts[HAS_SPIN], counts[HAS_FORCE] = spin is not None, wall_force is not None
-        for _ in self._analysed():
-            pass
-        return self._present()
+        spins, forces = (None if part is None else part[None] for part in (spin, wall_force))
+        self.push_block(np.array([stamp]), position[None], spins, np.array([top_speed]), forces, np.array([bit_speed]))
+        return self._findings
 
     def push_bit_speed(self, stamp_ns: int, bit_speed: float) -> Findings:
         """Add a speed of the bit [rad/s] alone, at a header stamp [ns], and return the findings after it."""
         self._bit.push(stamp_ns * 1e-9, bit_speed)
-        bit = self._bit
-        self._findings = self._findings.with_sample(
-            stamp_ns, self._radius.copy(), self.quality, bit.motion, bit.criterion, bit.index
-        )
-        return self._findings
+        return self._after_sample(stamp_ns)
 
     def push_block(
         self,
@@ -182,50 +150,52 @@ class Analyzer:
             wall_force: Normal wall force at the marks [N], shape (n, m), or None.
             bit_speed: Speed of the bit [rad/s], shape (n,), or None.
         """
-        stamps, positions, spins, forces, speeds, counts = self._state.block
-        counts[HAS_SPIN], counts[HAS_FORCE] = spin is not None, wall_force is not None
-        count = len(stamps_ns)
+        block, count = self._state.block, len(stamps_ns)
+        block.has_spin[0], block.has_force[0] = spin is not None, wall_force is not None
         found = FoundRows(self._findings, [], np.empty((count, len(self.marks), 4)), np.empty(count), {})
-        for first in range(0, len(stamps_ns), BLOCK):
+        for first in range(0, count, BLOCK):
             rows = slice(first, first + BLOCK)
-            n = counts[COUNT] = len(stamps_ns[rows])
-            counts[NEXT] = 0
-            stamps[:n] = stamps_ns[rows]
-            positions[:n] = position[rows, :, :2]
-            speeds[:n, 0] = top_speed[rows]
-            speeds[:n, 1] = math.nan if bit_speed is None else bit_speed[rows]
+            n = block.count[0] = len(stamps_ns[rows])
+            block.next[0] = 0
+            block.stamp[:n], block.position[:n], block.top_speed[:n] = (
+                stamps_ns[rows],
+                position[rows, :, :2],
+                top_speed[rows],
+            )
+            block.bit_speed[:n] = math.nan if bit_speed is None else bit_speed[rows]
             if spin is not None:
-                spins[:n] = spin[rows]
+                block.spin[:n] = spin[rows]
             if wall_force is not None:
-                forces[:n] = wall_force[rows]
+                block.force[:n] = wall_force[rows]
             for at in self._analysed():
                 found.changes[first + at] = self._present()
             self._present()
-            found.stamps.extend(self._state.found.stamp[:n].tolist())
-            found.values[rows] = self._state.found.values[:n]
-            found.bit_index[rows] = self._state.found.bit_index[:n]
+            found.stamps.extend(block.found_stamp[:n].tolist())
+            found.values[rows], found.bit_index[rows] = block.found[:n], block.bit_index[:n]
         return found
 
     def _analysed(self) -> Iterator[int]:
         """Analyse the block and decide where compiled code leaves it to Python; yield the samples with a decision."""
         while outcome := self._analyse():
             if outcome == CHANGED:
-                yield int(self._state.block.counts[NEXT]) - 1
+                yield int(self._state.block.next[0]) - 1
             elif outcome < 0:
                 self._bit.decide(-outcome)
-                self._flow[DECIDED] = 1
+                self._flow.decided[0] = 1
             else:
                 self._decisions.decide[outcome]()
-                self._flow[DECIDED] = 1
+                self._flow.decided[0] = 1
 
     def _present(self) -> Findings:
         """Findings after the last sample that was analysed."""
-        if self._flow[NEW]:
+        if self._flow.new[0]:
             self._findings = self._new_findings()
-        stamp, quality = self._stamp_and_quality()
+        return self._after_sample(self._state.clock.last.item())
+
+    def _after_sample(self, stamp: int) -> Findings:
         bit = self._bit
         self._findings = self._findings.with_sample(
-            stamp, self._radius.copy(), quality, bit.motion, bit.criterion, bit.index
+            stamp, self._radius.copy(), self.quality, bit.motion, bit.criterion, bit.index
         )
         return self._findings
 
@@ -253,8 +223,9 @@ class Analyzer:
         """The present estimates."""
         state, decisions = self._state, self._decisions
         orbit, hysteresis, clearance = state.orbit, state.motion.hysteresis, state.marks.clearance
-        state.flow[NEW] = 0
-        states, shares, definite = hysteresis.states, hysteresis.confidence, state.carrier.definite
+        state.flow.new[0] = False
+        states, definite = tuple(STATES[held] for held in hysteresis.held.tolist()), state.carrier.definite
+        shares = hysteresis.share[np.arange(len(states)), hysteresis.held]
         return Findings(
             stamp_ns=0,
             time_s=0.0,
@@ -267,8 +238,8 @@ class Analyzer:
             synchronous_radius=orbit.synchronous * clearance,
             contact_fraction=orbit.contact.copy(),
             phase=state.shape.phase.copy(),
-            planarity=state.shape.planarity,
-            rotation=orbit.rotation,
+            planarity=float(state.shape.planarity[0]),
+            rotation=float(orbit.rotation[0]),
             state=states[:-1],
             state_confidence=shares[:-1] * definite,
             criterion=tuple(decisions.criterion[:-1]),
@@ -279,4 +250,50 @@ class Analyzer:
             bit_criterion=self._bit.criterion,
             onset=decisions.onset,
             quality=self.quality,
+        )
+
+
+class BitOnlyAnalyzer:
+    """Analysis of the speeds of top drive and bit, sample by sample, where no marks have positions."""
+
+    def __init__(self) -> None:
+        self.bit = StickSlip()
+        """Stick-slip of the bit."""
+        self._clock = new_clock(0)
+        self._accepted = self._incomplete = 0
+
+    @property
+    def quality(self) -> Quality:
+        """Counts of good and bad samples so far."""
+        clock, revolutions = self._clock, self._clock.revolutions.item()
+        rate = self._accepted / revolutions if revolutions > 0.0 else math.nan
+        skipped = clock.duplicate.item(), clock.late.item(), self._incomplete
+        return Quality(self._accepted, *skipped, samples_per_revolution=rate)
+
+    def push(self, stamp_ns: int, top_speed: float, bit_speed: float) -> bool:
+        """Add a sample at a header stamp [ns], speeds in [rad/s]; return whether the motion of the bit changed."""
+        clock = self._clock
+        if not _IS_NEW(clock, stamp_ns):
+            return False
+        if not (math.isfinite(top_speed) or math.isfinite(bit_speed)):
+            self._incomplete += 1
+            return False
+        _ROTATE(clock, _ACCEPT(clock, stamp_ns), top_speed, clock.spin, has_spin=False)
+        self._accepted += 1
+        before = self.bit.motion
+        self.bit.push(stamp_ns * 1e-9, bit_speed, top_speed)
+        return self.bit.motion is not before
+
+    def summary(self) -> Summary:
+        """The findings so far."""
+        seconds = as_python(seconds_of)(self._clock)
+        return Summary(
+            rotation_rev_s=self._clock.angle.item() / math.tau / seconds if seconds > 0.0 else None,
+            stick_slip=tuple(self.bit.periods),
+            bit=self.bit.motion,
+            stick_slip_index=number_or_none(self.bit.index),
+            largest_stick_slip_index=number_or_none(self.bit.largest_index),
+            quality=self.quality,
+            notes=(NOT_OBSERVABLE,),
+            observable=False,
         )

@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, field
 from functools import cached_property
 from typing import Any, Literal, NamedTuple
 
@@ -190,6 +190,13 @@ class FoundRows(NamedTuple):
     changes: dict[int, Findings]
     """Findings by the number of a sample after which a state, a text or the onset may be another."""
 
+    @classmethod
+    def of(cls, findings: Findings) -> FoundRows:
+        """Findings after one sample."""
+        columns = findings.orbit_radius, findings.precession, findings.ratio, findings.confidence
+        values = np.stack(columns, axis=-1)[None]
+        return cls(findings, [findings.stamp_ns], values, np.array([findings.bit_index]), {0: findings})
+
     def states(self) -> Array:
         """Values of `/whirl/state`: as `values`, precession in [rad/s], and the `MotionCode`, shape (n, m, 5)."""
         codes, begin, present = np.empty((*self.values.shape[:2], 1)), 0, self.before
@@ -225,32 +232,32 @@ class SubFindings:
 class Summary:
     """The findings of a whole run."""
 
-    onset: Onset | None
+    onset: Onset | None = None
     """The onset of whirl, if there was one."""
-    mark_onset_s: dict[str, float | None]
+    mark_onset_s: dict[str, float | None] = field(default_factory=dict)
     """Time at which each mark's radius crossed its threshold [s]."""
-    whirl_frequency_hz: float | None
+    whirl_frequency_hz: float | None = None
     """Most frequent precession after the onset [Hz], positive = forward, at `frequency_mark`; None where the motion
     that lasts is irregular and has no single one."""
-    whirl_ratio: float | None
+    whirl_ratio: float | None = None
     """Most frequent whirl ratio (the mode, weighted by the power of the motion); None as above."""
-    frequency_mark: str | None
+    frequency_mark: str | None = None
     """Mark with the largest whirl relative to its clearance, whose frequency is reported."""
-    max_radius_m: dict[str, float | None]
+    max_radius_m: dict[str, float | None] = field(default_factory=dict)
     """Largest distance of the centre line from the hole's axis at each mark [m]."""
-    rotation_rev_s: float | None
+    rotation_rev_s: float | None = None
     """Mean rotation while the string rotated, since the onset if there was one [rev/s]."""
-    motion: tuple[MotionPeriod, ...]
+    motion: tuple[MotionPeriod, ...] = ()
     """Motion states of the string over time."""
-    mark_motion: dict[str, tuple[MotionPeriod, ...]]
+    mark_motion: dict[str, tuple[MotionPeriod, ...]] = field(default_factory=dict)
     """Motion states of each mark over time."""
-    stick_slip: tuple[StickSlipPeriod, ...]
+    stick_slip: tuple[StickSlipPeriod, ...] = ()
     """Periods of stick-slip of the bit."""
-    bit: BitMotion
+    bit: BitMotion = BitMotion.UNKNOWN
     """Motion of the bit at the end."""
-    quality: Quality
+    quality: Quality = Quality()  # noqa: RUF009  a named tuple, which nobody changes
     """Counts of good and bad samples."""
-    notes: tuple[str, ...]
+    notes: tuple[str, ...] = ()
     """Limits of these findings, as sentences."""
     stick_slip_index: float | None = None
     """Stick-slip index of the bit over the last 20 s (`whirl.motion.stick_slip_index`); None where not known."""

@@ -6,12 +6,12 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Literal, NamedTuple
+from typing import Literal
 
 import numpy as np
 
-from drill_twin.core.arrays import Array, Integers, Mask
 from drill_twin.core.errors import DrillTwinError
+from drill_twin.whirl.columns import Columns, columns
 
 
 class AnalysisError(DrillTwinError):
@@ -58,26 +58,19 @@ class MarkInfo:
         return -self.wall_offset / self.clearance
 
 
-class MarkArrays(NamedTuple):
+def mark_columns(marks: Sequence[MarkInfo]) -> Columns:
     """Numbers of m marks."""
-
-    clearance: Array  # (m,) [m]
-    wall_radius: Array  # (m,) distance of the marked point from the centre line [m]
-    rolling_ratio: Array  # (m,)
-    inclined: Mask  # (m,)
-    levels: Integers  # one mark at each distance from the bit, from the bit up
-
-    @classmethod
-    def of(cls, marks: Sequence[MarkInfo]) -> MarkArrays:
-        """Numbers of these marks."""
-        distances = [mark.distance_from_bit for mark in marks]
-        return cls(
-            np.array([mark.clearance for mark in marks]),
-            np.array([mark.wall_offset if mark.on == "wall" else 0.0 for mark in marks]),
-            np.array([mark.rolling_ratio for mark in marks]),
-            np.array([mark.inclined for mark in marks]),
-            np.array([distances.index(level) for level in sorted(set(distances))], np.int64),
-        )
+    distances = [mark.distance_from_bit for mark in marks]
+    return columns(
+        "MarkArrays",
+        len(marks),
+        clearance=np.array([mark.clearance for mark in marks]),  # [m]
+        wall_offset=np.array([mark.wall_offset for mark in marks]),  # outer radius of the string [m]
+        wall_radius=np.array([mark.wall_offset if mark.on == "wall" else 0.0 for mark in marks]),  # of the point [m]
+        rolling_ratio=np.array([mark.rolling_ratio for mark in marks]),
+        inclined=np.array([mark.inclined for mark in marks]),
+        levels=np.array([distances.index(level) for level in sorted(set(distances))]),  # one mark at each distance
+    )
 
 
 def check_marks(marks: Sequence[MarkInfo]) -> tuple[MarkInfo, ...]:

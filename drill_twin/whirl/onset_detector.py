@@ -10,9 +10,10 @@ import numpy as np
 
 from drill_twin.core.arrays import Array, Mask
 from drill_twin.core.compile.jit import as_python
-from drill_twin.whirl.analyzer_state import AnalyzerState
-from drill_twin.whirl.history import ASYNCHRONOUS, History
-from drill_twin.whirl.onset.asynchronous_onset import INTERVAL, update_candidate, width_for
+from drill_twin.whirl import criteria
+from drill_twin.whirl.columns import Columns
+from drill_twin.whirl.history import ASYNCHRONOUS, newest, newest_in
+from drill_twin.whirl.onset.asynchronous_onset import INTERVAL, is_converged, update_candidate, width_for
 from drill_twin.whirl.onset.low_side_swing import swing_radius
 from drill_twin.whirl.onset.threshold_crossing import (
     Crossing,
@@ -23,7 +24,7 @@ from drill_twin.whirl.onset.threshold_crossing import (
 )
 
 RUN_UP = 16.0
-"""Duration over which the rotation is compared with its present value [rev]."""
+"""Duration over which the rotation is compared with its present value [rev]; chosen, not measured."""
 
 
 @dataclass
@@ -41,8 +42,7 @@ class _Displacement:
 class OnsetDetector:
     """Decisions on the begin and the end of asynchronous whirl of each mark."""
 
-    def __init__(self, state: AnalyzerState) -> None:
-        self._criteria = state.criteria
+    def __init__(self, state: Columns) -> None:
         self._clearance = state.marks.clearance
         self._inclined: list[bool] = state.marks.inclined.tolist()
         self._history, self._separation, self._orbit = state.history, state.separation, state.orbit
@@ -52,12 +52,22 @@ class OnsetDetector:
         self.moved: list[int] = []
         """Marks whose steady position was found to have changed with the newest bin."""
 
+    @property
+    def _appended(self) -> int:
+        """Number of bins so far."""
+        return int(self._history.appended[0])
+
+    @property
+    def _revolutions(self) -> float:
+        """Revolutions since the first sample at the newest bin [rev]."""
+        return float(self._history.revolutions[newest(self._history, 1)][0])
+
     def check(self) -> list[Crossing]:
         """Check the newest bin; return the crossings of marks whose whirl is now detected."""
-        onsets, history = self._onsets, self._history
+        onsets = self._onsets
         self.moved = []
         self._displaced = {mark: found for mark, found in self._displaced.items() if onsets.displaced[mark]}
-        if onsets.falling.any() and history.revolutions[history.newest(1).start] > self._criteria.falling_time:
+        if onsets.falling.any() and self._revolutions > criteria.FALLING_TIME:
             self._land()
         whirls: dict[int, _Displacement] = {}
         for mark, threshold in enumerate(self._averaged.threshold.tolist()):
@@ -80,10 +90,10 @@ class OnsetDetector:
         """End the whirl of marks whose orbit has become small or constant; return them."""
         onsets, history = self._onsets, self._history
         constant = onsets.constant.copy()
-        bins = history.bins_in(self._criteria.sweep_window)
+        bins = newest_in(history, criteria.SWEEP_WINDOW)
         for mark in np.flatnonzero(onsets.active & constant & ~onsets.small).tolist():
             swept = self._swept(mark, bins)
-            stands = swept.smallest < self._criteria.least_swept_angle and not swept.steady
+            stands = swept.smallest < criteria.LEAST_SWEPT_ANGLE and not swept.steady
             constant[mark] = stands or onsets.low_side[mark]
         marks: list[int] = np.flatnonzero(onsets.active & (onsets.small | constant)).tolist()
         onsets.active[marks] = onsets.displaced[marks] = False
@@ -91,7 +101,7 @@ class OnsetDetector:
         onsets.detected[marks] = math.inf
         for mark in marks:
             self._displaced.pop(mark, None)
-            self._valid_from[mark] = history.appended
+            self._valid_from[mark] = self._appended
         return marks
 
     def earliest_candidate(self, exclude: Mask) -> float:
@@ -102,20 +112,20 @@ class OnsetDetector:
         """End the fall of the marks in an inclined hole: where they lie now is their steady position."""
         marks = np.flatnonzero(self._onsets.falling).tolist()
         for mark in marks:
-            self._valid_from[mark] = self._history.appended
+            self._valid_from[mark] = self._appended
         self.moved += marks
         self._onsets.falling[:] = False
 
     def _confirm(self, mark: int) -> _Displacement | None:
         """Start, drop or confirm the candidate of a mark; return it once it is confirmed as whirl."""
-        criteria, history, onsets, separation = self._criteria, self._history, self._onsets, self._separation
+        history, onsets, separation = self._history, self._onsets, self._separation
         if not as_python(update_candidate)(onsets, self._averaged, history, mark):
             return None
         begun = float(onsets.revolutions[mark])
-        elapsed = float(history.revolutions[history.newest(1).start]) - begun
-        if elapsed < criteria.sustain:
+        elapsed = self._revolutions - begun
+        if elapsed < criteria.SUSTAIN:
             return None
-        since = history.appended - int(onsets.bin[mark]) + 1
+        since = self._appended - int(onsets.bin[mark]) + 1
         early = self._early(begun)
         swept = self._swept(mark, since, complex(separation.arm[mark]) if early else None)
         position = complex(separation.offset[mark]), complex(separation.synchronous[mark])
@@ -123,15 +133,15 @@ class OnsetDetector:
         candidate = int(onsets.bin[mark]), begun, float(onsets.noise[mark])
         if self._whirls(swept, mark, since):
             return _Displacement(*candidate, *position, valid_from)
-        if elapsed > criteria.sweep_window and onsets.low_side[mark]:
+        if elapsed > criteria.SWEEP_WINDOW and onsets.low_side[mark]:
             onsets.time[mark] = math.nan
             return None
-        turns = swept.smallest >= criteria.least_swept_angle  # as yet too slowly
-        if elapsed > (criteria.longest_sweep_window if turns else criteria.sweep_window):
+        turns = swept.smallest >= criteria.LEAST_SWEPT_ANGLE  # as yet too slowly
+        if elapsed > (criteria.LONGEST_SWEEP_WINDOW if turns else criteria.SWEEP_WINDOW):
             if not early and mark not in self._displaced:
-                position = steady_position(history, mark, since, history.appended - valid_from) or position
+                position = steady_position(history, mark, since, self._appended - valid_from) or position
                 self._displaced[mark] = _Displacement(*candidate, *position, valid_from)
-            self._valid_from[mark] = history.appended
+            self._valid_from[mark] = self._appended
             onsets.time[mark] = math.nan
             self.moved.append(mark)
         return None
@@ -139,17 +149,16 @@ class OnsetDetector:
     def _recheck(self, mark: int, threshold: float, *, whirling: bool) -> _Displacement | None:
         """Drop the displacement of a mark if it came back; return it if the mark whirls about its former position."""
         displaced, history = self._displaced[mark], self._history
-        if history.appended % INTERVAL and not whirling:
+        if self._appended % INTERVAL and not whirling:
             return None
-        bins = history.appended - displaced.bin + 1
-        newest = history.newest(1).start
-        window = history.newest(min(bins, history.length))
-        position, phasor = history.sample[window, 0, mark], history.sample[window, 1, mark]
+        bins = self._appended - displaced.bin + 1
+        window = newest(history, min(bins, history.length.item()))
+        position, phasor = history.position[window, mark], history.phasor[window, mark]
         vector = position - displaced.offset - displaced.synchronous * phasor
-        half = history.bins_in(0.5)
+        half = newest_in(history, 0.5)
         back = abs(complex(vector[-half:].sum())) < half * threshold * float(self._clearance[mark])
-        late = history.revolutions[newest] - displaced.revolutions > self._criteria.longest_sweep_window
-        if back or late or bins > history.length:
+        late = self._revolutions - displaced.revolutions > criteria.LONGEST_SWEEP_WINDOW
+        if back or late or bins > history.length.item():
             del self._displaced[mark]
             return None
         if whirling:
@@ -160,23 +169,23 @@ class OnsetDetector:
     def _start_whirl(self, mark: int, whirl: _Displacement) -> Crossing:
         """Mark the begin of a whirl and find the time of its crossing."""
         averaged, history, onsets = self._averaged, self._history, self._onsets
-        noise = float(averaged.noise.level[mark])
-        if averaged.noise.converged:
+        noise = float(averaged.level[mark])
+        if as_python(is_converged)(averaged):
             noise = min(noise, whirl.noise)  # irregular motion since the crossing is not noise
         detection = Detection(
             mark=mark,
             clearance=float(self._clearance[mark]),
-            threshold=self._criteria.onset_radius,
+            threshold=criteria.ONSET_RADIUS,
             radius=float(averaged.radius[mark]),
             noise=noise,
-            width=as_python(width_for)(self._criteria, noise, int(averaged.width[0])),
+            width=as_python(width_for)(noise, int(averaged.width[0])),
             coherence=float(self._orbit.coherence[0, mark]),
             offset=whirl.offset,
             synchronous=whirl.synchronous,
             arm=complex(self._separation.arm[mark]) if self._early(whirl.revolutions) else None,
         )
-        since, rate = history.appended - whirl.bin + 1, float(self._rate[mark]) or float(self._orbit.rate[0, mark])
-        valid = history.appended - whirl.valid_from
+        since, rate = self._appended - whirl.bin + 1, float(self._rate[mark]) or float(self._orbit.rate[0, mark])
+        valid = self._appended - whirl.valid_from
         if self._inclined[mark] and self._swung(mark, since):  # the search would find where the swing crossed
             valid = min(valid, since)
         crossing = asynchronous_crossing(history, detection, rate, since, valid)
@@ -184,60 +193,60 @@ class OnsetDetector:
         onsets.time[mark] = math.nan
         onsets.began[mark] = crossing.time
         onsets.active[mark] = True
-        onsets.detected[mark] = history.revolutions[history.newest(1).start]
+        onsets.detected[mark] = self._revolutions
         return crossing
 
     def _whirls(self, swept: SweptAngle, mark: int, since: int) -> bool:
         """Check that the vector of a mark orbits since so many bins: it does not settle, nor is it synchronous."""
-        criteria, history = self._criteria, self._history
-        if swept.smallest < criteria.least_swept_angle or self._onsets.low_side[mark]:
+        history = self._history
+        if swept.smallest < criteria.LEAST_SWEPT_ANGLE or self._onsets.low_side[mark]:
             return False
-        window = history.newest(history.bins_in(criteria.orbit_window))
+        window = newest(history, newest_in(history, criteria.ORBIT_WINDOW))
         angle, time = history.angle[window], history.time[window]
         precession = abs(float(self._orbit.rate[0, mark])) * float(time[-1] - time[0])
-        slow = precession < criteria.settling_ratio * abs(float(angle[-1] - angle[0]))
+        slow = precession < criteria.SETTLING_RATIO * abs(float(angle[-1] - angle[0]))
         if self._synchronous(swept, mark, since):
             return False
-        return not (slow or self._inclined[mark]) or swept.in_hole >= criteria.settling_angle
+        return not (slow or self._inclined[mark]) or swept.in_hole >= criteria.SETTLING_ANGLE
 
     def _swung(self, mark: int, since: int) -> bool:
         """Check that a mark moved to and fro over the sweep window before the newest bins."""
-        history, criteria = self._history, self._criteria
-        bins = min(history.bins_in(criteria.sweep_window), history.length - since)
+        history = self._history
+        bins = min(newest_in(history, criteria.SWEEP_WINDOW), history.length.item() - since)
         if bins <= 0:
             return False
         arm = complex(self._separation.arm[mark])
         radius: float = as_python(swing_radius)(history, arm, mark, bins, since)
-        return radius > criteria.onset_radius * float(self._clearance[mark])
+        return radius > criteria.ONSET_RADIUS * float(self._clearance[mark])
 
     def _synchronous(self, swept: SweptAngle, mark: int, since: int) -> bool:
         """Check, while the rotation changes, for a synchronous part that does too, or a vibration that dies away."""
-        criteria, history = self._criteria, self._history
-        rotation = _rates(history, history.bins_in(criteria.orbit_window))
-        before = _rates(history, history.bins_in(RUN_UP))
-        if abs(rotation - before) < 0.5 * criteria.speed_change * abs(rotation) or rotation == 0.0:
+        history = self._history
+        rotation = _rates(history, newest_in(history, criteria.ORBIT_WINDOW))
+        before = _rates(history, newest_in(history, RUN_UP))
+        if abs(rotation - before) < 0.5 * criteria.SPEED_CHANGE * abs(rotation) or rotation == 0.0:
             return False
-        near = abs(float(self._orbit.rate[0, mark]) / rotation - 1.0) < criteria.synchronous_band
-        if near and swept.in_string < criteria.synchronous_angle:
+        near = abs(float(self._orbit.rate[0, mark]) / rotation - 1.0) < criteria.SYNCHRONOUS_BAND
+        if near and swept.in_string < criteria.SYNCHRONOUS_ANGLE:
             return True
-        n, last = min(since, history.length), history.bins_in(1.0)
+        n, last = min(since, history.length.item()), newest_in(history, 1.0)
         if last >= n:
             return False
-        radius = np.abs(history.vector[history.newest(n), ASYNCHRONOUS, mark])
+        radius = np.abs(history.vector[newest(history, n), ASYNCHRONOUS, mark])
         means = np.convolve(radius, np.full(last, 1.0 / last), "valid")
-        return bool(means[-1] < criteria.dying_share * means.max())
+        return bool(means[-1] < criteria.DYING_SHARE * means.max())
 
     def _early(self, revolutions: float) -> bool:
         """True if a mark crossed, after these revolutions, before the string's steady position was known."""
-        return revolutions < self._criteria.separation_memory
+        return revolutions < criteria.SEPARATION_MEMORY
 
     def _swept(self, mark: int, bins: int, arm: complex | None = None) -> SweptAngle:
         """Angle swept over the newest `bins` by the asynchronous part or, with an `arm` [m], about the hole's axis."""
         history = self._history
-        window = history.newest(min(bins, history.length))
-        rotation, half, carrier = history.angle[window], history.bins_in(0.5), self._carrier(mark, window)
+        window = newest(history, min(bins, history.length.item()))
+        rotation, half, carrier = history.angle[window], newest_in(history, 0.5), self._carrier(mark, window)
         if arm is not None:
-            centre = history.sample[window, 0, mark] - arm * history.sample[window, 1, mark]
+            centre = history.position[window, mark] - arm * history.phasor[window, mark]
             return SweptAngle(centre, rotation, half, carrier=carrier)
         vector, angle = history.vector[window, ASYNCHRONOUS, mark], history.unwrapped[window, ASYNCHRONOUS, mark]
         return SweptAngle(vector, rotation, half, angle, carrier)
@@ -248,8 +257,8 @@ class OnsetDetector:
         return rate * (time - time[-1]) if rate else None
 
 
-def _rates(history: History, bins: int) -> float:
+def _rates(history: Columns, bins: int) -> float:
     """Mean rotation over the newest bins [rad/s]."""
-    window = history.newest(bins)
+    window = newest(history, bins)
     angle, time = history.angle[window], history.time[window]
     return float((angle[-1] - angle[0]) / (time[-1] - time[0])) if bins > 1 else 0.0

@@ -9,62 +9,63 @@ sinc(p / 16): 0.2 % at p = 0.5, 2.3 % at p = -1.9. Where samples are farther apa
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
 
 import numpy as np
 
-from drill_twin.core.arrays import Array, ComplexArray, Integers, Mask
+from drill_twin.core.arrays import Array, ComplexArray, Mask
 from drill_twin.core.compile.jit import strict_kernel
-
-STARTED, FIRST, LAST, DUPLICATE, LATE = range(5)
-"""Indices into `Clock.stamps`: 1 after the first sample; first and last stamp accepted [ns]; samples skipped since
-their stamp is not after the last one."""
-TOTAL_ANGLE, TOTAL_REVOLUTIONS, TOP_SPEED = range(3)
-"""Indices into `Clock.rotation`: angle since the first sample [rad], signed; revolutions since the first sample in
-either sense, never decreasing [rev]; last speed of the top drive [rad/s], nan where unknown."""
+from drill_twin.whirl.columns import Columns, columns
 
 
-class Clock(NamedTuple):
-    """Stamps accepted, and the angle of rotation: the integral of the top speed, or the mean spin of the marks."""
+def new_clock(m: int) -> Columns:
+    """Clock before the first sample of m marks: stamps accepted, and angle of rotation.
 
-    stamps: Integers
-    rotation: Array
-    spin: Array  # (m,) spin of the marks at the last sample without a speed [rad]
-
-    @classmethod
-    def of(cls, m: int) -> Clock:
-        """Clock before the first sample."""
-        rotation, spin = np.array([0.0, 0.0, math.nan]), np.full(m, math.nan)
-        return cls(np.zeros(5, np.int64), rotation, spin)
-
-    @property
-    def seconds(self) -> float:
-        """Time from the first to the last stamp [s]."""
-        return int(self.stamps[LAST] - self.stamps[FIRST]) * 1e-9
+    The angle is the integral of the top speed, or the mean spin of the marks.
+    """
+    return columns(
+        "Clock",
+        1,
+        started=0,  # 1 after the first sample
+        first=0,  # stamp accepted [ns]
+        last=0,  # stamp accepted [ns]
+        duplicate=0,  # samples skipped because their stamp is the last one
+        late=0,  # samples skipped because their stamp is before the last one
+        angle=0.0,  # since the first sample [rad], signed
+        revolutions=0.0,  # since the first sample in either sense, never decreasing [rev]
+        top_speed=math.nan,  # last speed of the top drive [rad/s]; nan where unknown
+        spin=np.full(m, math.nan),  # (m,) of the marks at the last sample without a speed [rad]
+    )
 
 
 @strict_kernel
-def is_new(stamps: Integers, stamp: int) -> bool:
+def seconds_of(clock: Columns) -> float:
+    """Time from the first to the last stamp [s]."""
+    return float((clock.last[0] - clock.first[0]) * 1e-9)
+
+
+@strict_kernel
+def is_new(clock: Columns, stamp: int) -> bool:
     """Check that a stamp [ns] is after the last one accepted; count it as duplicate or late if not."""
-    if not stamps[STARTED] or stamp > stamps[LAST]:
+    if not clock.started[0] or stamp > clock.last[0]:
         return True
-    stamps[DUPLICATE if stamp == stamps[LAST] else LATE] += 1
+    skipped = clock.duplicate if stamp == clock.last[0] else clock.late
+    skipped[0] += 1
     return False
 
 
 @strict_kernel
-def accept(stamps: Integers, stamp: int) -> float:
+def accept(clock: Columns, stamp: int) -> float:
     """Accept a new stamp [ns]; return the time since the one before [s], 0 for the first."""
-    if not stamps[STARTED]:
-        stamps[STARTED], stamps[FIRST], stamps[LAST] = 1, stamp, stamp
+    if not clock.started[0]:
+        clock.started[0], clock.first[0], clock.last[0] = 1, stamp, stamp
         return 0.0
-    step = (stamp - stamps[LAST]) * 1e-9
-    stamps[LAST] = stamp
+    step = (stamp - clock.last[0]) * 1e-9
+    clock.last[0] = stamp
     return float(step)
 
 
 @strict_kernel
-def rotate(clock: Clock, step: float, top_speed: float, spin: Array, has_spin: bool) -> None:
+def rotate(clock: Columns, step: float, top_speed: float, spin: Array, has_spin: bool) -> None:
     """Add the rotation over a sample interval; nothing where neither speed nor spin is known.
 
     Args:
@@ -74,22 +75,21 @@ def rotate(clock: Clock, step: float, top_speed: float, spin: Array, has_spin: b
         spin: Spin at the marks [rad], shape (m,).
         has_spin: The spin is measured.
     """
-    rotation = clock.rotation
     if math.isfinite(top_speed):
-        before = top_speed if math.isnan(rotation[TOP_SPEED]) else rotation[TOP_SPEED]
+        before = top_speed if math.isnan(clock.top_speed[0]) else clock.top_speed[0]
         increment = 0.5 * (before + top_speed) * step
-        rotation[TOP_SPEED] = top_speed
+        clock.top_speed[0] = top_speed
     elif has_spin:
         increment = _mean_increment(clock, spin)
-        rotation[TOP_SPEED] = math.nan
+        clock.top_speed[0] = math.nan
     else:
         return
-    rotation[TOTAL_ANGLE] += increment
-    rotation[TOTAL_REVOLUTIONS] += abs(increment) / math.tau
+    clock.angle[0] += increment
+    clock.revolutions[0] += abs(increment) / math.tau
 
 
 @strict_kernel
-def _mean_increment(clock: Clock, spin: Array) -> float:
+def _mean_increment(clock: Columns, spin: Array) -> float:
     """Mean change of the spin since the last sample [rad], each wrapped to -pi..pi."""
     total, count = 0.0, 0
     for k in range(spin.size):
@@ -102,62 +102,58 @@ def _mean_increment(clock: Clock, spin: Array) -> float:
 
 
 BINS = 16
-"""Bins in a revolution."""
-LONGEST = 0.5
-"""Longest bin [s], for a string that hardly rotates."""
-
-TIME, ANGLE, REVOLUTIONS, START = range(4)
-"""Indices into numbers of a bin: time [s], angle of rotation [rad] and revolutions since the first sample; time at
-which the bin starts [s]."""
-SAMPLES, FORCES, CELL = range(3)
-"""Indices into counts of a bin: samples, those with wall forces, and the number of the bin since the first sample."""
+"""Bins in a revolution: the module's docstring has what they shorten; other numbers were not compared."""
+LONGEST_BIN = 0.5
+"""Longest bin [s], for a string that hardly rotates; chosen, not measured."""
 
 
-class Bin(NamedTuple):
-    """Means over a bin."""
+def new_bin(m: int) -> Columns:
+    """Means over a bin of m marks."""
+    return columns(
+        "Bin",
+        m,
+        time=np.zeros(1),  # since the first sample [s]
+        angle=np.zeros(1),  # of rotation [rad]
+        revolutions=np.zeros(1),  # since the first sample [rev]
+        samples=np.zeros(1, np.int64),
+        forces=np.zeros(1, np.int64),  # samples with wall forces
+        position=0j,  # of the marked point x + i y [m]
+        phasor=0j,  # unit vector of the spin, exp(i spin)
+        contact=0.0,  # share of the samples with a wall force, if forces are given
+        valid=False,  # True for a mark with at least one valid sample
+    )
 
-    numbers: Array  # time [s], angle [rad], revolutions [rev]
-    counts: Integers  # samples, those with wall forces
-    position: ComplexArray  # (m,) position of the marked point x + i y [m]
-    phasor: ComplexArray  # (m,) unit vector of the spin, exp(i spin)
-    contact: Array  # (m,) share of the samples with a wall force, if forces are given
-    valid: Mask  # (m,) marks with at least one valid sample
 
-    @classmethod
-    def of(cls, m: int) -> Bin:
-        """Empty bin of m marks."""
-        position, phasor = np.zeros((2, m), complex)
-        return cls(np.zeros(3), np.zeros(2, np.int64), position, phasor, np.zeros(m), np.zeros(m, bool))
-
-
-class SampleBins(NamedTuple):
-    """Sums over the samples of the bin that is being filled."""
-
-    numbers: Array
-    counts: Integers
-    position: ComplexArray  # (m,) [m]
-    phasor: ComplexArray  # (m,)
-    missed: Array  # (m,) samples without the mark
-    touching: Array  # (m,) samples with a wall force
-
-    @classmethod
-    def of(cls, m: int) -> SampleBins:
-        """Empty sums of m marks."""
-        position, phasor = np.zeros((2, m), complex)
-        return cls(np.zeros(4), np.zeros(3, np.int64), position, phasor, np.zeros(m), np.zeros(m))
+def new_sums(m: int) -> Columns:
+    """Sums over the samples of the bin that is being filled, of m marks."""
+    return columns(
+        "SampleBins",
+        m,
+        time=np.zeros(1),
+        angle=np.zeros(1),
+        revolutions=np.zeros(1),
+        start=np.zeros(1),  # time at which the bin starts [s]
+        samples=np.zeros(1, np.int64),
+        forces=np.zeros(1, np.int64),
+        number=np.zeros(1, np.int64),  # of the bin since the first sample
+        position=0j,
+        phasor=0j,
+        missed=0.0,  # samples without the mark
+        touching=0.0,  # samples with a wall force
+    )
 
 
 @strict_kernel
-def is_full(bins: SampleBins, time: float, revolutions: float) -> bool:
+def is_full(bins: Columns, time: float, revolutions: float) -> bool:
     """Check whether a sample at `time` [s] and `revolutions` [rev] lies beyond the present bin."""
-    beyond = math.floor(revolutions * BINS) != bins.counts[CELL] or time - bins.numbers[START] > LONGEST
-    return bool(bins.counts[SAMPLES] > 0 and beyond)
+    beyond = math.floor(revolutions * BINS) != bins.number[0] or time - bins.start[0] > LONGEST_BIN
+    return bool(bins.samples[0] > 0 and beyond)
 
 
 @strict_kernel
 def add(
-    bins: SampleBins,
-    at: tuple[float, float, float],
+    bins: Columns,
+    clock: Columns,
     position: ComplexArray,
     phasor: ComplexArray,
     seen: Mask,
@@ -168,22 +164,22 @@ def add(
 
     Args:
         bins: The sums.
-        at: Time [s], angle of rotation [rad] and revolutions [rev] since the first sample.
+        clock: Time and rotation.
         position: Position [m], shape (m,).
         phasor: Unit vector of the spin, shape (m,).
         seen: Marks with a valid position, shape (m,).
         force: Wall force [N], shape (m,).
         has_force: The force is known.
     """
-    numbers, counts = bins.numbers, bins.counts
-    if counts[SAMPLES] == 0:
-        counts[CELL] = math.floor(at[REVOLUTIONS] * BINS)
-        numbers[START] = at[TIME]
-    counts[SAMPLES] += 1
-    numbers[TIME] += at[TIME]
-    numbers[ANGLE] += at[ANGLE]
-    numbers[REVOLUTIONS] += at[REVOLUTIONS]
-    counts[FORCES] += has_force
+    time = seconds_of(clock)
+    if bins.samples[0] == 0:
+        bins.number[0] = math.floor(clock.revolutions[0] * BINS)
+        bins.start[0] = time
+    bins.samples[0] += 1
+    bins.time[0] += time
+    bins.angle[0] += clock.angle[0]
+    bins.revolutions[0] += clock.revolutions[0]
+    bins.forces[0] += has_force
     for k in range(seen.size):
         if seen[k]:
             bins.position[k] += position[k]
@@ -195,22 +191,17 @@ def add(
 
 
 @strict_kernel
-def close(bins: SampleBins, full: Bin) -> None:
+def close(bins: Columns, full: Columns) -> None:
     """Write the means of the present bin to `full` and start a new one."""
-    numbers, counts = bins.numbers, bins.counts
-    n = counts[SAMPLES]
-    full.counts[SAMPLES], full.counts[FORCES] = n, counts[FORCES]
-    for k in range(3):
-        full.numbers[k] = numbers[k] / n
-        numbers[k] = 0.0
+    n, forces = bins.samples[0], bins.forces[0]
+    full.samples[0], full.forces[0] = n, forces
+    full.time[0], full.angle[0], full.revolutions[0] = bins.time[0] / n, bins.angle[0] / n, bins.revolutions[0] / n
+    bins.time[0] = bins.angle[0] = bins.revolutions[0] = 0.0
     for k in range(full.valid.size):
         found = n - bins.missed[k]
         full.position[k] = bins.position[k] / max(found, 1.0)
         full.phasor[k] = bins.phasor[k] / max(found, 1.0)
         full.valid[k] = found > 0.0
-        full.contact[k] = bins.touching[k] / counts[FORCES] if counts[FORCES] else 0.0
-    bins.position[:] = 0.0
-    bins.phasor[:] = 0.0
-    bins.missed[:] = 0.0
-    bins.touching[:] = 0.0
-    counts[SAMPLES] = counts[FORCES] = 0
+        full.contact[k] = bins.touching[k] / forces if forces else 0.0
+        bins.position[k] = bins.phasor[k] = bins.missed[k] = bins.touching[k] = 0.0
+    bins.samples[0] = bins.forces[0] = 0

@@ -21,9 +21,9 @@ from drill_twin.core.arrays import Array, ComplexArray
 from drill_twin.whirl.marks import AnalysisError
 
 FEWEST = 16
-"""Fewest samples of a spectrum."""
+"""Fewest samples of a spectrum; chosen, not measured."""
 LEAST_LINE = 0.1
-"""Least radius of a line that is listed, over that of the highest."""
+"""Least radius of a listed line over the radius of the highest line; chosen, not measured."""
 
 
 @dataclass(frozen=True)

@@ -7,19 +7,20 @@ import math
 from collections.abc import Sequence
 
 from drill_twin.core.arrays import Array, number_or_none
-from drill_twin.whirl.criteria import Criteria, MotionState
+from drill_twin.whirl import criteria
+from drill_twin.whirl.columns import Columns
+from drill_twin.whirl.criteria import MotionState
+from drill_twin.whirl.decisions import Decisions, doubt
 from drill_twin.whirl.findings import Quality, Summary
 from drill_twin.whirl.motion.states import lasting_motion, whirl_end
 from drill_twin.whirl.motion.stick_slip import StickSlip
-from drill_twin.whirl.run_statistics import SECONDS, TURNS, RunStatistics
-from drill_twin.whirl.sample_bins import TIME
-from drill_twin.whirl.whirl_estimator import WhirlEstimator, doubt
+from drill_twin.whirl.run_statistics import dominant_precession
 
 
 def summarise(
-    statistics: RunStatistics,
+    statistics: Columns,
     names: Sequence[str],
-    estimator: WhirlEstimator,
+    decisions: Decisions,
     largest: Array,
     bit: StickSlip,
     quality: Quality,
@@ -29,22 +30,22 @@ def summarise(
     Args:
         statistics: Sums over its bins.
         names: Of the marks.
-        estimator: Onset and motion states.
+        decisions: Onset and motion states.
         largest: Largest radius of each mark [m], shape (m,); nan for one never seen.
         bit: Motion of the bit.
         quality: Counts of samples.
     """
-    mark, ratio, precession = statistics.dominant.peak() or (None, None, None)
-    timelines = estimator.timelines
-    motion, onset = timelines[-1].periods, estimator.onset
-    seconds, turns = statistics.numbers[SECONDS : TURNS + 1].tolist()
-    end = estimator.origin + float(statistics.last[TIME])
-    lasting = lasting_motion(motion, estimator.origin if onset is None else onset.time_s, end)
+    mark, ratio, precession = dominant_precession(statistics) or (None, None, None)
+    timelines = decisions.timelines
+    motion, onset = timelines[-1].periods, decisions.onset
+    seconds, turns = statistics.seconds.item(), statistics.turns.item()
+    end = decisions.origin + float(statistics.last_time[0])
+    lasting = lasting_motion(motion, decisions.origin if onset is None else onset.time_s, end)
     single = lasting is not MotionState.IRREGULAR
     unseen = [name for name, radius in zip(names, largest.tolist(), strict=True) if not math.isfinite(radius)]
     return Summary(
         onset=onset,
-        mark_onset_s=dict(zip(names, estimator.crossed, strict=True)),
+        mark_onset_s=dict(zip(names, decisions.crossed, strict=True)),
         whirl_frequency_hz=precession if single else None,
         whirl_ratio=ratio if single else None,
         frequency_mark=None if mark is None else names[mark],
@@ -61,16 +62,14 @@ def summarise(
         whirl_end_s=whirl_end(motion),
         mode_frequency_hz=precession,
         mode_ratio=ratio,
-        notes=_notes(quality, timelines[-1].dropped, estimator.criteria, estimator.rolling_ratio, unseen),
+        notes=_notes(quality, timelines[-1].dropped, decisions.rolling_ratio, unseen),
     )
 
 
-def _notes(
-    quality: Quality, dropped: int, criteria: Criteria, rolling_ratio: float, unseen: list[str]
-) -> tuple[str, ...]:
+def _notes(quality: Quality, dropped: int, rolling_ratio: float, unseen: list[str]) -> tuple[str, ...]:
     """Limits of the findings, as sentences."""
     notes = []
-    rate, fewest = quality.samples_per_revolution, criteria.fewest_samples
+    rate, fewest = quality.samples_per_revolution, criteria.FEWEST_SAMPLES
     if quality.accepted == 0:
         notes.append("no sample could be analysed")
     elif math.isnan(rate):
@@ -80,7 +79,7 @@ def _notes(
             f"{rate:.1f} samples in a revolution: too few for the rotation, at least {fewest:g} are needed; the "
             "pace and the kind of a whirl would be another's (aliasing) and are not reported"
         )
-    elif why := doubt(criteria, rate, rolling_ratio):
+    elif why := doubt(rate, rolling_ratio):
         notes.append(why)
     counts = {
         "duplicate samples": quality.duplicate,

@@ -234,7 +234,7 @@ def test_a_result_that_is_not_finite_is_no_wrong_input(target, tmp_path, made, c
     (info / "METADATA").write_text("Metadata-Version: 2.1\nName: odd\nVersion: 1.0\n", "utf-8")
     (info / "entry_points.txt").write_text("[drill_twin.commands]\nodd = odd_module:odd\n", "utf-8")
     lines = ["import numpy as np", "from drill_twin.io.messages.decode import read_clock",
-             "from drill_twin.io.messages.finite import check_finite", "def odd() -> None:", f"    {made}"]  # fmt: skip
+             "from drill_twin.io.messages.cdr import check_finite", "def odd() -> None:", f"    {made}"]  # fmt: skip
     (site / "odd_module.py").write_text("\n".join(lines), "utf-8")
     done = said(site, "study", "odd")
     assert (done.returncode, done.stderr.count("\n")) == (code, 1), done.stderr

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from drill_twin.whirl import BitMotion, Criteria, MotionState
+from drill_twin.whirl import BitMotion, MotionState, criteria
 
 ROOT = Path(__file__).parents[2]
 PAGE = (ROOT / "docs" / "analyzer.md").read_text("utf-8")
@@ -19,14 +19,13 @@ def test_every_state_has_its_criterion(state):
 
 
 def test_numbers_are_those_of_the_code():
-    rules = Criteria()
-    assert f"below {rules.coherence} or an unevenness above {rules.unevenness}" in ROWS["irregular"]
-    assert f"below {rules.planar}" in ROWS["spiral"]
-    assert f"more than {rules.lobe} of" in ROWS["second bending"]
-    assert f"< {rules.rolling_slip}" in ROWS["rolling along the wall"]
-    assert f"fewer than {rules.fewest_samples:g} samples" in ROWS["not observable"]
-    assert f"above {rules.contact_radius} of the clearance" in ROWS["contact fraction"]
-    assert f"{100 * rules.onset_radius:g} % of the clearance for one revolution" in " ".join(PAGE.split())
+    assert f"below {criteria.COHERENCE} or an unevenness above {criteria.UNEVENNESS}" in ROWS["irregular"]
+    assert f"below {criteria.PLANAR}" in ROWS["spiral"]
+    assert f"more than {criteria.LOBE} of" in ROWS["second bending"]
+    assert f"< {criteria.ROLLING_SLIP}" in ROWS["rolling along the wall"]
+    assert f"fewer than {criteria.FEWEST_SAMPLES:g} samples" in ROWS["not observable"]
+    assert f"above {criteria.CONTACT_RADIUS} of the clearance" in ROWS["contact fraction"]
+    assert f"{100 * criteria.ONSET_RADIUS:g} % of the clearance for one revolution" in " ".join(PAGE.split())
     assert BitMotion.STICK_SLIP.value in PAGE
 
 

@@ -11,6 +11,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from drill_twin.whirl import Analyzer, MarkInfo, MotionState
+from drill_twin.whirl.history import newest, newest_in
 
 CLEARANCE, TURNS, BEGIN = 0.02, 2.0, 8.0
 FEWEST = 2.5
@@ -83,7 +84,7 @@ def test_a_slow_part_beside_a_fast_orbit_is_kept():
     analyzer = analysed(time, angle, centre, 20.0 * CLEARANCE)
     assert analyzer.findings.ratio[0] == pytest.approx(-20.0, rel=0.01)
     history = analyzer._state.history
-    window = history.newest(history.bins_in(2.0))
+    window = newest(history, newest_in(history, 2.0))
     turned = math.tau * TURNS * history.time[window]
     true = 0.6 * np.exp(-20j * turned) + 0.3 * np.exp(0.3j * turned)
     assert np.abs(history.vector[window, 0, 0] / CLEARANCE - true).max() < 0.03

@@ -8,11 +8,10 @@ import numpy as np
 from drill_twin.core.arrays import Array
 from drill_twin.core.rig_channels import ARRAYS, RIG_CHANNELS, RIG_JOINTS
 from drill_twin.dynamics.twin.frame import Frames, RigState
-from drill_twin.io.messages.cdr import ClockTemplate, JointStateTemplate, PoseArrayTemplate
+from drill_twin.io.messages.cdr import ClockTemplate, JointStateTemplate, PoseArrayTemplate, check_rows
 from drill_twin.io.messages.drawing.geometry import StringGeometry, default_exaggeration
 from drill_twin.io.messages.drawing.markers import MarkerArrayTemplate
 from drill_twin.io.messages.drawing.transforms import orientation
-from drill_twin.io.messages.finite import check_rows
 from drill_twin.io.messages.stamps import stamps_ns
 from drill_twin.io.messages.topic_row import FLOAT64, STRING
 from drill_twin.io.messages.topics import MARKS_STATE, RIG_STATE, STRING_MARKERS, STRING_POSES, STRING_STRESS

@@ -11,9 +11,8 @@ import numpy as np
 from drill_twin.core.errors import MessageError
 from drill_twin.core.rig_channels import RIG_CHANNELS, RIG_JOINTS
 from drill_twin.dynamics.twin.frame import RigState
-from drill_twin.io.messages.cdr import Float64Template, JointStateTemplate
+from drill_twin.io.messages.cdr import Float64Template, JointStateTemplate, finite_number
 from drill_twin.io.messages.decode import JointState
-from drill_twin.io.messages.finite import finite_number
 from drill_twin.io.messages.topics import RIG_COMMAND, RPS_COMMAND, WOB_COMMAND
 from drill_twin.scene.set_points.command import Command
 

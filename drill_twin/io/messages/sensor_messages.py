@@ -11,9 +11,8 @@ from drill_twin.core.arrays import Array
 from drill_twin.core.errors import MessageError
 from drill_twin.dynamics.sensors.sampling import Reading
 from drill_twin.dynamics.sensors.subs import SUMMARY
-from drill_twin.io.messages.cdr import JointStateTemplate, Template, sentinel_header, sentinels
+from drill_twin.io.messages.cdr import JointStateTemplate, Template, check_finite, sentinel_header, sentinels
 from drill_twin.io.messages.decode import JointState
-from drill_twin.io.messages.finite import check_finite
 from drill_twin.io.messages.stamps import header_stamp, stamp_ns
 from drill_twin.io.messages.topic_row import IMU
 from drill_twin.io.messages.topics import SURFACE_STATE, imu_topic, summary_topic

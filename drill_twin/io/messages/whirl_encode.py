@@ -12,10 +12,9 @@ from typing import NamedTuple
 
 from drill_twin.core.arrays import Array
 from drill_twin.core.errors import MessageError
-from drill_twin.io.messages.cdr import JointStateTemplate
+from drill_twin.io.messages.cdr import JointStateTemplate, check_not_infinite
 from drill_twin.io.messages.decode import JointState
 from drill_twin.io.messages.diagnostics import Level, Status, decode_diagnostics, encode_diagnostics
-from drill_twin.io.messages.finite import check_not_infinite
 from drill_twin.io.messages.stamps import NANOSECONDS, header, header_stamp, seconds, stamp_ns, time_message
 from drill_twin.io.messages.topic_row import TIME_REFERENCE
 from drill_twin.io.messages.topics import FRAME_ID, WHIRL_STATE
@@ -75,11 +74,6 @@ class WhirlStateEncoder:
     def __init__(self, marks: Sequence[str], frame_id: str = FRAME_ID) -> None:
         names = [f"{mark}/{scalar}" for mark in marks for scalar in WHIRL_SCALARS]
         self._template = JointStateTemplate(names, velocity=False, effort=False, frame_id=frame_id)
-
-    def encode(self, stamp: int, values: Array) -> bytes:
-        """As `rows`, one message: values of shape (m, 5)."""
-        check_not_infinite(WHIRL_STATE, values)
-        return self._template.fill(stamp, values.ravel())
 
     def rows(self, stamps: Sequence[int], values: Array) -> list[bytes]:
         """CDR of a `/whirl/state` at each stamp [ns].

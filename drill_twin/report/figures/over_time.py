@@ -33,7 +33,7 @@ from drill_twin.report.figures.style import (
     unbridged,
 )
 from drill_twin.report.recording import Recording
-from drill_twin.whirl import Criteria, MotionPeriod, MotionState
+from drill_twin.whirl import MotionPeriod, MotionState, criteria
 
 
 class _Panel(NamedTuple):
@@ -161,7 +161,7 @@ def _band(panel: Axes, row: int, periods: tuple[MotionPeriod, ...], end: float) 
 def _ratio(panel: Axes, recording: Recording) -> None:
     time, ratios = recording.whirl.time, recording.whirl.ratio
     clearance = np.array([place.clearance for place in recording.places])
-    large = recording.whirl.orbit_radius > Criteria().onset_radius * clearance
+    large = recording.whirl.orbit_radius > criteria.ONSET_RADIUS * clearance
     for mark, name in enumerate(recording.findings.marks):
         panel.plot(time, ratios[:, mark], linewidth=0.8, alpha=0.25, **mark_style(mark))
         wide = np.where(large[:, mark], ratios[:, mark], np.nan)
@@ -174,7 +174,7 @@ def _ratio(panel: Axes, recording: Recording) -> None:
     looks = {"ha": "right", "va": "bottom", "fontsize": 8.5, "color": GREY}
     note(panel, "as fast as the string turns", (1.0, 1.0), where=("axes fraction", "data"), shift=(-3, 2), **looks)
     panel.set_ylabel("whirl ratio\n- backward, + forward")
-    share = f"{100 * Criteria().onset_radius:g} %"
+    share = f"{100 * criteria.ONSET_RADIUS:g} %"
     panel.set_title(f"Whirl ratio (faint: within {share} of the clearance)", fontsize=10.5, pad=4)
     panel.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=min(6, ratios.shape[1]), borderaxespad=0.2)
 

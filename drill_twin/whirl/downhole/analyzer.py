@@ -10,18 +10,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drill_twin.core.arrays import Array
+from drill_twin.whirl import criteria
 from drill_twin.whirl.analyzer import Analyzer
-from drill_twin.whirl.criteria import BitMotion, Criteria, MotionState
+from drill_twin.whirl.criteria import BitMotion, MotionState
+from drill_twin.whirl.decisions import AT_START
 from drill_twin.whirl.downhole.dating import date_onset
 from drill_twin.whirl.downhole.high_pass import ToolNoise
 from drill_twin.whirl.downhole.motion import CALIBRATION, Place, SubMotion
 from drill_twin.whirl.findings import Findings, Onset, Quality, SubFindings, Summary
 from drill_twin.whirl.marks import AnalysisError, MarkInfo
-from drill_twin.whirl.whirl_estimator import AT_START
 
 LARGEST = 1e6
 """Readings are below this [m/s^2, rad/s]; others are skipped as incomplete."""
-FEWEST = Criteria().fewest_samples
+FEWEST = criteria.FEWEST_SAMPLES
 WAITING = f"no {CALIBRATION:g} revolutions at a steady speed so far"
 
 

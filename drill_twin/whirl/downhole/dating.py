@@ -26,12 +26,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drill_twin.core.arrays import Array, ComplexArray
-from drill_twin.whirl.criteria import Criteria
+from drill_twin.whirl import criteria
 from drill_twin.whirl.downhole.high_pass import GRAVITY, ToolNoise
 from drill_twin.whirl.downhole.motion import MotionRecord
 
 BEFORE = 24.0
-"""Length of the record before the onset [rev]."""
+"""Length of the record before the onset [rev].
+
+A constant below that states no reason was chosen, not measured; `make sub-onsets` judges the constants together."""
 QUIET_UNTIL = 6.0
 """The motion is first taken to be small until so long before the onset [rev]."""
 QUIET, LARGEST = 0.12, 20.0
@@ -44,9 +46,10 @@ LINE_MEMORY, ASIDE_MEMORY = 3.0, 1.0
 """Memory of the line, and of the motion without a frequency [rev]."""
 ASIDE = 0.5
 """Share of the motion without a frequency in its variance."""
-SAMPLES = 8
+PER_REVOLUTION = 8
 """Samples of a revolution."""
 ITERATIONS = 5
+"""Iterations of the radius; chosen, not measured."""
 LEANING = 0.1
 """Mean acceleration from which a bias of the gyroscope turns gravity enough to be fitted [m/s^2]."""
 WITHIN = 1.0
@@ -97,12 +100,12 @@ def date_onset(record: MotionRecord, clearance: float, noise: ToolNoise, begin: 
     begun, end = np.interp([begin, detected], record.stamp, record.revolutions).tolist()
     rows = slice(*np.searchsorted(record.revolutions, [begun - BEFORE, end]).tolist())
     revolutions = record.revolutions[rows]
-    spacing = max(1, int(revolutions.size / (SAMPLES * (revolutions[-1] - revolutions[0]))))
+    spacing = max(1, int(revolutions.size / (PER_REVOLUTION * (revolutions[-1] - revolutions[0]))))
     at = np.arange(revolutions.size - 1, -1, -spacing)[::-1]
     revolutions = revolutions[at]
-    limit = Criteria().onset_radius * clearance
+    limit = criteria.ONSET_RADIUS * clearance
     motions = _probable_motions(record, rows, at, revolutions, limit, noise, begun)
-    last, sustain = float(revolutions[-1]), Criteria().sustain
+    last, sustain = float(revolutions[-1]), criteria.SUSTAIN
     found = _first_crossing(np.abs(motions[0].position), revolutions, sustain)
     crossed = last if found is None else found
     bounds = [crossed - TIME_ERROR, crossed + TIME_ERROR]
@@ -134,7 +137,7 @@ def _probable_motions(
     interval = float(np.mean(np.diff(record.stamp[rows])))
     integral, along = (_twice(part)[at] * interval**2 / limit for part in (acceleration, record.turn[rows]))
     time = np.asarray((at + 1.0) * interval, float)
-    quiet = acceleration[: max(SAMPLES, int(np.searchsorted(record.revolutions[rows], begun - QUIET_UNTIL)))]
+    quiet = acceleration[: max(PER_REVOLUTION, int(np.searchsorted(record.revolutions[rows], begun - QUIET_UNTIL)))]
     powers = 4 if abs(quiet.mean()) > LEANING else 3
     known = np.polynomial.legendre.legvander(2.0 * time / time[-1] - 1.0, powers - 1)
     columns = np.column_stack([known + 0j, along / np.abs(along).max()])

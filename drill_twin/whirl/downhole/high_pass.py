@@ -14,7 +14,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from drill_twin.whirl.criteria import Criteria
+from drill_twin.whirl import criteria
 
 GRAVITY = 9.81
 """Gravity that tilt turns into lateral force, in the estimate of the noise [m/s^2]."""
@@ -46,8 +46,7 @@ def corner_for(clearance: float, noise: ToolNoise, interval: float) -> float:
         noise: Noise of the instruments.
         interval: Time between samples T [s].
     """
-    criteria = Criteria()
-    allowed = (criteria.onset_radius * clearance / criteria.false_alarm_factor) ** 2
+    allowed = (criteria.ONSET_RADIUS * clearance / criteria.FALSE_ALARM_FACTOR) ** 2
     force, tilt = (_NOISE_GAIN * interval * part**2 / allowed for part in (noise.force, GRAVITY * noise.rate))
     roots = np.roots([1.0, 0.0, 0.0, -force, 0.0, -tilt])  # one is positive (Descartes)
     return float(max(roots.real[np.abs(roots.imag) <= 1e-9 * np.abs(roots)]))

@@ -18,12 +18,14 @@ from typing import NamedTuple
 import numpy as np
 
 from drill_twin.core.arrays import Array, ComplexArray
-from drill_twin.whirl.criteria import Criteria
+from drill_twin.whirl import criteria
 from drill_twin.whirl.downhole.high_pass import GRAVITY, HighPass, ToolNoise, corner_for
 from drill_twin.whirl.downhole.sub_findings import ImpactCounter, TorsionEstimator
 
 SLOWEST = 0.06
-"""Least corner of the high pass over the rotation [-]."""
+"""Least corner of the high pass over the rotation [-].
+
+The numbers of this file were chosen, not measured by themselves; `evidence/docs/detection.md` judges them together."""
 CALIBRATION = 4.0
 """Length of the record over which constants are found [rev]."""
 STEADY = 0.02
@@ -99,7 +101,8 @@ class SubMotion:
         """Impacts on the wall."""
         self.torsion = TorsionEstimator()
         """Stick-slip of the section."""
-        self._spin = self._revolutions = 0.0
+        self._spin = self.revolutions = 0.0
+        """Revolutions so far [rev]."""
         self._restart()
 
     def _restart(self) -> None:
@@ -107,26 +110,16 @@ class SubMotion:
         self._waiting: list[tuple[int, list[float]]] = []
         self._interval, self._whole = 0, True
         self._tilt, self._axial, self._synchronous, self._due = 0j, GRAVITY, 0j, 0.0
-        self._begin = self._revolutions
+        self._begin = self.revolutions
         self.impacts.restart()
         self._filter: HighPass | None = None
         self.corner = 0.0
         """Corner of the high pass [rad/s]: slower whirls are not seen; 0 before there is one."""
 
     @property
-    def revolutions(self) -> float:
-        """Revolutions so far [rev]."""
-        return self._revolutions
-
-    @property
     def interval(self) -> float:
         """Time between readings [s]."""
         return self._interval * 1e-9
-
-    @property
-    def started(self) -> bool:
-        """True from the first place on."""
-        return self._filter is not None
 
     def push(self, stamp: int, values: list[float]) -> list[Place]:
         """Add a reading, later than those before; return the places that it completes.
@@ -145,7 +138,7 @@ class SubMotion:
         self._interval = self._interval or step
         missing = round(step / self._interval) - 1 if step > (1.0 + UNEVEN) * self._interval else 0
         if missing and (step * 1e-9 * abs(values[5]) > LONGEST_GAP * math.tau or len(self._waiting) < 2):
-            self.gaps += self.started
+            self.gaps += self._filter is not None
             self._restart()
             self._waiting = [(stamp, values)]
             return []
@@ -175,27 +168,27 @@ class SubMotion:
         force, swing, speed = complex(values[0], values[1]), complex(values[3], values[4]), values[5]
         turn = cmath.exp(1j * (self._spin + 0.5 * speed * interval))
         self._spin += speed * interval
-        self._revolutions += abs(speed) * interval / math.tau
+        self.revolutions += abs(speed) * interval / math.tau
         arm = self._radius * complex(-speed * speed, change / interval)
         swing *= -1j * interval * turn  # of the tangent
         tilt = self._tilt + 0.5 * swing
         self._tilt += swing
         end = stamp + self._interval // 2
-        kept = Kept(end, (force - arm) * turn, tilt, turn, values[2], self._spin, speed, self._revolutions)
+        kept = Kept(end, (force - arm) * turn, tilt, turn, values[2], self._spin, speed, self.revolutions)
         self._kept.append(kept)
         self.impacts.push(end * 1e-9, kept.acceleration, speed, interval)
         self.torsion.push(speed, values[0], interval)
         length = CALIBRATION if self._filter is None else MEMORY
-        while self._revolutions - self._kept[0].revolutions > length:
+        while self.revolutions - self._kept[0].revolutions > length:
             self._kept.popleft()
             self._whole = self._filter is None
         return kept
 
     def _try_to_start(self, newest: Kept) -> None:
         """Start the high pass once the string has turned steadily."""
-        if self._revolutions < max(self._begin + CALIBRATION, self._due):
+        if self.revolutions < max(self._begin + CALIBRATION, self._due):
             return
-        self._due = self._revolutions + 0.25
+        self._due = self.revolutions + 0.25
         rows = [*self._kept]
         begin, end = rows[0], rows[-1]
         seconds = (end.stamp - begin.stamp) * 1e-9
@@ -203,8 +196,8 @@ class SubMotion:
         half = int(np.searchsorted([row.revolutions for row in rows], newest.revolutions - 0.5 * CALIBRATION))
         times = (rows[half].stamp - begin.stamp) * 1e-9, (end.stamp - rows[half].stamp) * 1e-9
         uneven = abs(times[1] - times[0]) > STEADY * seconds
-        slow = usual < math.tau * Criteria().rest_rotation
-        if slow or (uneven and self._revolutions - self._begin < PATIENCE) or len(rows) < 4 * CALIBRATION:
+        slow = usual < math.tau * criteria.REST_ROTATION
+        if slow or (uneven and self.revolutions - self._begin < PATIENCE) or len(rows) < 4 * CALIBRATION:
             return
         interval = self._interval * 1e-9
         self.corner = max(corner_for(self._clearance, self._noise, interval), SLOWEST * usual)

@@ -18,12 +18,12 @@ from collections import deque
 from drill_twin.whirl.downhole.high_pass import ToolNoise
 
 SHARE = 0.05
-"""Least change of velocity over clearance times rotation [-]."""
+"""Least change of velocity over clearance times rotation [-]; chosen, not measured."""
 NOISE_FACTOR = 7.0
 """Least change over its standard deviation by noise; with 7, once in 10^10 readings."""
 LARGEST_COUNT = 100_000
 """Most impacts whose time and peak are kept; later ones are counted only."""
-PART, LONGEST = 1.0 / 32.0, 50
+PART, MOST_READINGS = 1.0 / 32.0, 50
 """Part of a revolution over which the velocity changes [rev], and most readings in it."""
 _SPREAD = 1.5**0.5  # of a reading less the mean of two others, over the noise of one
 
@@ -34,8 +34,8 @@ class ImpactCounter:
     def __init__(self, clearance: float, noise: ToolNoise) -> None:
         """Begin before the first reading; clearance of the section [m]."""
         self._clearance, self._noise = clearance, NOISE_FACTOR * _SPREAD * noise.force
-        self._velocity: deque[complex] = deque([0j], maxlen=3 * LONGEST + 1)
-        self._acceleration: deque[complex] = deque(maxlen=3 * LONGEST)
+        self._velocity: deque[complex] = deque([0j], maxlen=3 * MOST_READINGS + 1)
+        self._acceleration: deque[complex] = deque(maxlen=3 * MOST_READINGS)
         self._last, self._largest = -1.0, 0.0
         self.count = 0
         """Impacts so far."""
@@ -65,7 +65,7 @@ class ImpactCounter:
         velocity = self._velocity
         velocity.append(velocity[-1] + acceleration * interval)
         self._acceleration.append(acceleration)
-        n = min(max(1, round(PART * math.tau / max(abs(speed) * interval, 1e-9))), LONGEST)
+        n = min(max(1, round(PART * math.tau / max(abs(speed) * interval, 1e-9))), MOST_READINGS)
         if len(velocity) <= 3 * n:
             return
         last, later, earlier, first = (velocity[-1 - k * n] for k in range(4))
@@ -87,11 +87,11 @@ class ImpactCounter:
 
 
 AT_REST = 0.15
-"""At rest: speed below this share of the mean (as in `whirl.motion.stick_slip`)."""
+"""At rest: speed below this share of the mean; chosen, not measured."""
 VARIES = 0.2
-"""Least standard deviation of the square of the speed over its mean for the check."""
+"""Least standard deviation of the square of the speed over its mean for the check; chosen, not measured."""
 KNOWN = 0.1
-"""Largest standard error of the radius, over the radius, for it to be reported."""
+"""Largest standard error of the radius, over the radius, for it to be reported; chosen, not measured."""
 
 
 class TorsionEstimator:

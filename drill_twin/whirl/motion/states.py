@@ -10,13 +10,14 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import NamedTuple
 
 import numpy as np
 
-from drill_twin.core.arrays import Array, Integers
+from drill_twin.core.arrays import Array
 from drill_twin.core.compile.jit import strict_kernel
-from drill_twin.whirl.criteria import Criteria, MotionState
+from drill_twin.whirl import criteria
+from drill_twin.whirl.columns import Columns, columns
+from drill_twin.whirl.criteria import MotionState
 from drill_twin.whirl.findings import MotionPeriod
 
 LARGEST_COUNT = 2000
@@ -28,25 +29,6 @@ NO_WHIRL = frozenset(
 OPEN, DURATION, WEIGHTED_SHARE, ENTERED, DESCRIBED = range(5)
 """Columns of the present periods: 1 where there is one; its duration and the integral of its share [rev]; revolutions
 at which it was entered [rev]; 1 after its criterion was that of the settled state."""
-
-
-def no_periods(subjects: int) -> Array:
-    """Present periods of several subjects, before the first, shape (subjects, 5)."""
-    return np.zeros((subjects, 5))
-
-
-@strict_kernel
-def extend(present: Array, share: float, elapsed: float) -> None:
-    """Extend a present period, shape (5,), by `elapsed` [rev], with this share of the estimates."""
-    if present[OPEN]:
-        present[DURATION] += elapsed
-        present[WEIGHTED_SHARE] += elapsed * share
-
-
-@strict_kernel
-def needs_description(present: Array, revolutions: float, after: float) -> bool:
-    """Check whether a present period started `after` revolutions ago and has not been described since."""
-    return bool(present[OPEN] and not present[DESCRIBED] and revolutions - present[ENTERED] > after)
 
 
 @dataclass
@@ -136,7 +118,6 @@ def whirl_end(periods: Sequence[MotionPeriod]) -> float | None:
 
 
 STATES = tuple(MotionState)
-INDEX = {state: i for i, state in enumerate(STATES)}
 (
     HIDDEN, AT_REST, FIXED_AXIS, SWING, SYNCHRONOUS, FORWARD, ROLLING, SECOND_BENDING, IRREGULAR, REVERSE, SPIRAL,
 ) = range(len(STATES))  # fmt: skip
@@ -148,50 +129,34 @@ SETTLED = 2.0
 
 
 KEPT, CHANGED, SETTLED_NOW = range(3)
-"""Values of `StateHysteresis.event`: nothing, the state of a subject changes, its state has settled."""
+"""Events of a subject: nothing, the state of a subject changes, its state has settled."""
 
 
-class StateHysteresis(NamedTuple):
-    """States of several subjects: the marks, then the string."""
-
-    held: Integers  # (subjects,) present state
-    estimate: Integers  # (subjects,) newest estimate
-    start: Array  # (subjects,) start of the estimated state [s]; nan: when its share rose, less the delay
-    share: Array  # (subjects, states) of the recent estimates
-    since: Array  # (subjects, states) start of the state [s]
-    event: Integers  # (subjects,)
-    present: Array  # (subjects, 5) present periods, see `Timeline`
-    last: Array  # (3,) time [s] and revolutions of the last estimate, and the number of estimates
-
-    @classmethod
-    def of(cls, subjects: int) -> StateHysteresis:
-        """Subjects at rest, before the first estimate."""
-        share, since = np.zeros((2, subjects, len(STATES)))
-        held = np.full(subjects, INDEX[MotionState.AT_REST], np.int64)
-        return cls(
-            held, held.copy(), np.zeros(subjects), share, since, np.zeros(subjects, np.int64), no_periods(subjects),
-            np.zeros(3),
-        )  # fmt: skip
-
-    @property
-    def states(self) -> tuple[MotionState, ...]:
-        """Present state of each subject."""
-        return tuple(STATES[state] for state in self.held.tolist())
-
-    @property
-    def confidence(self) -> Array:
-        """Share of the recent estimates for the present state, 0 to 1, shape (subjects,)."""
-        share: Array = self.share[np.arange(self.held.size), self.held]
-        return share
+def new_hysteresis(subjects: int) -> Columns:
+    """States of several subjects, the marks, then the string: at rest, before the first estimate."""
+    share, since = np.zeros((2, subjects, len(STATES)))
+    return columns(
+        "StateHysteresis",
+        subjects,
+        held=AT_REST,  # present state
+        estimate=AT_REST,  # newest estimate
+        start=0.0,  # of the estimated state [s]; nan: when its share rose, less the delay
+        share=share,  # (subjects, states) of the recent estimates
+        since=since,  # (subjects, states) start of the state [s]
+        event=KEPT,
+        present=np.zeros((subjects, 5)),  # present periods, see `Timeline`
+        last_time=np.zeros(1),  # of the last estimate [s]
+        last_revolutions=np.zeros(1),  # of the last estimate [rev]
+        begun=np.zeros(1, bool),  # True after the first estimate
+    )
 
 
 @strict_kernel
-def update_states(hysteresis: StateHysteresis, criteria: Criteria, lag: float, time: float, revolutions: float) -> bool:
+def update_states(hysteresis: Columns, lag: float, time: float, revolutions: float) -> bool:
     """Add an estimate of the state of each subject.
 
     Args:
         hysteresis: The states, with `estimate` and `start`.
-        criteria: Thresholds.
         lag: Delay of the estimates [s].
         time: Time since the first sample [s].
         revolutions: Revolutions since the first sample [rev].
@@ -199,12 +164,11 @@ def update_states(hysteresis: StateHysteresis, criteria: Criteria, lag: float, t
     Returns:
         Whether there is an `event`.
     """
-    last, shares, held = hysteresis.last, hysteresis.share, hysteresis.held
-    first = last[2] == 0.0
-    last[2] += 1.0
-    elapsed = max(revolutions - last[1], 4.0 * criteria.rest_rotation * (time - last[0]))
-    last[0], last[1] = time, revolutions
-    gain = 1.0 if first else 1.0 - math.exp(-elapsed / criteria.state_memory)
+    shares, held, first = hysteresis.share, hysteresis.held, not hysteresis.begun[0]
+    seconds = time - hysteresis.last_time[0]
+    elapsed = max(revolutions - hysteresis.last_revolutions[0], 4.0 * criteria.REST_ROTATION * seconds)
+    hysteresis.begun[0], hysteresis.last_time[0], hysteresis.last_revolutions[0] = True, time, revolutions
+    gain = 1.0 if first else 1.0 - math.exp(-elapsed / criteria.STATE_MEMORY)
     any_event = False
     for subject in range(held.size):
         share, state, now = shares[subject], hysteresis.estimate[subject], held[subject]
@@ -216,7 +180,7 @@ def update_states(hysteresis: StateHysteresis, criteria: Criteria, lag: float, t
             delay = lag if is_whirl(now) else 0.0
             hysteresis.since[subject, state] = 0.0 if first else time - delay
         hysteresis.event[subject] = KEPT
-        if state != now and share[state] >= share[now] + criteria.state_lead:
+        if state != now and share[state] >= share[now] + criteria.STATE_LEAD:
             if not math.isnan(hysteresis.start[subject]):
                 hysteresis.since[subject, state] = hysteresis.start[subject]
             held[subject] = state
@@ -225,11 +189,13 @@ def update_states(hysteresis: StateHysteresis, criteria: Criteria, lag: float, t
             hysteresis.event[subject] = CHANGED
         else:
             present = hysteresis.present[subject]
-            extend(present, share[now], elapsed)
-            if needs_description(present, revolutions, SETTLED):
-                hysteresis.event[subject] = SETTLED_NOW
+            if present[OPEN]:
+                present[DURATION] += elapsed
+                present[WEIGHTED_SHARE] += elapsed * share[now]
+                if not present[DESCRIBED] and revolutions - present[ENTERED] > SETTLED:
+                    hysteresis.event[subject] = SETTLED_NOW
         any_event = any_event or hysteresis.event[subject] != KEPT
-    return any_event
+    return bool(any_event)
 
 
 @strict_kernel

@@ -13,12 +13,10 @@ when the window then holds 10 s or two cycles.
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
 
-import numpy as np
-
-from drill_twin.core.arrays import Array, Integers
-from drill_twin.core.compile.jit import as_python, copy, strict_kernel
+from drill_twin.core.arrays import Array
+from drill_twin.core.compile.jit import as_python, strict_kernel
+from drill_twin.whirl.columns import Columns, columns
 
 TIME_BASE = 20
 """Length of the window [s]; two periods of the slowest string, 0.1 Hz."""
@@ -34,34 +32,33 @@ RISE, REACHED = 0.02, 0.95
 """Gain of the top drive in a second while it starts; share of its speed that the bit reaches then."""
 STUCK = 0.05
 """A bit slower than this share of the top drive stands still."""
-LONGEST_STICK = 10
+MOST_STUCK = 10
 """Seconds at rest after which a bit without a known top drive has been stopped."""
 
 AT_REST, STARTING, STANDS, STEADY, VIBRATION, STICK_SLIP = range(6)
-"""Codes of the motion, `SpeedWindow.counts[MOTION]`."""
-SECOND, SLOWEST, FASTEST, BIT, TOP, SAMPLES, FIRST_TOP, LAST_TOP = range(8)
-"""Indices into a second: its number, speeds of the bit [rad/s], sums of the speeds of bit and top drive, samples, first
-and last speed of the top drive [rad/s]."""
-INDEX, LARGEST, WINDOW_SLOWEST, WINDOW_FASTEST, WINDOW_MEAN = range(5)
-"""Indices into `SpeedWindow.numbers`: index, nan while it is not known, and the largest so far; speeds [rad/s]."""
-MOTION, TURNING, SECONDS, CYCLES, RESTING = range(5)
-"""Indices into `SpeedWindow.counts`: motion, 1 after the start-up, seconds and cycles since, seconds at rest."""
+"""Codes of the motion."""
+NOW = TIME_BASE
+"""Row of the second that is being filled."""
 
 
-class SpeedWindow(NamedTuple):
-    """Extremes and sums of each of the last seconds."""
-
-    rows: Array  # (TIME_BASE, 8) whole seconds
-    present: Array  # (8,) the second that is being filled
-    numbers: Array
-    counts: Integers
-
-    @classmethod
-    def empty(cls) -> SpeedWindow:
-        """Before the first sample."""
-        counts = np.zeros(5, np.int64)
-        counts[MOTION] = STARTING
-        return cls(np.zeros((TIME_BASE, 8)), np.zeros(8), np.full(5, math.nan), counts)
+def new_window() -> Columns:
+    """Extremes and sums of each of the last seconds, before the first sample."""
+    names = ("number", "slowest", "fastest", "bit", "top", "samples", "first_top", "last_top")
+    return columns(
+        "SpeedWindow",
+        1,
+        index=math.nan,  # nan while it is not known
+        largest=math.nan,  # index so far
+        rows=columns("Seconds", TIME_BASE + 1, **dict.fromkeys(names, 0.0)),  # the last row is being filled
+        slowest=math.nan,  # speed in the window [rad/s]
+        fastest=math.nan,  # speed in the window [rad/s]
+        mean=math.nan,  # speed in the window [rad/s]
+        motion=STARTING,
+        turning=False,  # True after the start-up
+        seconds=0,  # since the start-up
+        cycles=0,  # since the start-up
+        resting=0,  # seconds at rest
+    )
 
 
 def stick_slip_index(speed: Array) -> float:
@@ -78,83 +75,83 @@ def _index(slowest: float, fastest: float, mean: float) -> float:
 
 
 @strict_kernel
-def restart(window: SpeedWindow) -> None:
+def restart(window: Columns) -> None:
     """Begin anew, after a gap."""
-    window.present[SAMPLES] = 0.0
-    window.numbers[INDEX] = math.nan
-    window.counts[MOTION] = STARTING
-    window.counts[TURNING] = window.counts[SECONDS] = window.counts[RESTING] = 0
+    window.rows.samples[NOW], window.index[0], window.motion[0] = 0.0, math.nan, STARTING
+    window.turning[0] = False
+    window.seconds[0] = window.resting[0] = 0
 
 
 @strict_kernel
-def add_speeds(window: SpeedWindow, time: float, bit: float, top: float) -> bool:
+def add_speeds(window: Columns, time: float, bit: float, top: float) -> bool:
     """Add the speeds of bit and top drive [rad/s], nan for an unknown one of the top drive, at a time [s].
 
     Returns:
         Whether the motion has changed.
     """
-    now, second = window.present, math.floor(time)
-    changed = now[SAMPLES] > 0.0 and now[SECOND] != second and _close(window)
-    if now[SAMPLES] == 0.0 or now[SECOND] != second:
-        now[SECOND], now[SLOWEST], now[FASTEST], now[FIRST_TOP] = second, bit, bit, top
-        now[BIT] = now[TOP] = now[SAMPLES] = 0.0
-    now[SLOWEST], now[FASTEST], now[LAST_TOP] = min(now[SLOWEST], bit), max(now[FASTEST], bit), top
-    now[BIT] += bit
-    now[TOP] += top
-    now[SAMPLES] += 1.0
-    return changed
+    now, second = window.rows, math.floor(time)
+    changed = now.samples[NOW] > 0.0 and now.number[NOW] != second and _close(window)
+    if now.samples[NOW] == 0.0 or now.number[NOW] != second:
+        now.number[NOW], now.slowest[NOW], now.fastest[NOW], now.first_top[NOW] = second, bit, bit, top
+        now.bit[NOW] = now.top[NOW] = now.samples[NOW] = 0.0
+    now.slowest[NOW], now.fastest[NOW] = min(now.slowest[NOW], bit), max(now.fastest[NOW], bit)
+    now.last_top[NOW] = top
+    now.bit[NOW] += bit
+    now.top[NOW] += top
+    now.samples[NOW] += 1.0
+    return bool(changed)
 
 
 @strict_kernel
-def _close(window: SpeedWindow) -> bool:
+def _close(window: Columns) -> bool:
     """Judge the motion at the end of a second; return whether it has changed."""
-    now, counts, before = window.present, window.counts, window.counts[MOTION]
-    top = now[TOP] / now[SAMPLES]
+    now, before = window.rows, window.motion[0]
+    top = now.top[NOW] / now.samples[NOW]
     known = math.isfinite(top)
-    drive = top if known else now[BIT] / now[SAMPLES]
-    stopping = known and counts[SECONDS] > 0 and abs(drive) < STOPPING * _mean(window, TOP)
-    counts[RESTING] = counts[RESTING] + 1 if abs(drive) < REST or stopping else 0
-    if counts[RESTING] >= (1 if known else LONGEST_STICK):
+    drive = top if known else now.bit[NOW] / now.samples[NOW]
+    stopping = known and window.seconds[0] > 0 and abs(drive) < STOPPING * _mean(window, now.top)
+    window.resting[0] = window.resting[0] + 1 if abs(drive) < REST or stopping else 0
+    if window.resting[0] >= (1 if known else MOST_STUCK):
         restart(window)
-        counts[MOTION], counts[RESTING] = AT_REST, LONGEST_STICK
-    elif counts[TURNING]:
-        copy(now, window.rows[counts[SECONDS] % TIME_BASE])
-        counts[SECONDS] += 1
+        window.motion[0], window.resting[0] = AT_REST, MOST_STUCK
+    elif window.turning[0]:
+        for column in now:
+            column[window.seconds[0] % TIME_BASE] = column[NOW]
+        window.seconds[0] += 1
         _judge(window, known)
     else:
-        rises = known and abs(now[LAST_TOP]) > (1.0 + RISE) * abs(now[FIRST_TOP])
-        fastest = max(now[FASTEST], -now[SLOWEST])
+        rises = known and abs(now.last_top[NOW]) > (1.0 + RISE) * abs(now.first_top[NOW])
+        fastest = max(now.fastest[NOW], -now.slowest[NOW])
         if not rises and fastest >= max(REACHED * abs(drive), REST):
-            counts[TURNING], counts[SECONDS], counts[CYCLES] = 1, 0, 0
-        counts[MOTION] = STARTING
-    return bool(counts[MOTION] != before)
+            window.turning[0], window.seconds[0], window.cycles[0] = True, 0, 0
+        window.motion[0] = STARTING
+    return bool(window.motion[0] != before)
 
 
 @strict_kernel
-def _judge(window: SpeedWindow, known: bool) -> None:
+def _judge(window: Columns, known: bool) -> None:
     """Compute index and motion from the seconds of the window."""
-    rows, numbers, counts = window.rows, window.numbers, window.counts
     slowest, fastest = math.inf, -math.inf
-    for k in range(min(counts[SECONDS], TIME_BASE)):
-        slowest, fastest = min(slowest, rows[k, SLOWEST]), max(fastest, rows[k, FASTEST])
-    mean = _mean(window, BIT)
-    numbers[WINDOW_SLOWEST], numbers[WINDOW_FASTEST], numbers[WINDOW_MEAN] = slowest, fastest, mean
-    numbers[INDEX] = math.nan
-    if counts[SECONDS] < SETTLED and counts[CYCLES] < CYCLES_SEEN:
-        counts[MOTION] = STARTING
-    elif (known and mean < STUCK * _mean(window, TOP)) or mean == 0.0:
-        counts[MOTION] = STANDS
+    for k in range(min(window.seconds[0], TIME_BASE)):
+        slowest, fastest = min(slowest, window.rows.slowest[k]), max(fastest, window.rows.fastest[k])
+    mean = _mean(window, window.rows.bit)
+    window.slowest[0], window.fastest[0], window.mean[0] = slowest, fastest, mean
+    window.index[0] = math.nan
+    if window.seconds[0] < SETTLED and window.cycles[0] < CYCLES_SEEN:
+        window.motion[0] = STARTING
+    elif (known and mean < STUCK * _mean(window, window.rows.top)) or mean == 0.0:
+        window.motion[0] = STANDS
     else:
-        index = numbers[INDEX] = _index(slowest, fastest, mean)
-        numbers[LARGEST] = index if math.isnan(numbers[LARGEST]) else max(numbers[LARGEST], index)
-        counts[MOTION] = STICK_SLIP if index >= FULL else VIBRATION if index >= MODERATE else STEADY
+        index = window.index[0] = _index(slowest, fastest, mean)
+        window.largest[0] = index if math.isnan(window.largest[0]) else max(window.largest[0], index)
+        window.motion[0] = STICK_SLIP if index >= FULL else VIBRATION if index >= MODERATE else STEADY
 
 
 @strict_kernel
-def _mean(window: SpeedWindow, column: int) -> float:
-    """Mean speed over the window, without its sign [rad/s]."""
+def _mean(window: Columns, speeds: Array) -> float:
+    """Mean over the window, without its sign [rad/s], of `speeds`, a sum for each second."""
     total = samples = 0.0
-    for k in range(min(window.counts[SECONDS], TIME_BASE)):
-        total += window.rows[k, column]
-        samples += window.rows[k, SAMPLES]
-    return abs(total) / samples
+    for k in range(min(window.seconds[0], TIME_BASE)):
+        total += speeds[k]
+        samples += window.rows.samples[k]
+    return float(abs(total) / samples)

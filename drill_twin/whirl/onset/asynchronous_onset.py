@@ -29,124 +29,104 @@ asynchronous part is averaged as far as the noise requires.
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
 
 import numpy as np
 
-from drill_twin.core.arrays import Array, ComplexArray, Integers, Mask
+from drill_twin.core.arrays import Array, ComplexArray, Mask
 from drill_twin.core.compile.jit import strict_kernel
-from drill_twin.whirl.criteria import Criteria
-from drill_twin.whirl.history import APPENDED, ASYNCHRONOUS, CAPACITY, History, bins_in, end_of
+from drill_twin.whirl import criteria
+from drill_twin.whirl.columns import Columns, columns
+from drill_twin.whirl.history import ASYNCHRONOUS, CAPACITY, bins_in, end_of
 from drill_twin.whirl.onset.low_side_swing import keeps_to_low_side, rotary_coefficient, swing_radius
-from drill_twin.whirl.orbit.orbit import Orbit
-from drill_twin.whirl.sample_bins import ANGLE, BINS, REVOLUTIONS, TIME
+from drill_twin.whirl.sample_bins import BINS
 
 GAIN = 20.0
-"""Power gain of a third difference on white noise."""
+"""Power gain of a third difference on white noise: the sum of the squares of its weights, 1 + 9 + 9 + 1."""
 MEMORY = 64
-"""Memory [bins]."""
+"""Memory of the noise [bins], four revolutions; chosen, not measured."""
 OUTLIER = 16.0
-"""Largest power of a single difference, over the present estimate."""
-
-
-class Noise(NamedTuple):
-    """Noise of a bin per axis over the clearance, of m marks."""
-
-    level: Array  # (m,) standard deviation
-    power: Array  # (m,)
-    bins: Integers  # (1,)
-
-    @classmethod
-    def of(cls, m: int) -> Noise:
-        """Noise before the first bin."""
-        return cls(np.zeros(m), np.zeros(m), np.zeros(1, np.int64))
-
-    @property
-    def converged(self) -> bool:
-        """True after enough bins."""
-        return bool(self.bins[0] >= MEMORY // 4)
+"""Largest power of a single difference, over the present estimate: four standard deviations; chosen, not measured."""
 
 
 @strict_kernel
-def update_noise(noise: Noise, vector: ComplexArray, whirling: Mask) -> None:
-    """Add the newest four bins over the clearance, demodulated with the precession, shape (4, m).
+def is_converged(averaged: Columns) -> bool:
+    """Check that the noise has seen enough bins."""
+    return bool(averaged.noise_bins[0] >= MEMORY // 4)
+
+
+@strict_kernel
+def update_noise(averaged: Columns, vector: ComplexArray, whirling: Mask) -> None:
+    """Update the noise with the newest four bins over the clearance, demodulated, shape (4, m).
 
     Marks that whirl keep their estimate, since irregular motion is not noise.
     """
-    converged = noise.bins[0] >= MEMORY // 4
-    noise.bins[0] = min(noise.bins[0] + 1, MEMORY)
+    converged = is_converged(averaged)
+    averaged.noise_bins[0] = min(averaged.noise_bins[0] + 1, MEMORY)
     for k in range(whirling.size):
         first, second, third, last = vector[0, k], vector[1, k], vector[2, k], vector[3, k]
         across = last.real - 3.0 * third.real + 3.0 * second.real - first.real
         up = last.imag - 3.0 * third.imag + 3.0 * second.imag - first.imag
         power = (across * across + up * up) / (2.0 * GAIN)
         if converged:
-            power = np.minimum(power, OUTLIER * noise.power[k] + 1e-300)
+            power = np.minimum(power, OUTLIER * averaged.power[k] + 1e-300)
         if not whirling[k]:
-            noise.power[k] += (power - noise.power[k]) / noise.bins[0]
-        noise.level[k] = np.sqrt(noise.power[k])
+            averaged.power[k] += (power - averaged.power[k]) / averaged.noise_bins[0]
+        averaged.level[k] = np.sqrt(averaged.power[k])
 
 
-LONGEST = BINS // 2
-"""Most bins averaged."""
+MOST_AVERAGED = BINS // 2
+"""Most bins averaged: half a revolution, over which the precession is known well enough to turn bins back; chosen."""
 
 
-class AveragedRadius(NamedTuple):
-    """Radius of each mark over the clearance, averaged over at most half a revolution."""
-
-    radius: Array  # (m,) over the clearance
-    threshold: Array  # (m,) of the radius
-    release: Array  # (m,) radius below which a candidate is dropped
-    noise: Noise
-    width: Integers  # (1,) bins averaged
-    clearance: Array  # (m,) [m]
-    demodulated: ComplexArray  # (LONGEST, m) work
-
-    @classmethod
-    def of(cls, clearance: Array, criteria: Criteria) -> AveragedRadius:
-        """Radii before the first bin."""
-        m = clearance.size
-        threshold = np.full(m, criteria.onset_radius)
-        return cls(
-            np.zeros(m), threshold, threshold.copy(), Noise.of(m), np.ones(1, np.int64), clearance,
-            np.zeros((LONGEST, m), complex),
-        )  # fmt: skip
+def new_radius(clearance: Array) -> Columns:
+    """Radius of each mark over the clearance, averaged over at most half a revolution, before the first bin."""
+    return columns(
+        "AveragedRadius",
+        clearance.size,
+        radius=0.0,  # over the clearance
+        threshold=criteria.ONSET_RADIUS,  # of the radius
+        release=criteria.ONSET_RADIUS,  # radius below which a candidate is dropped
+        level=0.0,  # noise of a bin per axis over the clearance: its standard deviation
+        power=0.0,  # square of the noise
+        noise_bins=np.zeros(1, np.int64),  # bins that the noise has seen
+        width=np.ones(1, np.int64),  # bins averaged
+        clearance=clearance,  # [m]
+        demodulated=np.zeros((MOST_AVERAGED, clearance.size), complex),  # work
+    )
 
 
 @strict_kernel
-def average_radius(
-    averaged: AveragedRadius, history: History, criteria: Criteria, rate: Array, carrier: Array, whirling: Mask
-) -> None:
+def average_radius(averaged: Columns, history: Columns, rate: Array, carrier: Array, whirling: Mask) -> None:
     """Average with the newest bin; `rate` of the asynchronous part, and of its `carrier` or 0 [rad/s], shape (m,)."""
     m, end = whirling.size, end_of(history)
-    longest = min(LONGEST, max(1, bins_in(history, 0.5)))
+    longest = min(MOST_AVERAGED, max(1, bins_in(history, 0.5)))
     bins = max(4, longest)
     for i in range(bins):
         at = end - bins + i
-        since = history.clock[at, TIME] - history.clock[end - 1, TIME]
+        since = history.time[at] - history.time[end - 1]
         for k in range(m):
             angle = -(carrier[k] if carrier[k] != 0.0 else rate[k]) * since
-            turned = history.complex_part[at, ASYNCHRONOUS, k] * complex(math.cos(angle), math.sin(angle))
+            turned = history.vector[at, ASYNCHRONOUS, k] * complex(math.cos(angle), math.sin(angle))
             averaged.demodulated[i, k] = turned / averaged.clearance[k]
-    update_noise(averaged.noise, averaged.demodulated[bins - 4 : bins], whirling)
-    level = averaged.noise.level
+    update_noise(averaged, averaged.demodulated[bins - 4 : bins], whirling)
+    level = averaged.level
     largest = level[0]
     for k in range(1, m):
         largest = np.maximum(largest, level[k])
-    width = averaged.width[0] = width_for(criteria, largest, longest)
+    width = averaged.width[0] = width_for(largest, longest)
     for k in range(m):
         total, remaining = 0j, level[k] / math.sqrt(width)
         for i in range(bins - width, bins):
             total += averaged.demodulated[i, k]
         averaged.radius[k] = abs(total) / width
-        averaged.threshold[k] = np.maximum(criteria.onset_radius, criteria.false_alarm_factor * remaining)
+        averaged.threshold[k] = np.maximum(criteria.ONSET_RADIUS, criteria.FALSE_ALARM_FACTOR * remaining)
         averaged.release[k] = averaged.threshold[k] - remaining
 
 
 @strict_kernel
-def width_for(criteria: Criteria, noise: float, longest: int) -> int:
+def width_for(noise: float, longest: int) -> int:
     """Fewest bins, a power of 2 up to `longest`, that reduce the noise of a bin below the onset's threshold."""
-    factor, radius = criteria.false_alarm_factor, criteria.onset_radius
+    factor, radius = criteria.FALSE_ALARM_FACTOR, criteria.ONSET_RADIUS
     width = 1
     while width * 2 <= longest and noise * factor > radius * math.sqrt(width):
         width *= 2
@@ -154,54 +134,45 @@ def width_for(criteria: Criteria, noise: float, longest: int) -> int:
 
 
 INTERVAL = 4
-"""Interval at which a displaced mark is checked [bins]."""
+"""Interval at which a displaced mark is checked [bins], to save time; chosen, not measured."""
 
 
-class Onsets(NamedTuple):
-    """State of knowledge of the whirl of m marks; nan for no time."""
-
-    began: Array  # (m,) start of the present whirl, since the first sample [s]
-    detected: Array  # (m,) its detection [rev]; inf without whirl
-    active: Mask  # (m,) in asynchronous whirl now
-    time: Array  # (m,) of a crossing of the threshold that is not confirmed, the candidate [s]
-    revolutions: Array  # (m,) of the same [rev]
-    noise: Array  # (m,) of a bin, then
-    bin: Integers  # (m,) number of its bin
-    displaced: Mask  # (m,) has left its steady position
-    falling: Mask  # (m,) to the low side, in the first revolutions
-    inclined: Mask  # (m,) in an inclined hole
-    low_side: Mask  # (m,) moves on the low side of an inclined hole, with a rotary coefficient of a swing
-    swing: Array  # (m,) `swing_radius` over the clearance of a mark that swings on the low side; else 0
-    small: Mask  # (m,) the orbit has become small
-    constant: Mask  # (m,) it has swept no angle, or swings on the low side
-    rest: ComplexArray  # (CAPACITY,) work
-
-    @classmethod
-    def of(cls, inclined: Mask) -> Onsets:
-        """Before the first bin, of marks in an inclined hole or not, shape (m,)."""
-        m = inclined.size
-        masks = np.zeros((5, m), bool)
-        began, time, revolutions = np.full((3, m), math.nan)
-        return cls(
-            began, np.full(m, math.inf), masks[0], time, revolutions, np.zeros(m),
-            np.zeros(m, np.int64), masks[1], inclined.copy(), inclined, masks[4], np.zeros(m), masks[2], masks[3],
-            np.zeros(CAPACITY, complex),
-        )  # fmt: skip
+def new_onsets(inclined: Mask) -> Columns:
+    """What is known of the whirl of m marks, in an inclined hole or not, shape (m,), before the first bin."""
+    return columns(
+        "Onsets",
+        inclined.size,
+        began=math.nan,  # start of the present whirl, since the first sample [s]; nan without whirl
+        detected=math.inf,  # its detection [rev]; inf without whirl
+        active=False,  # in asynchronous whirl now
+        time=math.nan,  # of a crossing of the threshold that is not confirmed, the candidate [s]; nan without one
+        revolutions=math.nan,  # of the candidate [rev]
+        noise=0.0,  # of a bin, at the candidate
+        bin=0,  # number of the candidate's bin
+        displaced=False,  # has left its steady position
+        falling=inclined.copy(),  # to the low side, in the first revolutions
+        inclined=inclined,  # in an inclined hole
+        low_side=False,  # moves on the low side of an inclined hole, with a rotary coefficient of a swing
+        swing=0.0,  # `swing_radius` over the clearance of a mark that swings on the low side; else 0
+        small=False,  # the orbit has become small
+        constant=False,  # it has swept no angle, or swings on the low side
+        rest=np.zeros(CAPACITY, complex),  # work
+    )
 
 
 @strict_kernel
-def watch(onsets: Onsets, averaged: AveragedRadius, history: History, criteria: Criteria) -> bool:
+def watch(onsets: Columns, averaged: Columns, history: Columns) -> bool:
     """Check the newest bin for marks that begin to whirl; return whether `OnsetDetector.check` must decide."""
-    m, now = onsets.began.size, history.clock[end_of(history) - 1, REVOLUTIONS]
+    m, now = onsets.began.size, history.revolutions[end_of(history) - 1]
     whirling = onsets.active.any()
     for k in range(m):
-        if onsets.falling[k] and now > criteria.falling_time:
+        if onsets.falling[k] and now > criteria.FALLING_TIME:
             return True
-        if onsets.displaced[k] and (whirling or history.counts[APPENDED] % INTERVAL == 0):
+        if onsets.displaced[k] and (whirling or history.appended[0] % INTERVAL == 0):
             return True
         if math.isnan(onsets.time[k]) or averaged.radius[k] < averaged.release[k]:
             continue
-        least = criteria.sweep_window if onsets.low_side[k] else criteria.sustain  # a swing is dropped, not confirmed
+        least = criteria.SWEEP_WINDOW if onsets.low_side[k] else criteria.SUSTAIN  # a swing is dropped, not confirmed
         if math.isnan(onsets.began[k]) and not onsets.falling[k] and not now - onsets.revolutions[k] < least:
             return True
     for k in range(m):
@@ -211,47 +182,45 @@ def watch(onsets: Onsets, averaged: AveragedRadius, history: History, criteria: 
 
 
 @strict_kernel
-def update_candidate(onsets: Onsets, averaged: AveragedRadius, history: History, k: int) -> bool:
+def update_candidate(onsets: Columns, averaged: Columns, history: Columns, k: int) -> bool:
     """Start or drop the candidate of a mark; return whether it has one that was not dropped."""
     if not (math.isnan(onsets.time[k]) or averaged.radius[k] < averaged.release[k]):
         return True
-    newest = history.clock[end_of(history) - 1]
-    onsets.time[k] = newest[TIME] if averaged.radius[k] > averaged.threshold[k] else math.nan
-    onsets.revolutions[k] = newest[REVOLUTIONS]
-    onsets.noise[k] = averaged.noise.level[k]
-    onsets.bin[k] = history.counts[APPENDED]
+    newest = end_of(history) - 1
+    onsets.time[k] = history.time[newest] if averaged.radius[k] > averaged.threshold[k] else math.nan
+    onsets.revolutions[k] = history.revolutions[newest]
+    onsets.noise[k] = averaged.level[k]
+    onsets.bin[k] = history.appended[0]
     return False
 
 
 @strict_kernel
-def drop_candidates(onsets: Onsets) -> None:
+def drop_candidates(onsets: Columns) -> None:
     """Forget what was seen before a gap."""
     onsets.time[:] = math.nan
     onsets.displaced[:] = False
 
 
 @strict_kernel
-def ends(
-    onsets: Onsets, averaged: AveragedRadius, orbit: Orbit, history: History, criteria: Criteria, arm: ComplexArray
-) -> bool:
+def ends(onsets: Columns, averaged: Columns, orbit: Columns, history: Columns, arm: ComplexArray) -> bool:
     """Find the orbits that have become `small` or `constant`; return whether `OnsetDetector.release` must decide.
 
     `arm` is that from the centre line to the marked points [m], shape (m,).
     """
-    fall = criteria.release_radius / criteria.onset_radius
-    bins, end, any_ends = bins_in(history, criteria.sweep_window), end_of(history), False
-    clock, first = history.clock, end - bins
-    side = bins_in(history, criteria.side_window) // 2 * 2
-    long = not clock[end - 1, REVOLUTIONS] - clock[first, REVOLUTIONS] < criteria.sweep_window - 0.5
-    landed = long and clock[first, REVOLUTIONS] > criteria.falling_time
+    fall = criteria.RELEASE_RADIUS / criteria.ONSET_RADIUS
+    bins, end, any_ends = bins_in(history, criteria.SWEEP_WINDOW), end_of(history), False
+    first = end - bins
+    side = bins_in(history, criteria.SIDE_WINDOW) // 2 * 2
+    long = not history.revolutions[end - 1] - history.revolutions[first] < criteria.SWEEP_WINDOW - 0.5
+    landed = long and history.revolutions[first] > criteria.FALLING_TIME
     for k in range(onsets.active.size):
         onsets.swing[k] = 0.0
         stays = onsets.inclined[k] and keeps_to_low_side(history, arm[k], k, side)
-        onsets.low_side[k] = stays and rotary_coefficient(history, arm[k], k, onsets.rest[:side]) < criteria.rotary
+        onsets.low_side[k] = stays and rotary_coefficient(history, arm[k], k, onsets.rest[:side]) < criteria.ROTARY
         if landed and onsets.low_side[k]:
-            swing, noise = swing_radius(history, arm[k], k, bins, 0) / averaged.clearance[k], averaged.noise.level[k]
+            swing, noise = swing_radius(history, arm[k], k, bins, 0) / averaged.clearance[k], averaged.level[k]
             swing = math.sqrt(max(swing * swing - 2.0 * noise * noise, 0.0))
-            if swing > criteria.release_radius:
+            if swing > criteria.RELEASE_RADIUS:
                 onsets.swing[k] = swing
     if not onsets.active.any():
         return False
@@ -262,12 +231,12 @@ def ends(
         if long:
             low, high, low_in_string, high_in_string = math.inf, -math.inf, math.inf, -math.inf
             for i in range(first, end):
-                angle = history.real_part[i, ASYNCHRONOUS, k]
+                angle = history.unwrapped[i, ASYNCHRONOUS, k]
                 low, high = min(low, angle), max(high, angle)
-                angle -= clock[i, ANGLE]
+                angle -= history.angle[i]
                 low_in_string, high_in_string = min(low_in_string, angle), max(high_in_string, angle)
             swept = min(high - low, high_in_string - low_in_string)
-        late = clock[first, REVOLUTIONS] > onsets.detected[k]
-        onsets.constant[k] = late and (onsets.swing[k] > 0.0 or swept < criteria.least_swept_angle)
+        late = history.revolutions[first] > onsets.detected[k]
+        onsets.constant[k] = late and (onsets.swing[k] > 0.0 or swept < criteria.LEAST_SWEPT_ANGLE)
         any_ends = any_ends or (onsets.active[k] and (onsets.small[k] or onsets.constant[k]))
     return any_ends

@@ -5,7 +5,7 @@ Both may move far, and neither goes round the hole. The motion of the centre lin
 that turns with the string, is a sum of turns exp(i omega t) with power P+ in one sense and P- in the other. The rotary
 coefficient |P+ - P-| / (P+ + P-) (Gonella 1972) is 1 for a circle, 0 for a swing in a plane, over an arc of the wall,
 or without order, and 2 p q / (p^2 + q^2) for an ellipse of half axes p and q. A motion that stays on the low side, with
-a coefficient below `Criteria.rotary`, is a swing: an ellipse less than 0.27 as wide as long. Over so few revolutions a
+a coefficient below `criteria.ROTARY`, is a swing: an ellipse less than 0.27 as wide as long. Over so few revolutions a
 whirl near the rotation is not told from the part that turns with the string, and is left out with it.
 """
 
@@ -15,18 +15,18 @@ import math
 
 from drill_twin.core.arrays import ComplexArray
 from drill_twin.core.compile.jit import strict_kernel
-from drill_twin.whirl.history import PHASOR, POSITION, History, end_of
-from drill_twin.whirl.sample_bins import TIME
+from drill_twin.whirl.columns import Columns
+from drill_twin.whirl.history import end_of
 
 
 @strict_kernel
-def _centre(history: History, arm: complex, k: int, i: int) -> complex:
+def _centre(history: Columns, arm: complex, k: int, i: int) -> complex:
     """Centre line at mark k [m]."""
-    return complex(history.complex_part[i, POSITION, k] - arm * history.complex_part[i, PHASOR, k])
+    return complex(history.position[i, k] - arm * history.phasor[i, k])
 
 
 @strict_kernel
-def keeps_to_low_side(history: History, arm: complex, k: int, bins: int) -> bool:
+def keeps_to_low_side(history: Columns, arm: complex, k: int, bins: int) -> bool:
     """Check that mark k has stayed within 90 degrees of its mean direction, which is on the low side, +x."""
     end, mean = end_of(history), 0j
     for i in range(end - bins, end):
@@ -39,24 +39,23 @@ def keeps_to_low_side(history: History, arm: complex, k: int, bins: int) -> bool
 
 
 @strict_kernel
-def _fit(history: History, arm: complex, k: int, first: int, end: int) -> tuple[float, complex, complex, complex]:
+def _fit(history: Columns, arm: complex, k: int, first: int, end: int) -> tuple[float, complex, complex, complex]:
     """Mean time [s], offset [m], drift [m/s] and part that turns with the string [m] that fit the bins best."""
-    clock, parts, n = history.clock, history.complex_part, end - first
-    middle, spread, mean, mean_turn, drift, turn = 0.0, 1e-300, 0j, 0j, 0j, 0j
+    n, middle, spread, mean, mean_turn, drift, turn = end - first, 0.0, 1e-300, 0j, 0j, 0j, 0j
     for i in range(first, end):
-        middle += clock[i, TIME] / n
+        middle += history.time[i] / n
         mean += _centre(history, arm, k, i) / n
-        mean_turn += parts[i, PHASOR, k] / n
+        mean_turn += history.phasor[i, k] / n
     for i in range(first, end):
-        since = clock[i, TIME] - middle
+        since = history.time[i] - middle
         spread += since * since
         drift += since * _centre(history, arm, k, i)
-        turn += since * parts[i, PHASOR, k]
+        turn += since * history.phasor[i, k]
     drift, turn = drift / spread, turn / spread
     both, size = 0j, 1e-9 * n
     for i in range(first, end):
-        since = clock[i, TIME] - middle
-        phasor = parts[i, PHASOR, k] - mean_turn - turn * since
+        since = history.time[i] - middle
+        phasor = history.phasor[i, k] - mean_turn - turn * since
         both += (_centre(history, arm, k, i) - mean - drift * since) * phasor.conjugate()
         size += phasor.real * phasor.real + phasor.imag * phasor.imag
     synchronous = both / size
@@ -64,17 +63,15 @@ def _fit(history: History, arm: complex, k: int, first: int, end: int) -> tuple[
 
 
 @strict_kernel
-def _rest(history: History, arm: complex, k: int, i: int, fit: tuple[float, complex, complex, complex]) -> complex:
+def _rest(history: Columns, arm: complex, k: int, i: int, fit: tuple[float, complex, complex, complex]) -> complex:
     """Motion in a bin beside the fit [m]."""
     middle, offset, drift, synchronous = fit
-    since = history.clock[i, TIME] - middle
-    return complex(
-        _centre(history, arm, k, i) - offset - drift * since - synchronous * history.complex_part[i, PHASOR, k]
-    )
+    since = history.time[i] - middle
+    return complex(_centre(history, arm, k, i) - offset - drift * since - synchronous * history.phasor[i, k])
 
 
 @strict_kernel
-def swing_radius(history: History, arm: complex, k: int, bins: int, newer: int) -> float:
+def swing_radius(history: Columns, arm: complex, k: int, bins: int, newer: int) -> float:
     """Rms radius [m] of the motion of mark k over so many bins before the newest `newer`."""
     end, power = end_of(history) - newer, 0.0
     fit = _fit(history, arm, k, end - bins, end)
@@ -85,7 +82,7 @@ def swing_radius(history: History, arm: complex, k: int, bins: int, newer: int) 
 
 
 @strict_kernel
-def rotary_coefficient(history: History, arm: complex, k: int, rest: ComplexArray) -> float:
+def rotary_coefficient(history: Columns, arm: complex, k: int, rest: ComplexArray) -> float:
     """Rotary coefficient of mark k over as many of the newest bins as `rest`, work of even size, has; 0 to 1.
 
     P+ - P- is the power of the motion with its discrete Hilbert transform, whose kernel is a cotangent of odd lags.

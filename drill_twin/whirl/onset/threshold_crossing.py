@@ -20,21 +20,28 @@ from dataclasses import dataclass
 import numpy as np
 
 from drill_twin.core.arrays import Array, ComplexArray
-from drill_twin.whirl.history import ASYNCHRONOUS, SYNCHRONOUS, History
-from drill_twin.whirl.orbit.runout_separation import LONGEST, SHORTEST, OrbitRefit, refit_orbit, smoothed_radius
+from drill_twin.whirl.columns import Columns
+from drill_twin.whirl.history import ASYNCHRONOUS, SYNCHRONOUS, newest, newest_in
+from drill_twin.whirl.orbit.runout_separation import (
+    REFIT_BINS,
+    REFIT_REVOLUTIONS,
+    OrbitRefit,
+    refit_orbit,
+    smoothed_radius,
+)
 
 SMALLEST_NOISE = 2e-4
-"""Smallest noise of a radius, over the clearance."""
+"""Smallest noise of a radius, over the clearance, so that a record without noise can be divided by it."""
 LARGEST_WEIGHT = 1e4
-"""Largest weight of a single bin against a crossing."""
+"""Largest weight of a single bin against a crossing: a hundred standard deviations; chosen, not measured."""
 SMALLEST_SWEEP = math.radians(70.0)
 """Smallest angle swept by an orbit that is refitted, in the frames of hole and string [rad]."""
 SWEEP_RADIUS = 0.4
-"""Smallest radius, over the threshold, at which that angle is counted."""
+"""Smallest radius, over the threshold, at which the swept angle is counted; chosen, not measured."""
 FAST = 2.0
 """Ratio of precession to rotation beyond which an orbit leaks neither into the offset nor into the synchronous part."""
 STEADY_BEFORE = 4.0
-"""Duration before the crossing that is left out of the steady position [rev]."""
+"""Duration before the crossing that is left out of the steady position [rev]; chosen, not measured."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -77,7 +84,7 @@ class Detection:
     """Arm of the mark [m] if it crossed before its steady position was known: the hole's axis then replaces it."""
 
 
-def asynchronous_crossing(history: History, detection: Detection, rate: float, since: int, valid: int) -> Crossing:
+def asynchronous_crossing(history: Columns, detection: Detection, rate: float, since: int, valid: int) -> Crossing:
     """Find the crossing of the asynchronous part.
 
     Args:
@@ -88,13 +95,14 @@ def asynchronous_crossing(history: History, detection: Detection, rate: float, s
         valid: Number of newest bins that may be used; before them, the steady position was another.
     """
     mark, half = detection.mark, detection.width // 2
-    n = min(history.bins_in(LONGEST), max(1, valid))
-    window = history.newest(n)
+    n = min(newest_in(history, REFIT_REVOLUTIONS), max(1, valid))
+    window = newest(history, n)
     time, orbit = history.time[window], history.vector[window, ASYNCHRONOUS, mark]
+    position, phasor = history.position[window, mark], history.phasor[window, mark]
     ratio = rate / (math.tau * rotation) if (rotation := _rotation(history, since)) else math.nan
     # A fast orbit leaks into nothing, and seen once a bin it may pass for an offset or a synchronous part.
     fast = abs(ratio) > FAST
-    refit = None if fast else refit_orbit(time, history.sample[window, :, mark], orbit, min(n, since), rate, half)
+    refit = None if fast else refit_orbit(time, position, phasor, orbit, min(n, since), rate, half)
     if fast:
         pass
     elif refit is not None and _plausible(refit, detection) and _sweeps_enough(refit, history, window, detection):
@@ -102,13 +110,12 @@ def asynchronous_crossing(history: History, detection: Detection, rate: float, s
     else:
         steady = steady_position(history, mark, since, valid)
         offset, synchronous = steady or (detection.offset, detection.synchronous)
-        orbit = history.sample[window, 0, mark] - offset - synchronous * history.sample[window, 1, mark]
+        orbit = position - offset - synchronous * phasor
         refit = OrbitRefit(offset, synchronous, orbit, rate)
     carrier = np.exp(-1j * rate * (time - time[-1]))
     radius = smoothed_radius(orbit / detection.clearance * carrier, half, detection.noise)
     if detection.arm is not None:
         # Offset and synchronous part are not known this early: the radius about the axis must be as large.
-        position, phasor = history.sample[window, 0, mark], history.sample[window, 1, mark]
         centre: ComplexArray = (position - detection.arm * phasor) / detection.clearance * carrier
         radius = np.minimum(radius, smoothed_radius(centre, half, detection.noise))
     return Crossing(
@@ -121,9 +128,9 @@ def asynchronous_crossing(history: History, detection: Detection, rate: float, s
     )
 
 
-def synchronous_crossing(history: History, detection: Detection) -> Crossing:
+def synchronous_crossing(history: Columns, detection: Detection) -> Crossing:
     """Find the crossing of the motion about the offset in a synchronous whirl."""
-    window = history.newest(history.length)
+    window = newest(history, history.length[0])
     half, clearance = detection.width // 2, detection.clearance
     vector = history.vector[window, SYNCHRONOUS, detection.mark]
     radius = smoothed_radius(vector, half, detection.noise * clearance) / clearance
@@ -136,19 +143,19 @@ def synchronous_crossing(history: History, detection: Detection) -> Crossing:
     )
 
 
-def steady_position(history: History, mark: int, since: int, valid: int) -> tuple[complex, complex] | None:
+def steady_position(history: Columns, mark: int, since: int, valid: int) -> tuple[complex, complex] | None:
     """Offset and synchronous part [m] of a mark until `STEADY_BEFORE` revolutions before it crossed, `since` bins ago.
 
     None where the history is too short. A slow orbit leaks into the running offset while it grows, but not into this
     position.
     """
-    window = history.newest(min(history.bins_in(LONGEST), max(1, valid)))
+    window = newest(history, min(newest_in(history, REFIT_REVOLUTIONS), max(1, valid)))
     revolutions = history.revolutions[window]
     before = revolutions < revolutions[-min(since, revolutions.size)] - STEADY_BEFORE
     n = int(before.sum())
-    if n < SHORTEST:
+    if n < REFIT_BINS:
         return None
-    phasor, position = history.sample[window, 1, mark][before], history.sample[window, 0, mark][before]
+    phasor, position = history.phasor[window, mark][before], history.position[window, mark][before]
     mean_phasor, mean_position = complex(phasor.sum()) / n, complex(position.sum()) / n
     spread = float((np.abs(phasor - mean_phasor) ** 2).sum())
     if spread < 0.5 * n:  # less than a revolution of the string
@@ -163,7 +170,7 @@ def _plausible(refit: OrbitRefit, detection: Detection) -> bool:
     return abs(refit.offset - detection.offset) < largest and abs(refit.synchronous - detection.synchronous) < largest
 
 
-def _sweeps_enough(refit: OrbitRefit, history: History, window: slice, detection: Detection) -> bool:
+def _sweeps_enough(refit: OrbitRefit, history: Columns, window: slice, detection: Detection) -> bool:
     """Check that an orbit has swept a sufficient angle to determine its centre."""
     small = np.flatnonzero(np.abs(refit.orbit) < SWEEP_RADIUS * detection.threshold * detection.clearance)
     start = int(small[-1]) + 1 if small.size else 0
@@ -196,15 +203,15 @@ def _significance(detection: Detection) -> float:
     return 1.0 - math.exp(-0.5 * (detection.radius / remaining) ** 2) if remaining > 0.0 else 1.0
 
 
-def _rotation(history: History, bins: int) -> float:
+def _rotation(history: Columns, bins: int) -> float:
     """Mean rotation over the newest bins [rev/s]."""
-    window = history.newest(max(2, min(bins, history.length)))
+    window = newest(history, max(2, min(bins, history.length[0])))
     angle, time = history.angle[window], history.time[window]
     return float((angle[-1] - angle[0]) / (math.tau * (time[-1] - time[0])))
 
 
 SLOWEST = math.radians(1.5)
-"""Smallest angle that a steady precession sweeps in each half of the window [rad]."""
+"""Smallest angle that a steady precession sweeps in each half of the window [rad]; chosen, not measured."""
 
 
 class SweptAngle:

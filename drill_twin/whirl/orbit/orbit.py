@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Orbit of each mark over the last revolutions: radius, precession, regularity, contact.
 
-Precession is the slope of the unwrapped angle against time (least squares over `Criteria.orbit_window` revolutions),
+Precession is the slope of the unwrapped angle against time (least squares over `criteria.ORBIT_WINDOW` revolutions),
 which depends neither on the sample rate nor on gaps of single bins. It is that of the asynchronous part during whirl,
 otherwise that of the motion about the offset, so that a bow has a ratio of 1.
 
@@ -16,131 +16,92 @@ Marks half a helix pitch apart lie in a plane: a helix is detected only where ma
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
 
 import numpy as np
 
-from drill_twin.core.arrays import Array, ComplexArray, Integers, Mask
+from drill_twin.core.arrays import Array, Integers, Mask
 from drill_twin.core.compile.jit import strict_kernel
-from drill_twin.whirl.criteria import Criteria
-from drill_twin.whirl.history import (
-    APPENDED,
-    CONTACT,
-    LENGTH,
-    MOVING,
-    NEGLIGIBLE,
-    POSITION,
-    SEEN,
-    SYNCHRONOUS,
-    History,
-    bins_in,
-    end_of,
-)
-from drill_twin.whirl.sample_bins import ANGLE, BINS, REVOLUTIONS, TIME
+from drill_twin.whirl import criteria
+from drill_twin.whirl.columns import Columns, columns
+from drill_twin.whirl.history import MOVING, NEGLIGIBLE, SYNCHRONOUS, bins_in, end_of
+from drill_twin.whirl.sample_bins import BINS
 
 FEWEST = 4
-"""Fewest bins for a slope."""
+"""Fewest bins for a slope and the scatter about it; chosen, not measured."""
 RECENT = 4
 """Bins of the recent rotation: a quarter of a revolution, 2 s for a string that hardly rotates."""
 SHORTEST_WINDOW = 0.9
-"""Shortest window for which the estimates are meaningful [rev]."""
+"""Shortest window for which the estimates are meaningful [rev], a little less than a revolution; chosen."""
 SMALLEST = 1e-3
-"""Smallest radius with a precession, as a fraction of the clearance."""
+"""Smallest radius with a precession, as a fraction of the clearance; chosen, not measured."""
 OVER_NOISE = 2.0
-"""Smallest radius with a precession, over the noise of a bin."""
-LAG, SAMPLE_RATE, ROTATION, RECENT_ROTATION, COMPLETE = range(5)
-"""Indices into `Orbit.numbers`."""
+"""Smallest radius with a precession, over the noise of a bin; chosen, not measured."""
 WINDOW = 8 * BINS
-"""Most bins in the window."""
+"""Most bins in the window: `criteria.ORBIT_WINDOW` with four for each 1/16 of a revolution, as `bins_in` gives."""
 
 
-class Orbit(NamedTuple):
-    """Orbits of the last revolutions; rows 0 and 1 are the asynchronous part and the motion about the offset."""
+def new_orbit(clearance: Array) -> Columns:
+    """Orbits of the last revolutions of m marks, before the first bin.
 
-    rate: Array  # (2, m) of the angle [rad/s], right-handed about +z
-    radius: Array  # (2, m) rms over the last revolution, noise removed, over the clearance
-    window_radius: Array  # (m,) rms of the asynchronous part over the window, noise removed, over the clearance
-    coherence: Array  # (2, m) 1 for an angle of constant rate, 0 for a random one
-    unevenness: Array  # (2, m) rms deviation of the radius from its linear trend over its mean, noise removed
-    synchronous: Array  # (m,) radius of the synchronous part over the window, over the clearance
-    synchronous_share: Array  # (m,) its share of the rms radius of the motion about the offset
-    contact: Array  # (m,) share of the window in contact with the wall
-    seen: Mask  # (m,) marks seen in at least half of the bins of the last revolution
-    precession: Array  # (m,) [rev/s], positive = forward
-    ratio: Array  # (m,) whirl ratio
-    confidence: Array  # (m,) in both
-    numbers: Array
-    clearance: Array  # (m,) [m]
-    size: Array  # (WINDOW, 2, m) work: radius in each bin, over the clearance
-    time: Array  # (WINDOW,) work: time less its mean [s]
-
-    @classmethod
-    def of(cls, clearance: Array) -> Orbit:
-        """Orbits before the first bin."""
-        m = clearance.size
-        rate, radius, coherence, unevenness = np.zeros((4, 2, m))
-        window_radius, synchronous, share, contact, confidence = np.zeros((5, m))
-        return cls(
-            rate, radius, window_radius, coherence, unevenness, synchronous, share, contact, np.ones(m, bool),
-            np.full(m, math.nan), np.full(m, math.nan), confidence, np.array([0.0, math.inf, 0.0, 0.0, 0.0]), clearance,
-            np.zeros((WINDOW, 2, m)), np.zeros(WINDOW),
-        )  # fmt: skip
-
-    @property
-    def lag(self) -> float:
-        """Mean delay of the estimates: half the length of the window [s]."""
-        return float(self.numbers[LAG])
-
-    @property
-    def samples_per_revolution(self) -> float:
-        """Samples in a revolution over the window, at most about `BINS`."""
-        return float(self.numbers[SAMPLE_RATE])
-
-    @property
-    def rotation(self) -> float:
-        """Rotation over the window [rev/s], signed."""
-        return float(self.numbers[ROTATION])
-
-    @property
-    def recent_rotation(self) -> float:
-        """Rotation over the last quarter of a revolution [rev/s], signed."""
-        return float(self.numbers[RECENT_ROTATION])
-
-    @property
-    def known(self) -> bool:
-        """True once the window has the length of a revolution."""
-        return bool(self.numbers[COMPLETE])
+    Rows 0 and 1 are the asynchronous part and the motion about the offset.
+    """
+    m = clearance.size
+    rate, radius, coherence, unevenness = np.zeros((4, 2, m))
+    return columns(
+        "Orbit",
+        m,
+        rate=rate,  # (2, m) of the angle [rad/s], right-handed about +z
+        radius=radius,  # (2, m) rms over the last revolution, noise removed, over the clearance
+        window_radius=0.0,  # rms of the asynchronous part over the window, noise removed, over the clearance
+        coherence=coherence,  # (2, m) 1 for an angle of constant rate, 0 for a random one
+        unevenness=unevenness,  # (2, m) rms deviation of the radius from its linear trend over its mean, noise removed
+        synchronous=0.0,  # radius of the synchronous part over the window, over the clearance
+        synchronous_share=0.0,  # its share of the rms radius of the motion about the offset
+        contact=0.0,  # share of the window in contact with the wall
+        seen=True,  # marks seen in at least half of the bins of the last revolution
+        precession=math.nan,  # [rev/s], positive = forward
+        ratio=math.nan,  # whirl ratio
+        confidence=0.0,  # in both
+        lag=np.zeros(1),  # mean delay of the estimates: half the length of the window [s]
+        samples_per_revolution=np.full(1, math.inf),  # over the window, at most about `BINS`
+        rotation=np.zeros(1),  # over the window [rev/s], signed
+        recent_rotation=np.zeros(1),  # over the last quarter of a revolution [rev/s], signed
+        known=np.zeros(1, bool),  # True once the window has the length of a revolution
+        clearance=clearance,  # [m]
+        size=np.zeros((WINDOW, 2, m)),  # work: radius in each bin, over the clearance
+        time=np.zeros(WINDOW),  # work: time less its mean [s]
+    )
 
 
 @strict_kernel
-def fit_orbit(orbit: Orbit, history: History, criteria: Criteria, noise: Array) -> None:
+def fit_orbit(orbit: Columns, history: Columns, noise: Array) -> None:
     """Estimate with the newest bin; `noise` of a bin per axis over the clearance, shape (m,)."""
-    numbers, clock, m, end = orbit.numbers, history.clock, noise.size, end_of(history)
-    n, last = bins_in(history, criteria.orbit_window), bins_in(history, 1.0)
+    m, end = noise.size, end_of(history)
+    n, last = bins_in(history, criteria.ORBIT_WINDOW), bins_in(history, 1.0)
     first = end - n
     # Across gaps too: samples may be so rare that each follows a gap.
     bins = max(n, 2)
-    span = clock[end - 1, REVOLUTIONS] - clock[end - min(bins, history.counts[APPENDED]), REVOLUTIONS]
-    numbers[COMPLETE] = 1.0 if n > 1 and span > SHORTEST_WINDOW else 0.0
-    numbers[SAMPLE_RATE] = (bins - 1) / span if span > 0.0 else math.inf
-    numbers[LAG] = 0.5 * (clock[end - 1, TIME] - clock[first, TIME])
-    numbers[ROTATION] = mean_rate(history, n)
-    recent = min(history.counts[APPENDED], max(2, min(history.counts[LENGTH], RECENT)))
-    numbers[RECENT_ROTATION] = mean_rate(history, recent)
+    span = history.revolutions[end - 1] - history.revolutions[end - min(bins, history.appended[0])]
+    orbit.known[0] = n > 1 and span > SHORTEST_WINDOW
+    orbit.samples_per_revolution[0] = (bins - 1) / span if span > 0.0 else math.inf
+    orbit.lag[0] = 0.5 * (history.time[end - 1] - history.time[first])
+    orbit.rotation[0] = mean_rate(history, n)
+    recent = min(history.appended[0], max(2, min(history.length[0], RECENT)))
+    orbit.recent_rotation[0] = mean_rate(history, recent)
     for k in range(m):
         clearance, variance = orbit.clearance[k], 2.0 * noise[k] * noise[k]
         contact, seen, synchronous = 0.0, 0, 0j
         for i in range(first, end):
-            contact += history.real_part[i, CONTACT, k]
-            synchronous += history.complex_part[i, SYNCHRONOUS, k]
-            seen += i >= end - last and history.real_part[i, SEEN, k] > 0.0
+            contact += history.contact[i, k]
+            synchronous += history.vector[i, SYNCHRONOUS, k]
+            seen += i >= end - last and history.seen[i, k]
         orbit.contact[k] = contact / n
         orbit.seen[k] = 2 * seen >= last
         orbit.synchronous[k] = abs(synchronous) / (n * clearance)
         for row in range(2):
             power, newest = 0.0, 0.0
             for i in range(n):
-                size = abs(history.complex_part[first + i, row, k]) / clearance
+                size = abs(history.vector[first + i, row, k]) / clearance
                 orbit.size[i, row, k] = size
                 power += size * size
                 newest += size * size if i >= n - last else 0.0
@@ -154,10 +115,10 @@ def fit_orbit(orbit: Orbit, history: History, criteria: Criteria, noise: Array) 
 
 
 @strict_kernel
-def _regress(orbit: Orbit, history: History, n: int, noise: Array) -> None:
+def _regress(orbit: Columns, history: Columns, n: int, noise: Array) -> None:
     """Fit straight lines to angle and radius over time, of the newest n bins."""
     first = end_of(history) - n
-    time, centred = history.clock[first : first + n, TIME], orbit.time[:n]
+    time, centred = history.time[first : first + n], orbit.time[:n]
     mean, spread = 0.0, 0.0
     for i in range(n):
         mean += time[i] / n
@@ -168,14 +129,14 @@ def _regress(orbit: Orbit, history: History, n: int, noise: Array) -> None:
         for k in range(noise.size):
             mean_angle, rate, radius, growth = 0.0, 0.0, 1e-300, 0.0
             for i in range(n):
-                mean_angle += history.real_part[first + i, row, k] / n
+                mean_angle += history.unwrapped[first + i, row, k] / n
                 radius += orbit.size[i, row, k]
             for i in range(n):
-                rate += centred[i] / spread * (history.real_part[first + i, row, k] - mean_angle)
+                rate += centred[i] / spread * (history.unwrapped[first + i, row, k] - mean_angle)
                 growth += centred[i] / spread * (orbit.size[i, row, k] - radius / n)
             mean_vector, rough = 0j, 0.0
             for i in range(n):
-                angle = history.real_part[first + i, row, k] - mean_angle - centred[i] * rate
+                angle = history.unwrapped[first + i, row, k] - mean_angle - centred[i] * rate
                 mean_vector += orbit.size[i, row, k] * complex(math.cos(angle), math.sin(angle))
                 deviation = orbit.size[i, row, k] - radius / n - centred[i] * growth
                 rough += deviation * deviation
@@ -185,16 +146,16 @@ def _regress(orbit: Orbit, history: History, n: int, noise: Array) -> None:
 
 
 @strict_kernel
-def is_aliased(orbit: Orbit, criteria: Criteria) -> bool:
+def is_aliased(orbit: Columns) -> bool:
     """Check for too few samples in a revolution to distinguish whirls."""
-    return bool(orbit.numbers[SAMPLE_RATE] < criteria.fewest_samples)
+    return bool(orbit.samples_per_revolution[0] < criteria.FEWEST_SAMPLES)
 
 
 @strict_kernel
-def find_precession(orbit: Orbit, criteria: Criteria, whirling: Mask, noise: Array) -> None:
+def find_precession(orbit: Columns, whirling: Mask, noise: Array) -> None:
     """Find precession, its ratio to rotation and the confidence in both."""
-    rotation, aliased = orbit.numbers[ROTATION], is_aliased(orbit, criteria)
-    rotating = abs(rotation) >= criteria.rest_rotation
+    rotation, aliased = orbit.rotation[0], is_aliased(orbit)
+    rotating = abs(rotation) >= criteria.REST_ROTATION
     for k in range(noise.size):
         row = 0 if whirling[k] else 1
         rate, radius = orbit.rate[row, k] / math.tau, orbit.radius[row, k]
@@ -210,52 +171,38 @@ def find_precession(orbit: Orbit, criteria: Criteria, whirling: Mask, noise: Arr
 
 
 @strict_kernel
-def mean_rate(history: History, bins: int) -> float:
+def mean_rate(history: Columns, bins: int) -> float:
     """Mean rotation over the newest bins [rev/s]."""
     if bins < 2:
         return 0.0
-    newest, first = history.clock[end_of(history) - 1], history.clock[end_of(history) - bins]
-    return float((newest[ANGLE] - first[ANGLE]) / ((newest[TIME] - first[TIME]) * math.tau))
+    newest, first = end_of(history) - 1, end_of(history) - bins
+    turned, seconds = history.angle[newest] - history.angle[first], history.time[newest] - history.time[first]
+    return float(turned / (seconds * math.tau))
 
 
-PLANARITY, SECOND_LOBE = 0, 1
-"""Indices into `StringShape.numbers`."""
+def new_shape(m: int, levels: Integers) -> Columns:
+    """Radii and phases of m marks relative to the mark with the largest motion, before the first bin.
 
-
-class StringShape(NamedTuple):
-    """Radii and phases of the marks relative to the mark with the largest motion."""
-
-    reference: Integers  # (1,) mark with the largest motion
-    power: Array  # (m,) of each mark's motion over the window [m^2], a sum over its bins
-    phase: Array  # (m,) relative to the reference mark [rad]
-    numbers: Array
-    levels: Integers  # one mark at each distance from the bit, from the bit up
-    relative: ComplexArray  # (m,) work: motion of the marks over that of the reference
-
-    @classmethod
-    def of(cls, m: int, levels: Integers) -> StringShape:
-        """Shape before the first bin."""
-        return cls(
-            np.zeros(1, np.int64), np.zeros(m), np.full(m, math.nan), np.array([math.nan, 0.0]), levels,
-            np.zeros(m, complex),
-        )  # fmt: skip
-
-    @property
-    def planarity(self) -> float:
-        """1 = in one plane, 0 = a circle."""
-        return float(self.numbers[PLANARITY])
-
-    @property
-    def second_lobe(self) -> float:
-        """Smaller over larger of the largest radii on the two sides of the axis, in the plane of the reference mark."""
-        return float(self.numbers[SECOND_LOBE])
+    `levels` is one mark at each distance from the bit, from the bit up.
+    """
+    return columns(
+        "StringShape",
+        m,
+        reference=np.zeros(1, np.int64),  # mark with the largest motion
+        power=0.0,  # of each mark's motion over the window [m^2], a sum over its bins
+        phase=math.nan,  # relative to the reference mark [rad]
+        planarity=np.full(1, math.nan),  # 1 = in one plane, 0 = a circle
+        second_lobe=np.zeros(1),  # smaller over larger of the largest radii on the two sides of the axis, in the plane
+        levels=levels,
+        relative=0j,  # work: motion of the marks over that of the reference
+    )
 
 
 @strict_kernel
-def find_shape(shape: StringShape, history: History, criteria: Criteria) -> None:
+def find_shape(shape: Columns, history: Columns) -> None:
     """Estimate the shape with the newest bin."""
-    n, end = bins_in(history, criteria.orbit_window), end_of(history)
-    moving, position = history.complex_part[end - n : end, MOVING], history.complex_part[end - n : end, POSITION]
+    n, end = bins_in(history, criteria.ORBIT_WINDOW), end_of(history)
+    moving, position = history.vector[end - n : end, MOVING], history.position[end - n : end]
     reference, negligible = 0, 0.0
     for k in range(shape.power.size):
         shape.power[k] = 0.0
@@ -269,7 +216,7 @@ def find_shape(shape: StringShape, history: History, criteria: Criteria) -> None
     largest = shape.power[reference]
     if largest <= negligible:
         shape.phase[:] = math.nan
-        shape.numbers[PLANARITY], shape.numbers[SECOND_LOBE] = math.nan, 0.0
+        shape.planarity[0], shape.second_lobe[0] = math.nan, 0.0
         return
     for k in range(shape.power.size):
         relative = 0j
@@ -283,5 +230,5 @@ def find_shape(shape: StringShape, history: History, criteria: Criteria) -> None
         this, other = max(this, relative.real), max(other, -relative.real)
         squares += relative * relative
         powers += abs(relative) ** 2
-    shape.numbers[PLANARITY] = abs(squares) / powers
-    shape.numbers[SECOND_LOBE] = min(this, other) / max(this, other, 1e-300)
+    shape.planarity[0] = abs(squares) / powers
+    shape.second_lobe[0] = min(this, other) / max(this, other, 1e-300)

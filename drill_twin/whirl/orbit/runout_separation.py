@@ -7,11 +7,11 @@ too: the string starts near the axis, so that the synchronous part of the mark i
 then follows slowly while the synchronous part keeps about that length.
 
 The offset c and the synchronous part S are a least-squares fit of z = c + S e with exponentially fading memory
-(`Criteria.separation_memory` revolutions), in closed form from running sums; its residual a is the asynchronous part.
+(`criteria.SEPARATION_MEMORY` revolutions), in closed form from running sums; its residual a is the asynchronous part.
 The fit is exact for irregular bins and for a rotation that has hardly begun. An orbit of ratio p keeps the fraction
 |2 pi p N / (1 + 2 pi i p N)| of its radius against the offset, and the same with p - 1 against S: 0.994 at p = 0.5 and
 0.97 at p = -0.1 for N = 6. The fit is held while a mark may have begun to whirl, and fades slowly
-(`Criteria.separation_memory_in_whirl`) while it whirls.
+(`criteria.SEPARATION_MEMORY_IN_WHIRL`) while it whirls.
 
 This running fit has no orbit in its model, so that a slow or slowly growing one leaks into the offset, and one near the
 rotation into the synchronous part. Once whirl is detected, the last revolutions are fitted again with
@@ -23,14 +23,13 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import NamedTuple
 
 import numpy as np
 
-from drill_twin.core.arrays import Array, ComplexArray, Integers, Mask
+from drill_twin.core.arrays import Array, ComplexArray, Mask
 from drill_twin.core.compile.jit import copy, strict_kernel
-from drill_twin.whirl.criteria import Criteria
-from drill_twin.whirl.sample_bins import REVOLUTIONS, TIME, Bin
+from drill_twin.whirl import criteria
+from drill_twin.whirl.columns import Columns, columns
 
 SLOWEST = 0.2
 """The memory fades at least as fast as at this rotation [rev/s]."""
@@ -44,96 +43,92 @@ DIRECTION_GATE = 0.25
 """The direction is held while the length of the synchronous part differs from r_o by more than this fraction."""
 
 NOT_KNOWN = -1
-SPIN_GIVEN, KNOWN, CALIBRATED, DIRECTED = range(4)
-"""Indices into flags: the samples contain the spin of the marks, `NOT_KNOWN` before the first one; the arms are
-known; they are calibrated; there are wall marks."""
+"""Value of `spin_given` before the first sample."""
 
 
-class RunoutSeparation(NamedTuple):
-    """Offset and synchronous part of m marks, fitted bin by bin."""
+def new_separation(radius: Array) -> Columns:
+    """Offset and synchronous part of m marks, fitted bin by bin, before the first bin.
 
-    offset: ComplexArray  # (m,) offset c [m]
-    synchronous: ComplexArray  # (m,) synchronous part of the marked point, the arm of a wall mark included [m]
-    arm: ComplexArray  # (m,) from the centre line to the marked point, in the rotating frame [m]
-    vector: ComplexArray  # (3, m) asynchronous, moving and synchronous part of the newest bin [m]
-    distance: Array  # (m,) of the centre line from the hole's axis [m]
-    sums: ComplexArray  # (5, m) of 1, |e|^2, e, z, z conj(e)
-    memory: Array  # (m,) [rev]
-    held: Mask  # (m,)
-    determinant: Array  # (m,)
-    radius: Array  # (m,) of wall marks r_o, else 0 [m]
-    last: Array  # (2,) time [s] and revolutions of the last bin
-    flags: Integers
+    `radius` is the distance of wall marks from the centre line, else 0 [m], shape (m,).
+    """
+    m = radius.size
+    return columns(
+        "RunoutSeparation",
+        m,
+        offset=0j,  # c [m]
+        synchronous=0j,  # synchronous part of the marked point, the arm of a wall mark included [m]
+        arm=0j,  # from the centre line to the marked point, in the rotating frame [m]
+        vector=np.zeros((3, m), complex),  # asynchronous, moving and synchronous part of the newest bin [m]
+        distance=0.0,  # of the centre line from the hole's axis [m]
+        sums=np.zeros((5, m), complex),  # of 1, |e|^2, e, z, z conj(e)
+        memory=criteria.SEPARATION_MEMORY,  # [rev]
+        held=False,
+        determinant=0.0,
+        radius=radius,  # of wall marks r_o, else 0 [m]
+        last_time=np.zeros(1),  # of the last bin [s]
+        last_revolutions=np.zeros(1),  # of the last bin [rev]
+        spin_given=np.full(1, NOT_KNOWN),  # 1 where the samples contain the spin of the marks, else 0
+        known=np.zeros(1, bool),  # the arms are known
+        calibrated=np.zeros(1, bool),  # the arms are calibrated
+        directed=np.full(1, radius.any()),  # there are wall marks
+    )
 
-    @classmethod
-    def of(cls, radius: Array, criteria: Criteria) -> RunoutSeparation:
-        """Separation before the first bin."""
-        m = radius.size
-        flags = np.array([NOT_KNOWN, 0, 0, radius.any()], np.int64)
-        offset, synchronous, arm = np.zeros((3, m), complex)
-        return cls(
-            offset, synchronous, arm, np.zeros((3, m), complex), np.zeros(m), np.zeros((5, m), complex),
-            np.full(m, criteria.separation_memory), np.zeros(m, bool), np.zeros(m), radius, np.zeros(2), flags,
-        )  # fmt: skip
 
-    def correct(self, mark: int, refit: OrbitRefit) -> None:
-        """Replace the offset and the synchronous part of a mark by those of a refit."""
-        bins = refit.orbit.size
-        self.sums[:, mark] = (bins, bins, 0.0, bins * refit.offset, bins * refit.synchronous)
+def correct(separation: Columns, mark: int, refit: OrbitRefit) -> None:
+    """Replace the offset and the synchronous part of a mark by those of a refit."""
+    bins = refit.orbit.size
+    separation.sums[:, mark] = (bins, bins, 0.0, bins * refit.offset, bins * refit.synchronous)
 
-    def restart(self, mark: int, sample: ComplexArray) -> None:
-        """Fit a mark from these bins of position [m] and phasor alone, shape (n, 2): its offset or bow has changed."""
-        position, phasor = sample[:, 0], sample[:, 1]
-        back = phasor.conj()
-        rows = (phasor != 0.0, phasor * back, phasor, position, position * back)  # phasor 0: no sample
-        self.sums[:, mark] = [complex(row.sum()) for row in rows]
+
+def fit_anew(separation: Columns, mark: int, position: ComplexArray, phasor: ComplexArray) -> None:
+    """Fit a mark from bins of position [m] and phasor alone, shape (n,) each: its offset or bow has changed."""
+    back = phasor.conj()
+    rows = (phasor != 0.0, phasor * back, phasor, position, position * back)  # phasor 0: no sample
+    separation.sums[:, mark] = [complex(row.sum()) for row in rows]
 
 
 @strict_kernel
-def start(separation: RunoutSeparation, spin_given: bool) -> None:
+def start(separation: Columns, spin_given: bool) -> None:
     """Set, with the first sample, whether the samples contain the spin."""
-    flags = separation.flags
-    flags[SPIN_GIVEN] = spin_given
-    flags[KNOWN] = flags[CALIBRATED] = spin_given or not flags[DIRECTED]
+    separation.spin_given[0] = spin_given
+    separation.known[0] = separation.calibrated[0] = spin_given or not separation.directed[0]
     if spin_given:
         copy(separation.radius, separation.arm)
 
 
 @strict_kernel
-def hold(separation: RunoutSeparation, criteria: Criteria, candidates: Array, whirling: Mask) -> None:
+def hold(separation: Columns, candidates: Array, whirling: Mask) -> None:
     """Hold the fit of marks that may have begun to whirl, slow the fading of those that do.
 
     Args:
         separation: The separation.
-        criteria: Thresholds.
         candidates: Time at which each mark may have begun [s], nan for none, shape (m,).
         whirling: Marks that whirl, shape (m,).
     """
     for k in range(whirling.size):
         may = not math.isnan(candidates[k])
         separation.held[k] = may and separation.determinant[k] > CALIBRATED_FROM and not whirling[k]
-        separation.memory[k] = criteria.separation_memory_in_whirl if whirling[k] else criteria.separation_memory
+        separation.memory[k] = criteria.SEPARATION_MEMORY_IN_WHIRL if whirling[k] else criteria.SEPARATION_MEMORY
 
 
 @strict_kernel
-def separate(separation: RunoutSeparation, full: Bin, left: ComplexArray, shift: ComplexArray) -> None:
+def separate(separation: Columns, full: Columns, left: ComplexArray, shift: ComplexArray) -> None:
     """Separate the parts of a bin: `vector` and `distance`; a mark without a valid sample keeps its last vectors.
 
     What is `left` of fast orbits in the mean position [m], shape (m,), is taken out for the fit of offset and
     synchronous part, and the whole is given back then, by `shift` [m]: seen once a bin, an orbit of 16 or 15 turns in a
     revolution would pass for one of them.
     """
-    last, flags = separation.last, separation.flags
-    time, revolutions = full.numbers[TIME], full.numbers[REVOLUTIONS]
-    elapsed = max(revolutions - last[1], SLOWEST * (time - last[0]))
-    last[0], last[1] = time, revolutions
+    elapsed = full.revolutions[0] - separation.last_revolutions[0]
+    elapsed = max(elapsed, SLOWEST * (full.time[0] - separation.last_time[0]))
+    separation.last_time[0], separation.last_revolutions[0] = full.time[0], full.revolutions[0]
     for k in range(left.size):
         full.position[k] -= left[k]
         _add_bin(separation, full, k, math.exp(-elapsed / separation.memory[k]))
         _fit(separation, k)
         full.position[k] += shift[k]
-    if not flags[SPIN_GIVEN] and flags[DIRECTED]:
-        if flags[CALIBRATED]:
+    if not separation.spin_given[0] and separation.directed[0]:
+        if separation.calibrated[0]:
             _update_direction(separation, elapsed)
         else:
             _find_direction(separation)
@@ -149,7 +144,7 @@ def separate(separation: RunoutSeparation, full: Bin, left: ComplexArray, shift:
 
 
 @strict_kernel
-def _add_bin(separation: RunoutSeparation, full: Bin, k: int, fade: float) -> None:
+def _add_bin(separation: Columns, full: Columns, k: int, fade: float) -> None:
     """Let the sums of a mark fade and add the bin, unless the fit is held."""
     sums = separation.sums
     if separation.held[k]:
@@ -163,7 +158,7 @@ def _add_bin(separation: RunoutSeparation, full: Bin, k: int, fade: float) -> No
 
 
 @strict_kernel
-def _fit(separation: RunoutSeparation, k: int) -> None:
+def _fit(separation: Columns, k: int) -> None:
     """Fit offset and synchronous part of a marked point; before a short arc is turned the latter is the arm."""
     sums = separation.sums
     count, power = sums[0, k].real + 1e-300, sums[1, k].real
@@ -180,24 +175,24 @@ def _fit(separation: RunoutSeparation, k: int) -> None:
 
 
 @strict_kernel
-def _find_direction(separation: RunoutSeparation) -> None:
+def _find_direction(separation: Columns) -> None:
     """Take the first direction of the wall marks, for samples without spin.
 
     Before 2/3 of a revolution, the string is assumed to be near the axis.
     """
-    flags = separation.flags
-    flags[CALIBRATED] = True
+    calibrated = True
     for k in range(separation.radius.size):
-        flags[CALIBRATED] &= separation.determinant[k] > CALIBRATED_FROM
-    source = separation.synchronous if flags[CALIBRATED] else separation.sums[4]
+        calibrated = calibrated and separation.determinant[k] > CALIBRATED_FROM
+    separation.calibrated[0] = calibrated
+    source = separation.synchronous if calibrated else separation.sums[4]
     for k in range(separation.radius.size):
         length = abs(source[k])
         separation.arm[k] = separation.radius[k] * source[k] / length if length > 0.0 else 0.0
-    flags[KNOWN] = True
+    separation.known[0] = True
 
 
 @strict_kernel
-def _update_direction(separation: RunoutSeparation, elapsed: float) -> None:
+def _update_direction(separation: Columns, elapsed: float) -> None:
     """Rotate the arms of wall marks towards their synchronous part, for samples without spin."""
     gain = min(1.0, elapsed / DIRECTION_MEMORY)
     for k in range(separation.radius.size):
@@ -209,10 +204,10 @@ def _update_direction(separation: RunoutSeparation, elapsed: float) -> None:
 
 
 ITERATIONS = 3
-LONGEST = 28.0
-"""Longest record to fit [rev]."""
-SHORTEST = 12
-"""Shortest record to fit [bins]."""
+REFIT_REVOLUTIONS = 28.0
+"""Longest record that is fitted [rev]: `criteria.LONGEST_SWEEP_WINDOW`, within which a crossing may be confirmed."""
+REFIT_BINS = 12
+"""Shortest record that is fitted [bins], 3/4 of a revolution; chosen, not measured."""
 LEAST_SWEEP = 0.1
 """Smallest determinant of the normalised fit: the orbit has swept some 70 degrees in the frames of hole and string."""
 
@@ -232,22 +227,28 @@ class OrbitRefit:
 
 
 def refit_orbit(
-    time: Array, sample: ComplexArray, orbit: ComplexArray, recent: int, rate: float, half_width: int
+    time: Array,
+    position: ComplexArray,
+    phasor: ComplexArray,
+    orbit: ComplexArray,
+    recent: int,
+    rate: float,
+    half_width: int,
 ) -> OrbitRefit | None:
     """Fit offset, synchronous part and orbit of a mark; None where the fit is singular.
 
     Args:
         time: Times of the bins [s], shape (n,).
-        sample: Position [m] and phasor, shape (n, 2).
+        position: Position [m], shape (n,).
+        phasor: Unit vector of the spin, shape (n,).
         orbit: First estimate of the asynchronous part [m], shape (n,).
         recent: Number of newest bins from which the rate is estimated.
         rate: First estimate of the rate [rad/s].
         half_width: Half width of the average for the radius [bins].
     """
     n = time.size
-    if n < SHORTEST:
+    if n < REFIT_BINS:
         return None
-    position, phasor = sample[:, 0], sample[:, 1]
     since = time - time[-1]
     offset = synchronous = 0j
     for _ in range(ITERATIONS):

@@ -23,7 +23,7 @@ from drill_twin.scene import Scene
 from drill_twin.scene.load import override
 from drill_twin.scene.overrides import full_key
 from drill_twin.scene.set_points import Command
-from drill_twin.whirl.criteria import Criteria
+from drill_twin.whirl import criteria
 from drill_twin_studies.estimation.estimate import FilterWindow, Prediction, WindowTiming
 from drill_twin_studies.estimation.square_root_filter import Correction, applied
 from drill_twin_studies.estimation.subs import VALUES, LateralMotion, SubReader, asynchronous_radius, listed
@@ -82,7 +82,7 @@ class EstimatorMembers:
         self._tail: Array = np.zeros((count, len(channels), pace.tail))  # frames before the window
         self._tubes = tubes_of(scene)
         clearances = np.array([scene.clearance_at(mark.distance_from_bit) for mark in scene.string.marks])
-        self._onset = Criteria().onset_radius * clearances
+        self._onset = criteria.ONSET_RADIUS * clearances
 
     def __len__(self) -> int:
         """Number of members."""

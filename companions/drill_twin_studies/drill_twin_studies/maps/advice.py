@@ -16,7 +16,7 @@ from drill_twin.core.arrays import Array, Mask
 from drill_twin.io.messages.cdr import JointStateTemplate
 from drill_twin.io.messages.diagnostics import Level
 from drill_twin.io.messages.topic_words import AdviceCode
-from drill_twin.whirl.criteria import Criteria
+from drill_twin.whirl import criteria
 from drill_twin_studies.maps.operating_map import Margin, OperatingMap
 from drill_twin_studies.maps.plane import Node
 from drill_twin_studies.maps.regimes import REGIMES, Regime
@@ -93,7 +93,7 @@ class Adviser:
     def _told(self) -> Mask:
         """Nodes, by speed alone, at which runs had the revolutions that tell a whirl from a shift of the string."""
         speeds = np.linspace(*self.map.plane.speed, self.map.plane.steps + 1)
-        return np.asarray(speeds * self.map.duration >= math.tau * Criteria().sweep_window)
+        return np.asarray(speeds * self.map.duration >= math.tau * criteria.SWEEP_WINDOW)
 
     def advise(self, weight: float, speed: float, *, whirls: bool, seconds: float = 0.0, stops: bool = False) -> Advice:
         """Advice at a set-point.

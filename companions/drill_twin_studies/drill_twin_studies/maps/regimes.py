@@ -7,8 +7,8 @@ from collections.abc import Iterable
 from enum import Enum
 from typing import NamedTuple
 
-from drill_twin.whirl import MotionState, Summary
-from drill_twin.whirl.criteria import BitMotion, Criteria
+from drill_twin.whirl import MotionState, Summary, criteria
+from drill_twin.whirl.criteria import BitMotion
 from drill_twin.whirl.motion.states import NO_WHIRL
 from drill_twin.whirl.motion.stick_slip_index import FULL, MODERATE, STUCK
 
@@ -99,7 +99,7 @@ def regime_of(
     """
     state = summary.motion[-1].state if summary.motion else MotionState.AT_REST
     ratio = summary.mode_ratio or 0.0
-    stands = abs(ratio) < Criteria().standing_ratio and state is not MotionState.IRREGULAR
+    stands = abs(ratio) < criteria.STANDING_RATIO and state is not MotionState.IRREGULAR
     if not (state in NO_WHIRL or state is MotionState.NOT_OBSERVABLE or stands):
         return _BY_STATE.get(state, Regime.FORWARD if ratio > 0.0 else Regime.BACKWARD)
     if summary.bit in {BitMotion.STICK_SLIP, BitMotion.STANDS} or torsion.sticks:

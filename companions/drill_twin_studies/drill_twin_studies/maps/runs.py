@@ -18,7 +18,7 @@ from drill_twin.runs.ensemble import Executor, expand
 from drill_twin.runs.ensemble.outputs import Request
 from drill_twin.runs.ensemble.run import MemberRun
 from drill_twin.scene import Scene
-from drill_twin.whirl.criteria import Criteria
+from drill_twin.whirl import criteria
 from drill_twin.whirl.motion.stick_slip_index import MODERATE, TIME_BASE
 from drill_twin_studies.maps.plane import Node, Plane
 from drill_twin_studies.maps.regimes import Regime, TorsionalSpeeds, regime_of
@@ -234,7 +234,7 @@ class Runner:
         ahead = max(self.asked - length, 0.0)
         grows = (
             torsion.winds
-            or lateral.reaches(Criteria().onset_radius, ahead)
+            or lateral.reaches(criteria.ONSET_RADIUS, ahead)
             or twist.reaches(MODERATE, ahead)
             or (key.origin is None and math.isfinite(onset))
         )

@@ -10,110 +10,96 @@ from collections.abc import Callable
 
 import numpy as np
 
-from drill_twin.whirl.analyzer_state import CHECK, CROSSED, DECIDE, DESCRIBE, NEW, UNDECIDED, AnalyzerState
-from drill_twin.whirl.criteria import Criteria, MotionState
+from drill_twin.whirl import criteria
+from drill_twin.whirl.analysis_loop import CHECK, CROSSED, DECIDE, DESCRIBE
+from drill_twin.whirl.columns import Columns
+from drill_twin.whirl.criteria import MotionState
 from drill_twin.whirl.findings import Onset
+from drill_twin.whirl.history import newest, newest_in
 from drill_twin.whirl.motion.states import CHANGED, KEPT, STATES, Timeline
+from drill_twin.whirl.onset.synchronous_onset import synchronous_begins
 from drill_twin.whirl.onset.threshold_crossing import Crossing
 from drill_twin.whirl.onset_detector import OnsetDetector
-from drill_twin.whirl.orbit.carrier import Carrier
-from drill_twin.whirl.orbit.orbit import Orbit, StringShape
-from drill_twin.whirl.run_statistics import WHIRLED
-from drill_twin.whirl.sample_bins import TIME
+from drill_twin.whirl.orbit.runout_separation import correct, fit_anew
 
 FEW_DIGITS = 0.1
 """Ratio from which two decimals are enough."""
 
 
-def doubt(criteria: Criteria, samples: float, rolling_ratio: float) -> str:
+def doubt(samples: float, rolling_ratio: float) -> str:
     """Reason why findings from so many samples in a revolution are not definite; empty where they are."""
-    if samples >= criteria.needed_in_orbit * max(criteria.definite_ratio, abs(rolling_ratio)):
+    if samples >= criteria.NEEDED_IN_ORBIT * max(criteria.DEFINITE_RATIO, abs(rolling_ratio)):
         return ""
-    rolls = abs(rolling_ratio) * criteria.needed_in_orbit > samples
+    rolls = abs(rolling_ratio) * criteria.NEEDED_IN_ORBIT > samples
     what = f"rolling, at {rolling_ratio:+.1f} times the rotation," if rolls else "a faster whirl"
     return (
-        f"not definite: {samples:.1f} samples in a revolution show up to {samples / criteria.needed_in_orbit:.1f} "
+        f"not definite: {samples:.1f} samples in a revolution show up to {samples / criteria.NEEDED_IN_ORBIT:.1f} "
         f"times the rotation, and {what} would look like another motion"
     )
 
 
-def criterion_text(
-    state: MotionState,
-    orbit: Orbit,
-    shape: StringShape,
-    criteria: Criteria,
-    mark: int,
-    row: int,
-    ratio: float,
-    *,
-    carrier: Carrier,
-    contact_known: bool = True,
-    swing: float = 0.0,
-    rough: float = 0.0,
-) -> str:
-    """Describe the criterion of a mark's `state`.
+def criterion_text(found: MotionState, state: Columns, mark: int, *, contact_known: bool = True) -> str:
+    """Describe the criterion of a mark's motion.
 
     Args:
-        state: The state to explain.
-        orbit: Orbits of the marks.
-        shape: Shape of the string.
-        criteria: Thresholds.
+        found: The motion state to explain.
+        state: State of the analysis.
         mark: Index of the mark.
-        row: Row of the orbit: 0 for the asynchronous part, 1 for the motion about the offset.
-        ratio: Whirl ratio.
-        carrier: Carriers of the orbits.
-        swing: Radius of its swing on the low side, over the clearance.
-        rough: Share of the last revolutions in which its motion was rough.
         contact_known: Whether the distance from the axis of the hole is known; a downhole sub knows it about its mean.
     """
+    orbit, shape, row = state.orbit, state.shape, 0 if state.onsets.active[mark] else 1
+    ratio = float(orbit.ratio[mark])
     whirl, synchronous = float(orbit.radius[0, mark]), float(orbit.synchronous[mark])
     sense = "forward" if ratio > 0.0 else "backward"
     digits = 2 if abs(ratio) >= FEW_DIGITS else 3
     radius = float(orbit.radius[row, mark])
     beyond = " (about its mean place, which is off the axis, or the wall gives)" if radius > 1.0 else ""
     orbit_text = f"radius {100 * radius:.0f} % of the clearance{beyond}, ratio {ratio:+.{digits}f}"
-    match state:
-        case MotionState.NOT_OBSERVABLE if orbit.samples_per_revolution < criteria.fewest_samples:
+    match found:
+        case MotionState.NOT_OBSERVABLE if orbit.samples_per_revolution[0] < criteria.FEWEST_SAMPLES:
             return (
-                f"{orbit.samples_per_revolution:.1f} samples in a revolution, at least {criteria.fewest_samples:g} are "
-                "needed to tell one whirl from another"
+                f"{orbit.samples_per_revolution[0]:.1f} samples in a revolution, at least "
+                f"{criteria.FEWEST_SAMPLES:g} are needed to tell one whirl from another"
             )
-        case MotionState.NOT_OBSERVABLE if carrier.hidden[mark]:
+        case MotionState.NOT_OBSERVABLE if state.carrier.hidden[mark]:
             return (
-                f"fewer than {criteria.fewest_in_orbit:g} samples in an orbit: the samples show neither its sense nor "
+                f"fewer than {criteria.FEWEST_IN_ORBIT:g} samples in an orbit: the samples show neither its sense nor "
                 "its pace"
             )
         case MotionState.NOT_OBSERVABLE:
             return "not seen in most of the last revolution"
         case MotionState.AT_REST:
-            return f"rotation {abs(orbit.recent_rotation):.3f} rev/s below {criteria.rest_rotation} rev/s"
-        case MotionState.FIXED_AXIS if not orbit.known:
+            return f"rotation {abs(orbit.recent_rotation[0]):.3f} rev/s below {criteria.REST_ROTATION} rev/s"
+        case MotionState.FIXED_AXIS if not orbit.known[0]:
             return "rotation has begun, less than a revolution seen"
-        case MotionState.FIXED_AXIS if row == 0 and abs(ratio) < criteria.standing_ratio:
-            return f"{orbit_text}: displaced, and stands there (slower than {criteria.standing_ratio:.3f})"
+        case MotionState.FIXED_AXIS if row == 0 and abs(ratio) < criteria.STANDING_RATIO:
+            return f"{orbit_text}: displaced, and stands there (slower than {criteria.STANDING_RATIO:.3f})"
         case MotionState.LOW_SIDE_SWING:
-            return f"to and fro on the low side, rms radius {100 * swing:.1f} % of the clearance"
+            return f"to and fro on the low side, rms radius {100 * state.onsets.swing[mark]:.1f} % of the clearance"
         case MotionState.FIXED_AXIS:
             return f"asynchronous radius {100 * whirl:.1f} %, synchronous {100 * synchronous:.1f} % of the clearance"
         case MotionState.IRREGULAR:
             coherence, unevenness = float(orbit.coherence[row, mark]), float(orbit.unevenness[row, mark])
+            rough = float(state.motion.irregularity.share[mark])
             return (
-                f"{orbit_text}, rough for {100 * rough:.0f} % of the last {criteria.irregularity_memory:g} revolutions "
-                f"(coherence below {criteria.coherence:g} or unevenness above {criteria.unevenness:g}); now coherence "
+                f"{orbit_text}, rough for {100 * rough:.0f} % of the last {criteria.IRREGULARITY_MEMORY:g} revolutions "
+                f"(coherence below {criteria.COHERENCE:g} or unevenness above {criteria.UNEVENNESS:g}); now coherence "
                 f"{coherence:.2f}, unevenness {unevenness:.2f}"
             )
         case MotionState.SPIRAL:
-            return f"{orbit_text} ({sense}), a helix: planarity, now {shape.planarity:.2f}, was below {criteria.planar}"
+            return (
+                f"{orbit_text} ({sense}), a helix: planarity, now {shape.planarity[0]:.2f}, was below {criteria.PLANAR}"
+            )
         case MotionState.SECOND_BENDING:
             return (
-                f"{orbit_text} ({sense}), planarity {shape.planarity:.2f}, marks on both sides, "
-                f"{shape.second_lobe:.2f} of the largest"
+                f"{orbit_text} ({sense}), planarity {shape.planarity[0]:.2f}, marks on both sides, "
+                f"{shape.second_lobe[0]:.2f} of the largest"
             )
         case _ if not contact_known:
             return f"{orbit_text} ({sense}), about its mean"
         case _:
             contact = float(orbit.contact[mark])
-            slides = contact > criteria.contact_fraction and state is not MotionState.ROLLING
+            slides = contact > criteria.CONTACT_FRACTION and found is not MotionState.ROLLING
             sliding = ", sliding along the wall" if slides else ""
             return f"{orbit_text} ({sense}){sliding}, in contact {100 * contact:.0f} % of the time"
 
@@ -126,10 +112,10 @@ TURNING = 0.5
 """The string turned already: least rotation until then over that since the start."""
 
 
-class WhirlEstimator:
+class Decisions:
     """Onset and motion states with their texts."""
 
-    def __init__(self, names: tuple[str, ...], state: AnalyzerState, *, contact_known: bool = True) -> None:
+    def __init__(self, names: tuple[str, ...], state: Columns, *, contact_known: bool = True) -> None:
         self._state, self._names, self._contact_known = state, names, contact_known
         self._detector = OnsetDetector(state)
         self._candidates: list[tuple[Crossing, bool]] = []
@@ -149,15 +135,10 @@ class WhirlEstimator:
         }
         """Decisions by the outcome of `analysis_loop.analyse`."""
 
-    @property
-    def criteria(self) -> Criteria:
-        """Thresholds of the analysis."""
-        return self._state.criteria
-
     def doubt(self, mark: int) -> str:
         """Reason why the findings at a mark are not definite; empty where they are."""
         state = self._state
-        return doubt(state.criteria, float(state.carrier.samples[mark]), float(state.marks.rolling_ratio[mark]))
+        return doubt(float(state.carrier.samples[mark]), float(state.marks.rolling_ratio[mark]))
 
     @property
     def rolling_ratio(self) -> float:
@@ -174,24 +155,25 @@ class WhirlEstimator:
         crossings = self._detector.check()
         for crossing in crossings:
             if crossing.refit is not None:
-                self._state.separation.correct(crossing.mark, crossing.refit)
+                correct(self._state.separation, crossing.mark, crossing.refit)
         self._record(crossings, synchronous=False)
         self._restart_separation(self._detector.moved)
 
     def _check_synchronous(self) -> None:
         """Check the newest orbit for a synchronous whirl that begins, and for whirls that have ended."""
         state = self._state
-        noise = state.averaged.noise.level
-        crossings = state.synchronous.check(state.marks.clearance, noise, state.orbit, state.history)
+        crossings = synchronous_begins(
+            state.synchronous, state.marks.clearance, state.averaged.level, state.orbit, state.history
+        )
         self._record(crossings, synchronous=True)
         self._restart_separation(self._detector.release())
 
     def _restart_separation(self, marks: list[int]) -> None:
         """Estimate offset and synchronous part of marks from the last revolution alone."""
         history = self._state.history
-        window = history.newest(history.bins_in(1.0))
+        window = newest(history, newest_in(history, 1.0))
         for mark in marks:
-            self._state.separation.restart(mark, history.sample[window, :, mark])
+            fit_anew(self._state.separation, mark, history.position[window, mark], history.phasor[window, mark])
 
     def _record(self, crossings: list[Crossing], *, synchronous: bool) -> None:
         """Record first crossings of the marks; until the onset is decided, each is a candidate for it."""
@@ -200,7 +182,7 @@ class WhirlEstimator:
                 self.crossed[crossing.mark] = self.origin + crossing.time
             if self.onset is None:
                 self._candidates.append((crossing, synchronous))
-                self._state.flow[UNDECIDED] = 1
+                self._state.flow.undecided[0] = True
 
     def _decide_onset(self) -> None:
         """Set the onset to the earliest crossing, once no undecided mark may have crossed earlier."""
@@ -214,44 +196,39 @@ class WhirlEstimator:
             mark=self._names[first.mark],
             confidence=first.confidence * float(self._state.carrier.definite[first.mark]),
             kind="synchronous" if synchronous else "asynchronous",
-            detected_s=self.origin + float(self._state.full.numbers[TIME]),
+            detected_s=self.origin + float(self._state.full.time[0]),
             criterion=f"{first.criterion}{AT_START if at_start else ''}{f'; {why}' if why else ''}",
             at_start=at_start,
         )
-        self._state.flow[[UNDECIDED, NEW]] = 0, 1
-        self._state.statistics.flags[WHIRLED] = 1
+        self._state.flow.undecided[0], self._state.flow.new[0] = False, True
+        self._state.statistics.whirled[0] = True
         self.timelines[-1].move_first_whirl(self.onset.time_s)
 
     def _at_start(self, time: float) -> bool:
         """Return True if a time [s] is in the first revolution, with a string that turned already."""
         history = self._state.history
-        window = history.newest(history.length)
+        window = newest(history, history.length.item())
         seconds, revolutions = history.time[window], history.revolutions[window]
         turned = float(np.interp(time, seconds, revolutions))
         usual = float(revolutions[-1] - revolutions[0]) / max(float(seconds[-1] - seconds[0]), 1e-9)
-        return turned < 1.0 and history.length == history.appended and turned > TURNING * usual * time
+        return turned < 1.0 and history.length[0] == history.appended[0] and turned > TURNING * usual * time
 
     def date_onset(self, onset: Onset) -> None:
         """Replace the onset by the same with a time that is known better."""
         self.onset = onset
         self.crossed[self._names.index(onset.mark)] = onset.time_s
         self.timelines[-1].move_first_whirl(onset.time_s)
-        self._state.flow[NEW] = 1
+        self._state.flow.new[0] = True
 
     def _describe_states(self) -> None:
         """Put the states that have changed or settled into words."""
         state, motion = self._state, self._state.motion
         hysteresis, event = motion.hysteresis, motion.hysteresis.event.tolist()
-        revolutions = float(hysteresis.last[1])
+        revolutions = float(hysteresis.last_revolutions[0])
         for subject in sorted((s for s in range(len(event)) if event[s] != KEPT), key=lambda s: event[s]):
             mark, held = int(motion.mark[subject]), int(hysteresis.held[subject])
-            row, ratio = 0 if state.onsets.active[mark] else 1, float(state.orbit.ratio[mark])
             found = STATES[held]
-            text = criterion_text(
-                found, state.orbit, state.shape, state.criteria, mark, row, ratio, carrier=state.carrier,
-                contact_known=self._contact_known, swing=float(state.onsets.swing[mark]),
-                rough=float(motion.irregularity.share[mark]),
-            )  # fmt: skip
+            text = criterion_text(found, state, mark, contact_known=self._contact_known)
             if found not in UNDOUBTED and (why := self.doubt(mark)):
                 text = f"{text}; {why}"
             self.criterion[subject] = text
