@@ -15,8 +15,7 @@ from drill_twin.dynamics.solver.state import HALVINGS
 from drill_twin.dynamics.twin import frame_kernel, state_judge
 from drill_twin.dynamics.twin.checkpoint import Checkpoint
 from drill_twin.dynamics.twin.frame_kernel import GOOD_FRAMES_BEFORE_GROWTH
-from drill_twin.dynamics.twin.frame_loop import FrameLoop
-from drill_twin.dynamics.twin.step_guard import MAX_RETRIES, StepGuard, Violation
+from drill_twin.dynamics.twin.step_guard import MAX_RETRIES, FrameLoop, StepGuard, Violation
 from drill_twin.dynamics.twin.twin import Twin
 from drill_twin.io.bag.reader import Bag
 from drill_twin.io.messages import topics

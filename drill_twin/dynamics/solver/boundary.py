@@ -21,9 +21,8 @@ import numpy as np
 
 from drill_twin.core.arrays import Array
 from drill_twin.core.compile.jit import kernel
+from drill_twin.physics.model import SPIN, Axis
 from drill_twin.physics.model.bit import BIT_WEIGHT, HOOK, TOP_TORQUE, WEIGHT, WEIGHT_DAMPING, Bit
-from drill_twin.physics.model.mesh import SPIN
-from drill_twin.physics.model.wellbore import Axis
 
 WEIGHT_ON_BIT, ROTATION, BLOCK_SPEED = 0, 1, 2
 BIT, TOP, RESIDUAL = 0, 1, 7  # indices into the array of the ends, shape (2, 7, 8)
@@ -236,26 +235,8 @@ def from_bit(frame: Array, row: Array, rate: Array) -> None:
 def turn_blocks(frame: Array, own: Array, upper: Array, lower: Array) -> None:
     """Rotate the bit's blocks of the system: rows of `own` and `upper`, columns of `own` and `lower`."""
     for j in range(8):
-        turn_column(frame, own, j)
-        turn_column(frame, upper, j)
+        turn_row(frame, own[:, j])
+        turn_row(frame, upper[:, j])
     for i in range(7):
         turn_row(frame, own[i])
         turn_row(frame, lower[i])
-
-
-@kernel
-def turn_column(frame: Array, block: Array, j: int) -> None:
-    """Rotate the rows of r and r' in a column of a block into the frame."""
-    for first in (0, 3):
-        x, y, z = block[first, j], block[first + 1, j], block[first + 2, j]
-        for c in range(3):
-            block[first + c, j] = frame[c, 0] * x + frame[c, 1] * y + frame[c, 2] * z
-
-
-@kernel
-def turn_step_back(frame: Array, block: Array) -> None:
-    """Rotate the bit's Newton step, in the last column of its block, out of the frame."""
-    for first in (0, 3):
-        x, y, z = block[first, 7], block[first + 1, 7], block[first + 2, 7]
-        for c in range(3):
-            block[first + c, 7] = frame[0, c] * x + frame[1, c] * y + frame[2, c] * z

@@ -27,7 +27,7 @@ from drill_twin.dynamics.solver.lateral.linear_solver import NODE as LATERAL_NOD
 from drill_twin.dynamics.solver.spatial import formulation as spatial
 from drill_twin.dynamics.solver.spatial.linear_solver import NODE as SPATIAL_NODE
 from drill_twin.dynamics.solver.state import State
-from drill_twin.physics.model.mesh import Rod
+from drill_twin.physics.model import Rod
 
 SHORT, LONG = 1e-6, 2e-5
 """Half steps of the instant [s]: of the residual SHORT, of the damping LONG, of mass and stiffness both."""

@@ -7,6 +7,7 @@ from collections.abc import Iterator, Mapping
 import numpy as np
 
 from drill_twin.core.arrays import Array
+from drill_twin.core.compile.jit import as_python
 from drill_twin.core.errors import ArgumentError
 from drill_twin.dynamics.solver.state import HALVINGS, PAUSED, REACHED, STEPS
 from drill_twin.dynamics.twin.binding import read_past
@@ -14,13 +15,11 @@ from drill_twin.dynamics.twin.dynamics import Dynamics
 from drill_twin.dynamics.twin.energy_balance import EnergyAudit
 from drill_twin.dynamics.twin.failure_report import failure_report
 from drill_twin.dynamics.twin.frame import EnergyBalance, Frame, Frames
-from drill_twin.dynamics.twin.frame_kernel import GOOD, HALVED_TOO_OFTEN, IMPLAUSIBLE
-from drill_twin.dynamics.twin.frame_loop import FrameLoop
+from drill_twin.dynamics.twin.frame_kernel import GOOD, HALVED_TOO_OFTEN, IMPLAUSIBLE, max_halvings
 from drill_twin.dynamics.twin.frame_record import Record, frame_of, frames_of, make_record
-from drill_twin.dynamics.twin.step_guard import StepGuard, Violation, max_halvings
+from drill_twin.dynamics.twin.step_guard import FrameLoop, StepGuard, Violation
+from drill_twin.physics.model import DiscreteModel, Rod
 from drill_twin.physics.model.bit import DRILLED
-from drill_twin.physics.model.discrete_model import DiscreteModel
-from drill_twin.physics.model.mesh import Rod
 from drill_twin.scene import Scene
 from drill_twin.scene.set_points.command import Command
 
@@ -46,8 +45,9 @@ class Twin:
         self.dynamics = dynamics = Dynamics(scene)
         self.energy_audit: EnergyAudit | None = None
         if scene.numerics.audit == "energy":
+            keys = [effect.key for effect in dynamics.effects]
             self.energy_audit = EnergyAudit(
-                dynamics.parameters.ledger, dynamics.effects, self.model, dynamics.wall, dynamics.energy_of
+                dynamics.parameters.ledger, keys, self.model, dynamics.wall, dynamics.energy_of
             )
         self._guard = StepGuard(dynamics)
         self._loop = FrameLoop(dynamics)
@@ -81,7 +81,7 @@ class Twin:
 
     @property
     def form(self) -> str:
-        """Formulation: "spatial", or "lateral" for a scene with neither stretch nor torsion."""
+        """Formulation: "spatial", "joined" or "lateral", as `Dynamics.form`."""
         return self.dynamics.form
 
     @property
@@ -232,7 +232,7 @@ class Twin:
             return self._too_slow(seconds)
         if outcome == IMPLAUSIBLE:
             return self._guard.implausible()
-        halvings = max_halvings(seconds, self.step_size) if outcome == HALVED_TOO_OFTEN else None
+        halvings = as_python(max_halvings)(seconds, self.step_size) if outcome == HALVED_TOO_OFTEN else None
         return self._guard.diverged(self._step_now(seconds), halvings)
 
     def _retry_with_smaller_step(self, first: Violation, record: Record, commands: Array, seconds: float) -> None:

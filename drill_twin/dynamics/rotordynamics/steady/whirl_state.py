@@ -109,5 +109,4 @@ def state_of(turning: TurningEquations, whirl: SteadyWhirl, *, is_locked: bool =
 
 
 def _touching(depth: Array, arc: Array) -> float:
-    share: float = float(np.sum(np.diff(arc) * 0.5 * ((depth[:-1] > 0.0).astype(float) + (depth[1:] > 0.0)))) / arc[-1]
-    return share
+    return float(float(np.sum(np.diff(arc) * 0.5 * ((depth[:-1] > 0.0).astype(float) + (depth[1:] > 0.0)))) / arc[-1])

@@ -15,9 +15,8 @@ from drill_twin.core.arrays import Array, Pair
 from drill_twin.core.compile.jit import kernel
 from drill_twin.dynamics.solver.interface import Effects
 from drill_twin.dynamics.solver.lateral.linear_solver import TORQUE, WEIGHT, Workspace
-from drill_twin.physics.model.mesh import Rod
+from drill_twin.physics.model import Point, Rod, Strain
 from drill_twin.physics.model.section import BEND_DAMP, COUPLE, MX, MY
-from drill_twin.physics.model.strain import Point, Strain
 
 
 @kernel
