@@ -122,7 +122,7 @@ def _ratio(part: float, whole: float) -> float:
 KEY = "left_out"
 """Key in the simulator's diagnostics; several sentences are joined by `SEPARATOR`."""
 NOTES = "notes"
-"""Key in the simulator's diagnostics for notes on the scene (`drill_twin.dynamics.discretisation.warnings`), joined
+"""Key in the simulator's diagnostics for notes on the scene (`drill_twin.dynamics.discretisation.notes`), joined
 likewise."""
 SEPARATOR = " | "
 _BIT_FORCE, _TOP_SPEED = map(RigState._fields.index, ("bit_force", "top_drive_speed"))

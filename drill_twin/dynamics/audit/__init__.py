@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Checks on a run: energy ledger, plausibility of a state, diagnosis of a failure, timing of each effect."""
+"""Energy of a state, and the ledger of work that a compiled step keeps."""

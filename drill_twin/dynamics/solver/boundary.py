@@ -2,10 +2,10 @@
 """The ends of the string in the equations: weight on bit as an axial force, the top drive, the frame of the bit.
 
 Set-points arrive as an array: weight on bit [N], top-drive speed [rad/s], and with a block its speed [m/s]. The
-block carries the top on the drilling lines, a spring. An auto-driller moves the block by the error of the weight on bit
-that surface measurements give, proportional and integral, and by that of the torque if it is the smaller one;
-it works once a step. A prescribed turn is a constraint and needs
-no force here (the formulation sets it). Any other drive leaves the top free to turn and applies
+block carries the top on the drilling lines, a spring. An auto-driller moves the block once a
+step, by the error of the weight on bit that surface measurements give, proportional and integral, or by the error of
+the torque where that is smaller. A prescribed turn is a constraint, which the formulation sets, and needs no force
+here. Any other drive leaves the top free to turn and applies
 ``P (command - speed) + I (commanded angle - angle)``, within its torque limit.
 
 Forces at the bit are shared through `drill_twin.physics.model.bit`.

@@ -37,7 +37,7 @@ from drill_twin.physics.model.bit import BIT_TORQUE, DRILLED
 GOOD, DIVERGED, HALVED_TOO_OFTEN, IMPLAUSIBLE = range(4)
 """Outcome of a frame: good, Newton's method failed, the step was halved too often, or a bound is exceeded.
 
-PAUSED of `drill_twin.dynamics.solver.state` is a frame to be gone on with.
+PAUSED of `drill_twin.dynamics.solver.state` is the outcome of a frame whose slice ended before the frame did.
 """
 FRACTION, GOOD_FRAMES = 0, 1
 """Indices into the guard's memory: fraction of the nominal step, good frames since it was halved."""

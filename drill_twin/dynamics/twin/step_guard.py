@@ -14,7 +14,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from drill_twin.core.arrays import Array
 from drill_twin.dynamics.solver import slices
 from drill_twin.dynamics.solver.midpoint import SMALLEST_SHARE
 from drill_twin.dynamics.solver.state import HALVINGS, NEXT_STEP, UNFINISHED
@@ -214,7 +213,7 @@ LAST_STEPS = 100
 
 
 class FrameLoop:
-    """Advances a twin frame by frame in compiled code.
+    """Place of the compiled frame loop in a block of frames, and the processor time of its present frame.
 
     Attributes:
         longest: Most processor time of a frame, its repetitions included [s].
@@ -239,20 +238,6 @@ class FrameLoop:
         self._course[:] = 0
         self._begun = None
 
-    def run(self, commands: Array, seconds: float, table: Array) -> int:
-        """Advance by frames of a block while they are good; returns the outcome of the last.
-
-        Args:
-            commands: Set-points at the end of each frame, as `Command.values`, shape (F, 3).
-            seconds: Length of a frame [s].
-            table: Record of the frames.
-
-        Returns:
-            See `drill_twin.dynamics.twin.frame_kernel`; PAUSED for a frame that took longer than `longest`.
-        """
-        dynamics = self._dynamics
-        return dynamics.run(commands, seconds, dynamics.step, table, self._next_slice)
-
     def take_back(self) -> None:
         """Take back the frame that was recorded last."""
         self._course[ROW] -= 1
@@ -268,7 +253,7 @@ class FrameLoop:
             self._dynamics.roll_back()
             self._dynamics.progress[UNFINISHED] = 0.0
 
-    def _next_slice(self) -> float:
+    def next_slice(self) -> float:
         """Newton iterations of the next slice; 0 if the frame takes too long, once it is seen where it is cut."""
         dynamics = self._dynamics
         if dynamics.progress[NEXT_STEP] == 0.0:

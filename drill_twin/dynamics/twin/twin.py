@@ -49,8 +49,7 @@ class Twin:
             self.energy_audit = EnergyAudit(
                 dynamics.parameters.ledger, keys, self.model, dynamics.wall, dynamics.energy_of
             )
-        self._guard = StepGuard(dynamics)
-        self._loop = FrameLoop(dynamics)
+        self._guard, self._loop = StepGuard(dynamics), FrameLoop(dynamics)
         self._energy: EnergyBalance | None = None
         self._single, self._last = np.zeros((1, 3)), self.record(1)
 
@@ -141,7 +140,7 @@ class Twin:
     def load(self) -> None:
         """Bind the compiled frame loop and load its machine code, so that no frame waits for it or is timed with it."""
         self._loop.begin()
-        self._loop.run(self._single[:0], 1.0, self._last.table)
+        self.dynamics.run(self._single[:0], 1.0, self.step_size, self._last.table, self._loop.next_slice)
 
     def record(self, frames: int, *, nodes: bool = True) -> Record:
         """Make an empty record of a number of frames, with the state of all nodes, as messages need it, or without."""
@@ -208,20 +207,21 @@ class Twin:
 
     def _go_on(self, commands: Array, seconds: float, table: Array) -> Violation | None:
         """Advance until a frame is rejected, with an audit by one frame; returns why it was."""
-        loop, guard, audit = self._loop, self._guard, self.energy_audit
-        if audit is None:
-            return self._violation(loop.run(commands, seconds, table), seconds)
-        memory = guard.memory.copy()
-        audit.begin(*self.unknowns)
-        found = self._violation(loop.run(commands[: loop.row + 1], seconds, table), seconds)
+        loop, guard, audit, memory = self._loop, self._guard, self.energy_audit, self._guard.memory.copy()
+        if audit is not None:
+            commands = commands[: loop.row + 1]
+            audit.begin(*self.unknowns)
+        outcome = self.dynamics.run(commands, seconds, self.step_size, table, loop.next_slice)
+        found = self._violation(outcome, seconds)
+        if audit is None or found is not None:
+            return found
+        energy, grown = audit.balance(*self.unknowns)
+        found = guard.energy_drift(energy, grown)
         if found is None:
-            energy, grown = audit.balance(*self.unknowns)
-            found = guard.energy_drift(energy, grown)
-            if found is None:
-                self._energy = energy
-            else:
-                loop.take_back()
-                guard.memory[:] = memory
+            self._energy = energy
+        else:
+            loop.take_back()
+            guard.memory[:] = memory
         return found
 
     def _violation(self, outcome: int, seconds: float) -> Violation | None:

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from drill_twin.dynamics.discretisation.discretise import tubes_of
+from drill_twin.dynamics.discretisation.notes import notes_on
 from drill_twin.dynamics.discretisation.resolution import (
     LONGEST_ELEMENT,
     PER_WAVE,
@@ -14,7 +15,6 @@ from drill_twin.dynamics.discretisation.resolution import (
     mesh,
     resolution_of,
 )
-from drill_twin.dynamics.discretisation.warnings import notes_on
 from drill_twin.physics.model.mesh import build_rod
 from drill_twin.scene import load_scene
 

@@ -69,7 +69,10 @@ class WhirlState:
 
     @property
     def verdict(self) -> str:
-        """`stable` or `unstable`; `not determined` where the sign of the growth is the mesh's, as far as is known."""
+        """`stable` or `unstable`; `not determined` where finer meshes have changed the sign of the growth.
+
+        Or may change it, by the size of its changes so far; or where a finer mesh has lost the state.
+        """
         if self.lost_at or not abs(self.growth) > self.growth_change:
             return "not determined"
         return "stable" if self.growth < 0.0 else "unstable"
