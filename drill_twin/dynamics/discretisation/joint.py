@@ -139,7 +139,7 @@ def joined_workspace(scene: Scene, model: DiscreteModel, constrained: Mask) -> W
 
 
 class JointMotion:
-    """Sideways motion at the joint of a run: where the string whirls there, the string above would move sideways too."""
+    """Sideways motion at the joint of a run: a string that whirls there would whirl above it too."""
 
     def __init__(self, scene: Scene, rod: Rod) -> None:
         joint = joint_of(scene)

@@ -69,9 +69,9 @@ class WhirlState:
 
     @property
     def verdict(self) -> str:
-        """`stable` or `unstable`; `not determined` where finer meshes have changed the sign of the growth.
+        """`stable` or `unstable`; `not determined` where finer meshes leave the sign of the growth open.
 
-        Or may change it, by the size of its changes so far; or where a finer mesh has lost the state.
+        They do where they have changed the growth by more than its size, or where one of them has lost the state.
         """
         if self.lost_at or not abs(self.growth) > self.growth_change:
             return "not determined"
