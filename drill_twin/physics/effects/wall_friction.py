@@ -11,7 +11,7 @@ from drill_twin.core.arrays import Array, Pair, Triple
 from drill_twin.core.compile.jit import kernel
 from drill_twin.core.units import Dimensionless, InverseSpeed, Length, Speed, Within, refuse, show
 from drill_twin.physics.effects.config import EffectConfig
-from drill_twin.physics.effects.friction_dual import dual_variable
+from drill_twin.physics.effects.friction_dual import arctan_size, dual_variable, step_limit, step_size
 from drill_twin.physics.effects.wall import Contact, contact_force
 from drill_twin.physics.model import DiscreteModel, Point, Rod
 
@@ -166,34 +166,6 @@ class Friction(NamedTuple):
     by_around: float  # of the part around the hole, by the slip around it
     mixed: float  # of one part by the other slip
     by_along: float
-
-
-@kernel
-def arctan_size(law: Parameters, slip: float) -> Pair:
-    """Size by which the slip s is divided for the paper's sign [m/s], and that size times its slope over s [-]."""
-    steep = 0.5 * np.pi * slip / law.creep
-    if steep < 1e-4:
-        return law.creep, np.pi * np.pi / 6.0
-    sign = 2.0 / np.pi * np.arctan(steep)
-    return slip / sign, (1.0 - slip / (law.creep * (1.0 + steep * steep) * sign)) / (sign * sign)
-
-
-@kernel
-def step_size(law: Parameters, slip: float) -> Pair:
-    """As `arctan_size` for the STEP from -mu to mu, (3 x - x^3) / 2 at x = v / v_s up to 1."""
-    square = (slip / law.low) ** 2
-    if square >= 1.0:
-        return slip, 1.0
-    left = 3.0 - square
-    return 2.0 * law.low / left, 8.0 / (left * left * left)
-
-
-@kernel
-def step_limit(law: Parameters, slip: float) -> Pair:
-    """Friction coefficient from v_s on, mu falling to mu_d by a STEP, and its fall over slip speed [s/m]."""
-    t = min(max((slip - law.low) / (law.high - law.low), 0.0), 1.0)
-    drop = law.coefficient - law.sliding
-    return law.coefficient - drop * t * t * (3.0 - 2.0 * t), drop * 6.0 * t * (1.0 - t) / (law.high - law.low)
 
 
 @kernel
