@@ -131,7 +131,7 @@ def wanted_elements(scene: Scene, compression: float) -> int:
     """
     if scene.length >= LONG:
         joint, _, above = _parts(scene)
-        return max(math.ceil(elements_needed(scene, joint).sum()), FEWEST) + sum(counts_above(above))
+        return max(math.ceil(float(elements_needed(scene, joint).sum())), FEWEST) + sum(counts_above(above))
     count = 0.0
     for tube in sections_of(scene):
         bending = tube_constants(tube)[1]
