@@ -112,7 +112,7 @@ def test_a_kernel_is_named_by_every_source_that_it_reaches(tmp_path):
         "drill_twin.physics.model.section",
     }
     assert wanted <= set(told)
-    frames = {f"drill_twin.dynamics.twin.{name}" for name in ("frame_kernel", "observation", "state_judge")}
+    frames = {f"drill_twin.dynamics.twin.{name}" for name in ("frame", "frame_kernel", "observation", "state_judge")}
     assert {name for name in told if name.startswith(("drill_twin.scene", "drill_twin.dynamics.twin"))} == frames
     only = {"drill_twin.physics.effects.bow": ["bow"], "drill_twin.physics.effects.drag": ["drag", "bow"]}
     only["drill_twin.physics.effects.random_draws"] = ["bow"]
