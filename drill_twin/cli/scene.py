@@ -51,7 +51,7 @@ def check(
     json: options.JsonOption = False,
 ) -> None:
     """Check a scene file, and print each problem in a line: its place, what was expected, what was found."""
-    from drill_twin.dynamics.discretisation.warnings import notes_on
+    from drill_twin.dynamics.discretisation.notes import notes_on
     from drill_twin.scene import load_scene, scene_path
     from drill_twin.scene.set_points import Schedule
 

@@ -15,7 +15,7 @@ from functools import cached_property
 import numpy as np
 
 from drill_twin.core.errors import RunError
-from drill_twin.dynamics.discretisation.warnings import notes_on
+from drill_twin.dynamics.discretisation.notes import notes_on
 from drill_twin.dynamics.twin.checkpoint import Checkpoint
 from drill_twin.dynamics.twin.frame import Frame, Frames
 from drill_twin.dynamics.twin.frame_record import Record, frame_of

@@ -114,8 +114,8 @@ def _ratio(part: float, whole: float) -> float:
 KEY = "left_out"
 """Key in the simulator's diagnostics; several sentences are joined by `SEPARATOR`."""
 NOTES = "notes"
-"""Key in the simulator's diagnostics of the notes on the scene (`drill_twin.dynamics.discretisation.warnings`), joined
-in the same way."""
+"""Key in the simulator's diagnostics for notes on the scene (`drill_twin.dynamics.discretisation.notes`), joined
+likewise."""
 SEPARATOR = " | "
 _BIT_FORCE, _TOP_SPEED = map(RigState._fields.index, ("bit_force", "top_drive_speed"))
 

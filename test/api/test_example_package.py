@@ -29,10 +29,10 @@ scene = dt.build_scene(
 )
 """
 NAME = """
-from drill_twin.physics.effects import effect_module
+from drill_twin.physics.effects import Effect, effect_module
 from drill_twin.core.compile.kernel_cache import fingerprint
 from drill_twin.dynamics.solver.kernel_codegen import packages_of, source
-effects = tuple(key for key in scene.effect_names if hasattr(effect_module(key), "Parameters"))
+effects = tuple(Effect(key) for key in scene.effect_names if hasattr(effect_module(key), "Parameters"))
 name = "drill_twin_kernel_" + fingerprint(source(effects, "spatial"), "straight", packages=packages_of(effects))
 """
 RUN = """
@@ -201,9 +201,9 @@ def test_helpers_and_variants_may_have_their_names(target, tmp_path):
 
 
 VARIANT = """
-from drill_twin.dynamics.discretisation.kernel_arguments import variants_of
+from drill_twin.dynamics.discretisation.kernel_arguments import effects_of
 try:
-    print(variants_of(scene))
+    print(*map(str, effects_of(scene)))
 except dt.RunError as error:
     print(error)
 """
@@ -214,7 +214,7 @@ SOFT = """    @property
     stiffness: Annot"""
 
 
-@pytest.mark.parametrize(("defined", "said"), [("soft", "'lateral_spring:soft'"), ("sfot", "distributed_load_soft")])
+@pytest.mark.parametrize(("defined", "said"), [("soft", "lateral_spring:soft"), ("sfot", "distributed_load_soft")])
 def test_a_variant_without_a_function_is_refused(target, tmp_path, defined, said):
     """It would be the default law, in silence."""
     site = shutil.copytree(target, tmp_path / "site")

@@ -19,8 +19,7 @@ from drill_twin.core.compile.jit import as_python
 from drill_twin.dynamics.discretisation.discretise import discretise
 from drill_twin.dynamics.discretisation.kernel_arguments import make_drive
 from drill_twin.dynamics.discretisation.resolution import mesh
-from drill_twin.dynamics.solver.joined.friction import side_friction
-from drill_twin.physics.effects import EFFECTS, effect_module, function_name, parameters_of, with_variant
+from drill_twin.physics.effects import EFFECTS, Effect, effect_module, parameters_of
 from drill_twin.physics.effects.config import HOOKS
 from drill_twin.physics.model.section import RESULTANTS
 from drill_twin.physics.model.strain import Point, strain_at
@@ -83,11 +82,9 @@ def places(model: Any) -> Iterator[Point]:
 def test_every_function_gives_finite_numbers(hole: str, key: str, data: dict[str, Any]) -> None:
     scene = scene_of(hole)
     model, block = discretise(scene, mesh(scene, 20)), EFFECTS[key].model_validate(data)
-    module, law = effect_module(key), with_variant(key, block)
+    module, law = effect_module(key), Effect.of(key, block)
     functions = {
-        hook: as_python(getattr(module, name))
-        for hook in (*HOOKS, "dissipated_power")
-        if (name := function_name(law, hook))
+        hook: as_python(getattr(module, name)) for hook in (*HOOKS, "dissipated_power") if (name := law.function(hook))
     }
     if not functions:
         return
@@ -132,7 +129,9 @@ def test_friction_above_a_joint_without_load_and_slip(data: dict[str, Any]) -> N
     """No load across the hole, no speed: the wall carries nothing and no slope is without a bound."""
     scene = scene_of("curved")
     model, block = discretise(scene, mesh(scene, 20)), EFFECTS["wall_friction"].model_validate(data)
-    law = parameters_of("wall_friction", block, model)
-    rub = as_python(side_friction(block.variant))
+    blocks = {"wall": EFFECTS["wall"](stiffness=1e7), "wall_friction": block}
+    given = SimpleNamespace(**{key: parameters_of(key, other, model) for key, other in blocks.items()})
+    name = Effect.of("wall_friction", block).function("side_friction")
+    rub = as_python(getattr(effect_module("wall_friction"), name))
     for here, across, along in product(places(model), (0.0, 1e-320, 10.0), (0.0, 1e-320, 0.2)):
-        assert np.isfinite(rub(law, 8e-3, here, along, across)).all()
+        assert np.isfinite(rub(given, here, along, across)).all()

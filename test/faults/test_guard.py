@@ -15,7 +15,6 @@ from drill_twin.dynamics.solver.state import HALVINGS
 from drill_twin.dynamics.twin import frame_kernel, state_judge
 from drill_twin.dynamics.twin.checkpoint import Checkpoint
 from drill_twin.dynamics.twin.frame_kernel import GOOD_FRAMES_BEFORE_GROWTH
-from drill_twin.dynamics.twin.frame_loop import FrameLoop
 from drill_twin.dynamics.twin.step_guard import MAX_RETRIES, StepGuard, Violation
 from drill_twin.dynamics.twin.twin import Twin
 from drill_twin.io.bag.reader import Bag
@@ -218,7 +217,7 @@ def test_what_no_smaller_step_mends_is_tried_once(monkeypatch, kind, tries):
         twin = Twin(scene())
         twin.advance(TURNING, FRAME)
         monkeypatch.setattr(StepGuard, "implausible", implausible)
-        monkeypatch.setattr(FrameLoop, "run", lambda *_: frame_kernel.IMPLAUSIBLE)
+        monkeypatch.setattr(twin.dynamics, "run", lambda *_: frame_kernel.IMPLAUSIBLE)
         with pytest.raises(StoppedError, match="it was so"):
             twin.advance(TURNING, FRAME)
     assert asked == [0.5**k for k in range(tries + 1)]

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Arguments of a compiled function in one array of words, unpacked by the function itself.
+"""Nested named tuples of arrays and numbers as memory: packed in one block to save, in words for compiled functions.
 
 Unboxing the two hundred arrays of a twin takes numba longer than several time steps of a short string, and code that is
-compiled for each set of effects. So they are packed once, into words of eight bytes; compiled code reads size, address,
+compiled for each set of effects. So compiled code is given one array of words of eight bytes, and reads size, address,
 shape and strides of an array where it is used.
 """
 
@@ -19,8 +19,10 @@ from numba.core.typing import typeof
 from numba.extending import intrinsic
 from numba.np.arrayobj import make_array
 
-from drill_twin.core.arrays import Integers
+from drill_twin.core.arrays import Array, Bytes, Integers
 
+CACHE_LINE = 64
+"""Bytes of a cache line, the alignment of each array."""
 _WORD = 64  # bits
 _INTRINSIC: Any = intrinsic
 _INTEGER: Any = types.Integer
@@ -28,6 +30,59 @@ _IR: Any = cgutils
 _MAKE_ARRAY: Any = make_array
 _TUPLE: Any = types.BaseTuple
 _TYPEOF: Any = typeof.typeof
+
+
+def leaves(value: Any, name: str = "") -> Iterator[tuple[str, Any]]:
+    """Yield what nested tuples hold, arrays, numbers and None, each with its dotted name."""
+    if not isinstance(value, tuple):
+        yield name, value
+        return
+    for field, item in zip(getattr(value, "_fields", map(str, range(len(value)))), value, strict=True):
+        yield from leaves(item, f"{name}.{field}")
+
+
+def named_arrays(name: str, value: Any) -> Iterator[tuple[str, Array]]:
+    """Yield the arrays of nested tuples, each with its dotted name."""
+    return ((found, leaf) for found, leaf in leaves(value, name) if isinstance(leaf, np.ndarray))
+
+
+def rebuilt(change: Callable[..., Any], value: Any, *others: Any) -> Any:
+    """Nested tuples as the value, with each leaf changed: `change(leaf, *same_leaf_of_the_others)`."""
+    if not isinstance(value, tuple):
+        return change(value, *others)
+    items = [rebuilt(change, *each) for each in zip(value, *others, strict=True)]
+    return type(value)(*items) if hasattr(value, "_fields") else tuple(items)
+
+
+def pack_arrays(value: Any) -> tuple[Any, Bytes]:
+    """Copy a value with every array as a view of one block; returns it and the block, bytes of shape (size,)."""
+    sizes = [-(-array.nbytes // CACHE_LINE) * CACHE_LINE for _, array in named_arrays("", value)]
+    raw = np.zeros(sum(sizes) + CACHE_LINE, dtype=np.uint8)
+    first = -raw.ctypes.data % CACHE_LINE
+    block = raw[first : first + sum(sizes)]
+    rooms = iter(np.split(block, np.cumsum(sizes)))
+
+    def move(leaf: Any) -> Any:
+        if not isinstance(leaf, np.ndarray):
+            return leaf
+        view = next(rooms)[: leaf.nbytes].view(leaf.dtype).reshape(leaf.shape)
+        view[...] = leaf
+        return view
+
+    return rebuilt(move, value), block
+
+
+def replace_numbers(value: Any, before: Any, after: Any) -> Any:
+    """Take from `after` what differs between `before` and `after`, tuples as the value is; arrays change in place."""
+
+    def replaced(own: Any, old: Any, new: Any) -> Any:
+        if not isinstance(own, np.ndarray):
+            return new
+        same = (old == new) | (np.isnan(old) & np.isnan(new))  # NaN is memory too: nothing so far
+        np.copyto(own, new, where=~same)
+        return own
+
+    return rebuilt(replaced, value, before, after)
 
 
 class Packed(NamedTuple):
@@ -45,29 +100,37 @@ def pack(value: Any, kind: Any = None) -> Packed:
 
     Args:
         value: The tuple.
-        kind: numba's type of it, where it is known: to find it takes longer than a second of a short string.
+        kind: numba's type of it, where it is known: numba takes longer to find it than to run a second of a short
+            string.
     """
-    return Packed(np.array(list(_words(value)), np.int64), kind or _TYPEOF(value), value)
+    words = [word for _, leaf in leaves(value) for word in _words(leaf)]
+    return Packed(np.array(words, np.int64), kind or _TYPEOF(value), value)
+
+
+def undispatched(function: Any, *arguments: Any) -> Callable[..., Any]:
+    """Machine code of an `entry_kernel` for arguments of these types, compiled or loaded, without numba's dispatcher.
+
+    With a second kernel in the process the dispatcher takes 0.4 ms a call to resolve the types, longer than a frame.
+    """
+    signature = tuple(map(_TYPEOF, arguments))
+    if signature not in function.overloads:
+        function.compile(signature)
+    entry: Callable[..., Any] = function.overloads[signature].entry_point
+    return entry
 
 
 def bind(function: Any, packed: Packed) -> Callable[[], int]:
-    """Bind an `entry_kernel` of packed arguments to them: compiled or loaded, without numba's dispatcher."""
-    signature = tuple(map(_TYPEOF, packed[:2]))
-    if signature not in function.overloads:
-        function.compile(signature)
-    return partial(function.overloads[signature].entry_point, packed.words, packed.kind)
+    """Bind an `entry_kernel` of packed arguments to them, without numba's dispatcher."""
+    return partial(undispatched(function, *packed[:2]), *packed[:2])
 
 
-def _words(value: Any) -> Iterator[int]:
-    if isinstance(value, tuple):
-        for item in value:
-            yield from _words(item)
-    elif isinstance(value, np.ndarray):
-        yield from (value.size, value.itemsize, value.ctypes.data, *value.shape, *value.strides)
-    elif isinstance(value, float):
-        yield int(np.float64(value).view(np.int64))
-    elif value is not None:
-        yield int(value)
+def _words(leaf: Any) -> Iterator[int]:
+    if isinstance(leaf, np.ndarray):
+        yield from (leaf.size, leaf.itemsize, leaf.ctypes.data, *leaf.shape, *leaf.strides)
+    elif isinstance(leaf, float):
+        yield int(np.float64(leaf).view(np.int64))
+    elif leaf is not None:
+        yield int(leaf)
 
 
 @_INTRINSIC(prefer_literal=True)  # type: ignore[untyped-decorator]

@@ -6,6 +6,7 @@ The string starts on the axis of the hole, at rest, untwisted and in axial equil
 
 from __future__ import annotations
 
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -16,11 +17,10 @@ from drill_twin.dynamics.audit.energy import element_unknowns
 from drill_twin.dynamics.solver.boundary import bit_frame
 from drill_twin.dynamics.solver.state import State
 from drill_twin.physics.effects.gravity import line_weight
-from drill_twin.physics.model.discrete_model import DiscreteModel, places
-from drill_twin.physics.model.mesh import SPIN, Rod, Tube
+from drill_twin.physics.model import SPIN, Axis, DiscreteModel, Rod, Tube, Wellbore, places
 from drill_twin.physics.model.survey import Survey, survey
-from drill_twin.physics.model.wellbore import Axis, Wellbore
 from drill_twin.scene import Scene
+from drill_twin.scene.blocks.hole import Hole
 from drill_twin.scene.blocks.string import Piece
 
 
@@ -35,9 +35,9 @@ def sections_of(scene: Scene) -> list[Tube]:
 
 
 def _tube(piece: Piece) -> Tube:
-    of = piece.section
-    density = of.density if of.adjusted_mass is None else of.adjusted_mass / of.area
-    return Tube(piece.length, piece.outer_diameter, of.inner_diameter, of.youngs_modulus, of.poisson_ratio, density)
+    own = piece.section
+    density = own.density if own.adjusted_mass is None else own.adjusted_mass / own.area
+    return Tube(piece.length, piece.outer_diameter, own.inner_diameter, own.youngs_modulus, own.poisson_ratio, density)
 
 
 def discretise(scene: Scene, rod: Rod) -> DiscreteModel:
@@ -78,9 +78,14 @@ def contact_radius(scene: Scene, distance_from_bit: Array) -> Array:
 
 def survey_of(scene: Scene) -> Survey | None:
     """Surveyed centre line; None for a straight hole."""
-    if not scene.hole.survey:
+    return _survey_of(scene.hole)
+
+
+@lru_cache(maxsize=8)  # the set-up of a twin asks many times
+def _survey_of(hole: Hole) -> Survey | None:
+    if not hole.survey:
         return None
-    line = survey(*scene.hole.stations)
+    line = survey(*hole.stations)
     return None if line.straight else line
 
 
@@ -205,5 +210,4 @@ def untwisted(rod: Rod, u: Array) -> Array:
     g = np.linalg.norm(a, axis=-1)
     reference = -(a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0]) / (g * (g + a[..., 2]))
     climb = -reference.mean(axis=1) * rod.length
-    spin: Array = np.concatenate([[0.0], np.cumsum(climb)]) - climb.sum()
-    return spin
+    return np.asarray(np.concatenate([[0.0], np.cumsum(climb)]) - climb.sum())

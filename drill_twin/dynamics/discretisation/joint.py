@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import math
+from functools import lru_cache
 from itertools import takewhile
 from operator import itemgetter
 
@@ -20,11 +21,9 @@ from drill_twin.dynamics.discretisation.discretise import (
 )
 from drill_twin.dynamics.solver.joined.linear_solver import Workspace, make_workspace
 from drill_twin.physics.effects.gravity import line_weight
-from drill_twin.physics.model.discrete_model import DiscreteModel
-from drill_twin.physics.model.mesh import Rod, Tube, build_rod, part_of, tube_constants
-from drill_twin.physics.model.wellbore import Axis
+from drill_twin.physics.model import Axis, DiscreteModel, Rod, Tube, build_rod, part_of, tube_constants
 from drill_twin.scene import Scene
-from drill_twin.scene.set_points import extremes
+from drill_twin.scene.set_points import Command, extremes
 
 STIFFER = 3.0
 """Bending stiffness of a section of the assembly over that of the most flexible pipe of the string."""
@@ -53,10 +52,14 @@ def joint_of(scene: Scene) -> float | None:
     depth = scene.numerics.lateral_from
     if depth == 0.0:
         return None
-    if depth != "auto":
-        return scene.length - depth
+    return _chosen_joint(scene, extremes(scene)) if depth == "auto" else scene.length - depth
+
+
+@lru_cache(maxsize=8)  # the set-up of a twin asks many times
+def _chosen_joint(scene: Scene, most: Command) -> float | None:
+    """The joint of `auto` under the largest set-points, which a record may hold."""
     pipe, assembly = min((tube_constants(tube) for tube in sections_of(scene)), key=itemgetter(1)), collars_of(scene)
-    speed = max(abs(extremes(scene).rotation), 1e-9)
+    speed = max(abs(most.rotation), 1e-9)
     wave = math.tau * (pipe[1] / (pipe[3] * speed**2)) ** 0.25
     joint = max(assembly, buckled_up_to(scene)) + WAVES * min(max(wave, LEAST_WAVE), LONGEST_WAVE)
     return joint if joint < scene.length - LONGEST_ABOVE else None
@@ -136,7 +139,7 @@ def joined_workspace(scene: Scene, model: DiscreteModel, constrained: Mask) -> W
 
 
 class JointMotion:
-    """Sideways motion at the joint of a run: a string that whirls there is not that of the whole string."""
+    """Sideways motion at the joint of a run: a string that whirls there would whirl above it too."""
 
     def __init__(self, scene: Scene, rod: Rod) -> None:
         joint = joint_of(scene)

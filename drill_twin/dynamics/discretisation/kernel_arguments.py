@@ -1,19 +1,21 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Arguments of the compiled functions of a scene: its formulation, keys and parameters of its effects, its drive."""
+"""Arguments of the compiled functions of a scene: discrete model, formulation, effects and drive, empty arrays."""
 
 from types import ModuleType
 from typing import Any
 
 import numpy as np
 
-from drill_twin.core.arrays import Array
-from drill_twin.dynamics.discretisation.discretise import axial_weight
-from drill_twin.dynamics.discretisation.joint import joint_of
+from drill_twin.dynamics.discretisation.discretise import BoundaryConditions, axial_weight, discretise
+from drill_twin.dynamics.discretisation.joint import joined_workspace, joint_of
+from drill_twin.dynamics.discretisation.resolution import mesh, resolution_of
 from drill_twin.dynamics.solver.boundary import PLACE, Drive
-from drill_twin.physics.effects import effect_module, with_variant
-from drill_twin.physics.effects import parameters_of as effect_parameters
+from drill_twin.dynamics.solver.lateral.linear_solver import make_workspace as make_lateral_workspace
+from drill_twin.dynamics.solver.spatial.linear_solver import make_workspace
+from drill_twin.dynamics.solver.state import make_state
+from drill_twin.physics.effects import Effect, effect_module, parameters_of
+from drill_twin.physics.model import Rod
 from drill_twin.physics.model.bit import make_bit
-from drill_twin.physics.model.discrete_model import DiscreteModel
 from drill_twin.scene import Scene
 
 
@@ -24,12 +26,15 @@ def make_drive(scene: Scene, hanging: float) -> Drive:
         scene: The scene.
         hanging: Axial weight of the string [N].
     """
-    top = scene.rig.top_drive
+    top, block, weight = scene.rig.top_drive, scene.rig.block, scene.rig.first[0]
     from_top = scene.rig.weight_on_bit.at == "top"
-    block = scene.rig.block
     lines = 0.0 if block is None else block.stiffness
     driller = None if block is None else block.auto_driller
     proportional, integral = top.gains(*_torsion_of_the_string(scene))
+    memory, bit = np.zeros(4), make_bit(weight + (hanging if from_top else 0.0))
+    if block is not None:  # where the lines carry the string at the start
+        memory, bit = np.zeros(11), make_bit(weight, 5, block.off_bottom)
+        memory[PLACE] = (hanging - weight) / lines
     return Drive(
         from_top=1.0 if from_top else 0.0,
         hanging=hanging,
@@ -39,25 +44,14 @@ def make_drive(scene: Scene, hanging: float) -> Drive:
         limit=np.inf if top.torque_limit is None else top.torque_limit,
         inertia=top.inertia,
         damping=top.damping,
-        memory=np.zeros(4) if block is None else _memory((hanging - scene.rig.first[0]) / lines),
-        bit=(
-            make_bit(scene.rig.first[0] + (hanging if from_top else 0.0))
-            if block is None
-            else make_bit(scene.rig.first[0], 5, block.off_bottom)
-        ),
+        memory=memory,
+        bit=bit,
         lines=lines,
         rate=0.0 if driller is None else driller.rate,
         feed_gain=0.0 if driller is None else _compliance(scene, lines) / driller.response,
         feed_integral=0.0 if driller is None else 0.5 * _compliance(scene, lines) / driller.response**2,
         held_torque=np.inf if driller is None or driller.torque is None else driller.torque,
     )
-
-
-def _memory(place: float) -> Array:
-    """Memory with the block where its lines carry the string at the start [m]."""
-    memory = np.zeros(11)
-    memory[PLACE] = place
-    return memory
 
 
 def _compliance(scene: Scene, lines: float) -> float:
@@ -83,20 +77,58 @@ def form_of(scene: Scene) -> str:
     return LATERAL if scene.effects.stretch is None and scene.effects.torsion is None else SPATIAL
 
 
-def effects_of(scene: Scene) -> tuple[str, ...]:
-    """Keys of the effects with compiled functions, in the order of the registry."""
-    return tuple(name for name in scene.effect_names if hasattr(effect_module(name), "Parameters"))
+def effects_of(scene: Scene) -> tuple[Effect, ...]:
+    """The effects with compiled functions, each with the variant that its block asks for, in the registry's order."""
+    kernels = (name for name in scene.effect_names if hasattr(effect_module(name), "Parameters"))
+    return tuple(Effect.of(name, getattr(scene.effects, name)) for name in kernels)
 
 
-def variants_of(scene: Scene) -> tuple[str, ...]:
-    """The same keys, each with the variant that its block asks for: what a kernel is generated from."""
-    return tuple(with_variant(name, getattr(scene.effects, name)) for name in effects_of(scene))
+class KernelArguments:
+    """Discrete model of a scene, with the arrays that its compiled equations take.
 
+    Attributes:
+        scene: The scene.
+        model: Discrete model.
+        boundary_conditions: Boundary conditions at bit and top.
+        constrained: Mask of the constrained unknowns of bit and top, shape (2, 7).
+        form: Formulation: "spatial", "joined" where the string moves laterally from a depth on only, or "lateral" for a
+            scene with neither stretch nor torsion.
+        hole: "straight" or "curved".
+        effects: The effects in the kernel, in the order of their parameters.
+    """
 
-def parameters_of(kernel: ModuleType, scene: Scene, model: DiscreteModel, *more: Any) -> Any:
-    """Parameters of drive and effects as a generated module takes them, and `more` after them."""
-    return kernel.Parameters(
-        make_drive(scene, float(axial_weight(scene, model).sum())),
-        *(effect_parameters(name, getattr(scene.effects, name), model) for name in effects_of(scene)),
-        *more,
-    )
+    def __init__(self, scene: Scene, rod: Rod | None = None) -> None:
+        """Build the model, and arrays of zeros for the rest.
+
+        Args:
+            scene: The scene.
+            rod: The meshed string; by default that of the scene, whose nodes depend on its largest set-points.
+
+        Raises:
+            SceneError: The scene asks for an accuracy instead of elements and a step.
+            TableError: Elements are to be chosen for a record that cannot be used.
+        """
+        self.scene, self.form, self.effects = scene, form_of(scene), effects_of(scene)
+        self.model = discretise(scene, mesh(scene, resolution_of(scene)[0]) if rod is None else rod)
+        self.hole = "straight" if self.model.wellbore.axis is None else "curved"
+        self.boundary_conditions = BoundaryConditions.of(scene)
+        self.constrained = self.boundary_conditions.constrained(scene.string.bit_end)
+        count = self.rod.length.size
+        self._work: Any = make_lateral_workspace(count) if self.form == LATERAL else make_workspace(count)
+        if self.form == JOINED:
+            self._work = joined_workspace(scene, self.model, self.constrained)
+        self._state = make_state(count)
+        self._state.bit_frame[:] = self.model.bit_frame
+
+    @property
+    def rod(self) -> Rod:
+        """The meshed string."""
+        return self.model.rod
+
+    def parameters_for(self, kernel: ModuleType, scene: Scene, *more: Any) -> Any:
+        """Parameters of drive and effects of a scene as a generated module takes them, and `more` after them."""
+        return kernel.Parameters(
+            make_drive(scene, float(axial_weight(scene, self.model).sum())),
+            *(parameters_of(each.key, getattr(scene.effects, each.key), self.model) for each in self.effects),
+            *more,
+        )

@@ -13,7 +13,7 @@ from drill_twin.core.errors import SceneError
 from drill_twin.dynamics.discretisation.discretise import axial_weight, discretise, sections_of, tubes_of
 from drill_twin.dynamics.discretisation.joint import counts_above, cut, joint_of
 from drill_twin.physics.effects.wall import Parameters as Wall
-from drill_twin.physics.model.mesh import Rod, Tube, build_rod, elements_per_section, rod_of, tube_constants
+from drill_twin.physics.model import Rod, Tube, build_rod, elements_per_section, rod_of, tube_constants
 from drill_twin.scene import Scene
 from drill_twin.scene.set_points import extremes
 
@@ -21,7 +21,7 @@ LONG = 1000.0
 """Length from which a mesh is graded [m]."""
 PER_PITCH, PER_WAVE = 8, 6
 """Elements a pitch of the buckling helix, and a bending wave at the frequency of rotation (error 0.08 %)."""
-LONGEST = 15.0
+LONGEST_ELEMENT = 15.0
 """Longest element that the rule asks for [m]: half a stand."""
 SAMPLES = 400
 """Elements of the mesh by length on which the rule is evaluated."""
@@ -35,17 +35,19 @@ def mesh(scene: Scene, elements: int) -> Rod:
     Raises:
         TableError: A long string whose record of set-points cannot be used.
     """
-    tubes, joint = tubes_of(scene), joint_of(scene)
-    if joint is not None:
-        below, above = cut(tubes, joint)
-        wanted, counts = np.array([tube.length for tube in below]), counts_above(above)
-        if scene.length >= LONG:
-            wanted = elements_needed(scene, joint)[: len(below)]
-            counts = counts_above(above, elements / (max(math.ceil(wanted.sum()), FEWEST) + sum(counts)))
-        return rod_of([*below, *above], elements_per_section(wanted, elements - sum(counts)) + counts)
-    if scene.length < LONG:
-        return build_rod(tubes, elements)
-    return rod_of(tubes, elements_per_section(elements_needed(scene), elements))
+    joint, below, above = _parts(scene)
+    wanted, counts = np.array([tube.length for tube in below]), counts_above(above)
+    if scene.length >= LONG:
+        wanted = elements_needed(scene, joint)[: len(below)]
+        counts = counts_above(above, elements / (max(math.ceil(wanted.sum()), FEWEST) + sum(counts)))
+    return rod_of([*below, *above], elements_per_section(wanted, elements - sum(counts)) + counts)
+
+
+def _parts(scene: Scene) -> tuple[float, list[Tube], list[Tube]]:
+    """Distance of the joint from the bit [m], infinite without one, and the uniform pieces below it and above it."""
+    joint = joint_of(scene)
+    joint = math.inf if joint is None else joint
+    return joint, *cut(tubes_of(scene), joint)
 
 
 def elements_needed(scene: Scene, up_to: float = math.inf) -> Array:
@@ -66,7 +68,7 @@ def elements_needed(scene: Scene, up_to: float = math.inf) -> Array:
     square = (np.hypot(tension, np.sqrt(inertia)) - tension) / (2.0 * rod.bending)
     density = PER_WAVE * np.sqrt(np.maximum(square, 0.0)) / (2.0 * np.pi)
     pitch = 2.0 * np.pi * np.sqrt(2.0 * rod.bending / np.maximum(-tension, 1e-9))
-    density = np.maximum(np.maximum(density, PER_PITCH / pitch), 1.0 / LONGEST)
+    density = np.maximum(np.maximum(density, PER_PITCH / pitch), 1.0 / LONGEST_ELEMENT)
     middle = 0.5 * (rod.arc[1:] + rod.arc[:-1])
     density[middle > up_to] = 0.0
     piece = np.searchsorted(np.cumsum([tube.length for tube in tubes])[:-1], middle)
@@ -103,7 +105,7 @@ def resolution_of(scene: Scene) -> tuple[int, float]:
 
 
 def auto_elements(scene: Scene, compression: float) -> int:
-    """Elements of `wanted_elements`, but at most 400, or 1,000 in a long string (`notes.notes_on` tells where).
+    """Elements of `wanted_elements`, but at most 400, or 1,000 in a long string (`notes.notes_on` says so).
 
     Args:
         scene: The scene.
@@ -121,18 +123,15 @@ def wanted_elements(scene: Scene, compression: float) -> int:
     """Elements for eight per pitch of the buckling helix of each section, without an upper limit.
 
     The pitch 2 pi sqrt(2 EI / F) (Lubinski, Althouse and Logan 1962) is the shortest wave caused by the load. In a long
-    string that load is the local one, and the mesh is graded (`grading.elements_needed`).
+    string that load is the local one, and the mesh is graded (`elements_needed`).
 
     Args:
         scene: The scene.
         compression: Largest axial compression expected [N].
     """
     if scene.length >= LONG:
-        joint = joint_of(scene)
-        if joint is not None:
-            above = sum(counts_above(cut(tubes_of(scene), joint)[1]))
-            return max(int(np.ceil(elements_needed(scene, joint).sum())), FEWEST) + above
-        return max(int(np.ceil(elements_needed(scene).sum())), FEWEST)
+        joint, _, above = _parts(scene)
+        return max(math.ceil(float(elements_needed(scene, joint).sum())), FEWEST) + sum(counts_above(above))
     count = 0.0
     for tube in sections_of(scene):
         bending = tube_constants(tube)[1]

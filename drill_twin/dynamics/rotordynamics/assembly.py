@@ -19,12 +19,12 @@ import numpy as np
 from drill_twin.core.arrays import Array
 from drill_twin.dynamics.discretisation.discretise import tubes_of
 from drill_twin.dynamics.discretisation.joint import collars_of
-from drill_twin.dynamics.discretisation.resolution import LONGEST
+from drill_twin.dynamics.discretisation.resolution import LONGEST_ELEMENT
 from drill_twin.dynamics.rotordynamics.eigenvalues import Numbers, Pencil
 from drill_twin.dynamics.rotordynamics.equations import EquationsOfMotion, Linearised
 from drill_twin.dynamics.rotordynamics.turning_frame import HoleFrame
 from drill_twin.dynamics.solver.linearisation import DAMPING, MASS, STIFFNESS
-from drill_twin.physics.model.mesh import SPIN, Rod, rod_of, tube_constants
+from drill_twin.physics.model import SPIN, Rod, rod_of, tube_constants
 from drill_twin.scene import Scene
 from drill_twin.scene.set_points.command import Command
 
@@ -59,7 +59,7 @@ class Extent(NamedTuple):
 
 
 def graded_rod(scene: Scene, extent: Extent, fastest: float, finer: int = 1) -> Rod:
-    """Mesh that is fine in the assembly, with elements of `LONGEST` above the cut.
+    """Mesh that is fine in the assembly, with elements of `LONGEST_ELEMENT` above the cut.
 
     Args:
         scene: The scene.
@@ -77,7 +77,7 @@ def graded_rod(scene: Scene, extent: Extent, fastest: float, finer: int = 1) -> 
             middle = begin + 0.5 * length
             size = wave / finer / (PER_WAVE if middle < extent.assembly else PER_WAVE_ABOVE)
             tubes.append(tube._replace(length=float(length)))
-            counts.append(math.ceil(length / (size if middle < extent.cut else LONGEST)))
+            counts.append(math.ceil(length / (size if middle < extent.cut else LONGEST_ELEMENT)))
             begin += float(length)
     return rod_of(tubes, counts)
 
@@ -151,12 +151,12 @@ class Assembly:
         return Pencil(mass, damping + mass * root[:, None] * root[None, :], stiffness)
 
 
-Resting = Callable[[EquationsOfMotion, Command], Array]
-"""Rows of a string in balance under a command."""
+FindBalance = Callable[[EquationsOfMotion, Command], Array]
+"""Function that gives the rows of a string in balance under a command."""
 
 
 def assembly_of(
-    scene: Scene, command: Command, fastest: float, resting: Resting, *, above: float = ABOVE, finer: int = 1
+    scene: Scene, command: Command, fastest: float, resting: FindBalance, *, above: float = ABOVE, finer: int = 1
 ) -> Assembly:
     """Find the balance of a long string on a mesh that suits its assembly.
 

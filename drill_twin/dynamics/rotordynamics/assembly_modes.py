@@ -13,7 +13,7 @@ import numpy as np
 
 from drill_twin.core.arrays import ComplexArray
 from drill_twin.core.errors import RunError
-from drill_twin.dynamics.rotordynamics.assembly import MOVED, Assembly, Resting, assembly_of
+from drill_twin.dynamics.rotordynamics.assembly import MOVED, Assembly, FindBalance, assembly_of
 from drill_twin.dynamics.rotordynamics.eigenvalues import Pencil, modes_near
 from drill_twin.dynamics.rotordynamics.modes import (
     AXIAL,
@@ -68,7 +68,7 @@ def _along_axis(pencil: Pencil, low: float, high: float) -> list[tuple[complex, 
 
 
 def assembly_modes(
-    scene: Scene, command: Command, fastest: float, resting: Resting
+    scene: Scene, command: Command, fastest: float, resting: FindBalance
 ) -> tuple[Assembly, Assembly, list[Mode]]:
     """Assembly on two meshes, and its lateral modes on the finer one that stay where they are when the cut is moved.
 
@@ -102,7 +102,7 @@ def critical_ranges(table: ModeTable) -> list[list[float]]:
     return [near.tolist() for near in np.split(speeds, gaps + 1) if near.size]
 
 
-def table_of(scene: Scene, command: Command, fastest: float, resting: Resting, count: int) -> ModeTable:
+def table_of(scene: Scene, command: Command, fastest: float, resting: FindBalance, count: int) -> ModeTable:
     """Lateral modes of the assembly of a long string, torsional and axial ones of the whole of it.
 
     Args:

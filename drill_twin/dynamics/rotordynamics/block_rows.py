@@ -79,8 +79,7 @@ class BlockRows:
         padded = np.zeros((nodes + 2, width))
         padded[1:-1][self.free] = values
         beside = np.concatenate([padded[:-2], padded[1:-1], padded[2:]], axis=1)
-        product: Array = np.matmul(blocks, beside[:, :, None])[self.free, 0]
-        return product
+        return np.asarray(np.matmul(blocks, beside[:, :, None])[self.free, 0])
 
     @cached_property
     def _band(self) -> tuple[int, Places]:

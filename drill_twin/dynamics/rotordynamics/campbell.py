@@ -48,8 +48,7 @@ class Campbell(NamedTuple):
 def mac(first: ComplexArray, second: ComplexArray) -> Array:
     """Modal assurance criterion between the columns of two matrices (Allemang 1982), 0 to 1, shape (m, k)."""
     scale = np.outer(np.sum(np.abs(first) ** 2, axis=0), np.sum(np.abs(second) ** 2, axis=0))
-    result: Array = np.abs(first.conj().T @ second) ** 2 / np.maximum(scale, 1e-300)
-    return result
+    return np.asarray(np.abs(first.conj().T @ second) ** 2 / np.maximum(scale, 1e-300))
 
 
 def campbell(

@@ -14,7 +14,6 @@ from typing import Any, NamedTuple
 import numpy as np
 import scipy.linalg
 import scipy.sparse
-import scipy.sparse as sp
 import scipy.sparse.linalg
 from numpy.typing import NDArray
 
@@ -106,9 +105,10 @@ def damped_modes(pencil: Pencil) -> tuple[ComplexArray, ComplexArray]:
 def modes_near(pencil: Pencil, shift: complex = SHIFT, count: int = NEAREST) -> tuple[ComplexArray, ComplexArray]:
     """Eigenvalues nearest to a point [rad/s], as of `nearest_to`, and their shapes as columns."""
     size = pencil.mass.shape[0]
+    mass, damping, stiffness = map(scipy.sparse.csc_array, pencil)
     unit = scipy.sparse.diags_array(np.ones(size))
-    left = scipy.sparse.block_array([[None, unit], [-_sparse(pencil.stiffness), -_sparse(pencil.damping)]])
-    values, vectors = nearest_to(left, scipy.sparse.block_diag([unit, _sparse(pencil.mass)]), shift, count)
+    left = scipy.sparse.block_array([[None, unit], [-stiffness, -damping]])
+    values, vectors = nearest_to(left, scipy.sparse.block_diag([unit, mass]), shift, count)
     return values, vectors[:size]
 
 
@@ -140,10 +140,6 @@ def nearest_to(
 def as_dense(matrix: Any) -> NDArray[Any]:
     """The full matrix of a sparse or full one."""
     return np.asarray(matrix.toarray() if scipy.sparse.issparse(matrix) else matrix)
-
-
-def _sparse(matrix: Any) -> Any:
-    return scipy.sparse.csc_array(matrix)
 
 
 POINTS = 40
@@ -190,15 +186,14 @@ def delayed_modes(pencil: Pencil, delay: Delay, points: int = POINTS) -> tuple[C
     """
     m = pencil.mass.shape[0]
     transport = 2.0 / delay.time * differentiation(points)[1:]
-    unit, force, arm = sp.diags_array(np.ones(m)), np.zeros((m, points)), np.zeros((points, m))
-    force[:, -1] = delay.force
-    arm[:] = np.outer(transport[:, 0], delay.arm)
-    left = sp.block_array([
-        [None, unit, None],
-        [sp.csc_array(-pencil.stiffness), sp.csc_array(-pencil.damping), sp.csc_array(force)],
-        [sp.csc_array(arm), None, sp.csc_array(transport[:, 1:])],
-    ])  # fmt: skip
-    right = sp.block_diag([unit, sp.csc_array(pencil.mass), sp.diags_array(np.ones(points))])
+    mass, damping, stiffness = map(scipy.sparse.csc_array, pencil)
+    unit, force = scipy.sparse.diags_array(np.ones(m)), scipy.sparse.lil_array((m, points))
+    force[:, [points - 1]] = delay.force[:, None]
+    arm = scipy.sparse.csc_array(np.outer(transport[:, 0], delay.arm))
+    left = scipy.sparse.block_array(
+        [[None, unit, None], [-stiffness, -damping, force], [arm, None, scipy.sparse.csc_array(transport[:, 1:])]]
+    )
+    right = scipy.sparse.block_diag([unit, mass, scipy.sparse.diags_array(np.ones(points))])
     if m <= MOST_UNKNOWNS:
         values, vectors = np.linalg.eig(np.linalg.solve(as_dense(right), as_dense(left)))
     else:

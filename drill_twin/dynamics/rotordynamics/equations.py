@@ -15,21 +15,18 @@ from typing import Any
 import numpy as np
 
 from drill_twin.core.arrays import Array, Mask
+from drill_twin.core.compile.packed_arguments import undispatched
 from drill_twin.core.errors import SceneError
-from drill_twin.dynamics.discretisation.discretise import BoundaryConditions, axis_at, discretise, set_initial_state
-from drill_twin.dynamics.discretisation.kernel_arguments import LATERAL, form_of, parameters_of, variants_of
-from drill_twin.dynamics.discretisation.resolution import mesh, resolution_of
+from drill_twin.dynamics.discretisation.discretise import set_initial_state
+from drill_twin.dynamics.discretisation.kernel_arguments import KernelArguments
 from drill_twin.dynamics.rotordynamics.block_rows import BlockRows
 from drill_twin.dynamics.rotordynamics.eigenvalues import Delay
-from drill_twin.dynamics.solver import state
-from drill_twin.dynamics.solver.boundary import LAG, bit_frame
-from drill_twin.dynamics.solver.kernel_codegen import build_linearisation, entry_point
-from drill_twin.dynamics.solver.lateral.linear_solver import make_workspace as make_lateral_workspace
+from drill_twin.dynamics.solver.boundary import LAG
+from drill_twin.dynamics.solver.kernel_codegen import build_linearisation
 from drill_twin.dynamics.solver.linearisation import DAMPING, MASS, STIFFNESS
-from drill_twin.dynamics.solver.spatial.linear_solver import make_workspace
 from drill_twin.physics.effects.bit_regenerative import READY, Regeneration, regeneration
+from drill_twin.physics.model import SPIN, Rod
 from drill_twin.physics.model.bit import INITIAL, WEIGHT
-from drill_twin.physics.model.mesh import SPIN, Rod
 from drill_twin.scene import Scene
 from drill_twin.scene.set_points.command import Command
 
@@ -39,7 +36,7 @@ TIME_DEPENDENT = {
     "bit_side_force": "a force of fixed direction at the bit",
 }
 """Effects without a place in a steady state, and what they are."""
-IMPERFECTIONS = {"bow": ("moment",), "eccentricity": ("imbalance", "inertia")}
+TURNING_ARRAYS = {"bow": ("moment",), "eccentricity": ("imbalance", "inertia")}
 """Effects that turn with the string and break the symmetry, and the arrays of their parameters."""
 COLUMNS = {"lateral": np.array([0, 1, 3, 4]), "spatial": np.arange(7)}
 """Columns of the unknowns in a node's row of seven."""
@@ -140,18 +137,17 @@ def moving_everywhere(scene: Scene) -> Scene:
     return scene.model_copy(update={"numerics": scene.numerics.model_copy(update={"lateral_from": 0.0})})
 
 
-class EquationsOfMotion:
+class EquationsOfMotion(KernelArguments):
     """The compiled equations of a scene, for any position, velocity and acceleration of the string.
 
+    The whole string moves laterally.
+
     Attributes:
-        scene: The scene.
-        form: Formulation: "spatial" or "lateral".
-        model: Discrete model.
         parameters: Parameters of drive and effects; replace numbers by `_replace`, arrays in place.
         free: Mask of the unknowns that are not constrained, shape (n + 1, k) with k unknowns a node.
         block_rows: Operations on block rows of the tangents.
         unknowns: Number m of free unknowns.
-        constrained: Mask of the constrained unknowns of bit and top, shape (2, 7).
+        columns: Columns of a node's unknowns in its row of seven.
         evaluations: How often they have been evaluated: the work of a search, whatever else the machine does.
     """
 
@@ -166,21 +162,11 @@ class EquationsOfMotion:
             SceneError: An effect depends on time, or the scene asks for an accuracy instead of elements.
         """
         refuse_time_dependent(scene)
-        scene = moving_everywhere(scene)
-        self.scene, self.form = scene, form_of(scene)
-        if rod is None:
-            rod = mesh(scene, resolution_of(scene)[0])
-        self.model = discretise(scene, rod)
-        hole = "straight" if self.model.wellbore.axis is None else "curved"
-        self._kernel = build_linearisation(variants_of(scene), self.form, hole)
-        self.parameters = parameters_of(self._kernel, scene, self.model)
-        count = rod.length.size
-        self._work: Any = make_lateral_workspace(count) if self.form == LATERAL else make_workspace(count)
-        self._state = state.make_state(count)
-        self._state.bit_frame[:] = bit_frame(axis_at(scene, np.array([scene.length])))
-        self.constrained = BoundaryConditions.of(scene).constrained(scene.string.bit_end)
+        super().__init__(moving_everywhere(scene), rod)
+        self._kernel = build_linearisation(self.effects, self.form, self.hole)
+        self.parameters = self.parameters_for(self._kernel, self.scene)
         self.columns = COLUMNS[self.form]
-        width = self.columns.size
+        count, width = self.rod.length.size, self.columns.size
         self.free = np.ones((count + 1, width), dtype=bool)
         self.free[0], self.free[-1] = ~self.constrained[0, self.columns], ~self.constrained[1, self.columns]
         self._residual = np.zeros((count + 1, width))
@@ -191,7 +177,7 @@ class EquationsOfMotion:
         self.evaluations = 0
         arrays = [
             array
-            for key, names in IMPERFECTIONS.items()
+            for key, names in TURNING_ARRAYS.items()
             if (block := getattr(self.parameters, key, None)) is not None
             for array in (getattr(block, name) for name in names)
         ]
@@ -271,12 +257,11 @@ class EquationsOfMotion:
         drive.bit.now[WEIGHT] = drive.bit.now[INITIAL] = self._bit_weight(command)
         if (rock := getattr(self.parameters, "bit_regenerative", None)) is not None:
             rock.memory[READY] = 0.0  # the surface is that of steady drilling to this position
-        entry = self._entry or self._kernel.evaluate
-        entry(
-            self.parameters, self.model.rod, self._work, constrained, self._state, u, v, a,
-            self._residual, self._tangents,
+        arguments = (
+            self.parameters, self.rod, self._work, constrained, self._state, u, v, a, self._residual, self._tangents,
         )  # fmt: skip
-        self._entry = self._entry or entry_point(self._kernel, "evaluate")
+        self._entry = self._entry or undispatched(self._kernel.evaluate, *arguments)
+        self._entry(*arguments)
         return self._residual, self._tangents
 
     @property

@@ -19,8 +19,7 @@ from drill_twin.dynamics.audit.energy import gauss_positions
 from drill_twin.dynamics.rotordynamics.assembly import Assembly
 from drill_twin.dynamics.rotordynamics.modes import Mode
 from drill_twin.physics.effects.wall import Parameters as Wall
-from drill_twin.physics.model.mesh import locate
-from drill_twin.physics.model.wellbore import offsets
+from drill_twin.physics.model import locate, offsets
 
 OFFSET = 1e-3
 """Distance of the mass centre from the centre line, all along the assembly [m]."""

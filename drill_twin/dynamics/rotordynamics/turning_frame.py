@@ -50,8 +50,7 @@ class TurningFrame:
 
     def values(self, rows: Array) -> Array:
         """Values of the free unknowns in rows of seven, shape (m,)."""
-        values: Array = rows[:, self._columns][self._free]
-        return values
+        return np.asarray(rows[:, self._columns][self._free])
 
     def times_j(self, matrix: Array) -> Array:
         """Matrix times J."""
@@ -85,8 +84,7 @@ class TurningFrame:
         x, y = self.x, self.y
         same = 0.5 * (matrix[np.ix_(x, x)] + matrix[np.ix_(y, y)])
         turn = 0.5 * (matrix[np.ix_(y, x)] - matrix[np.ix_(x, y)])
-        result: ComplexArray = same + 1j * turn
-        return result
+        return np.asarray(same + 1j * turn)
 
 
 class HoleFrame(NamedTuple):

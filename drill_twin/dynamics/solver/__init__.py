@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Time integration: implicit midpoint loop, assembly and linear solvers, generation and cache of compiled kernels."""
+"""Time integration: implicit midpoint loop, assembly and linear solvers, generation of kernels."""

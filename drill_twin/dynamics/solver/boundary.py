@@ -2,10 +2,10 @@
 """The ends of the string in the equations: weight on bit as an axial force, the top drive, the frame of the bit.
 
 Set-points arrive as an array: weight on bit [N], top-drive speed [rad/s], and with a block its speed [m/s]. The
-block carries the top on the drilling lines, a spring. An auto-driller moves the block by the error of the weight on bit
-that surface measurements give, proportional and integral, and by that of the torque if it is the smaller one;
-it works once a step. A prescribed turn is a constraint and needs
-no force here (the formulation sets it). Any other drive leaves the top free to turn and applies
+block carries the top on the drilling lines, a spring. An auto-driller moves the block once a
+step, by the error of the weight on bit that surface measurements give, proportional and integral, or by the error of
+the torque where that is smaller. A prescribed turn is a constraint, which the formulation sets, and needs no force
+here. Any other drive leaves the top free to turn and applies
 ``P (command - speed) + I (commanded angle - angle)``, within its torque limit.
 
 Forces at the bit are shared through `drill_twin.physics.model.bit`.
@@ -21,9 +21,8 @@ import numpy as np
 
 from drill_twin.core.arrays import Array
 from drill_twin.core.compile.jit import kernel
+from drill_twin.physics.model import SPIN, Axis
 from drill_twin.physics.model.bit import BIT_WEIGHT, HOOK, TOP_TORQUE, WEIGHT, WEIGHT_DAMPING, Bit
-from drill_twin.physics.model.mesh import SPIN
-from drill_twin.physics.model.wellbore import Axis
 
 WEIGHT_ON_BIT, ROTATION, BLOCK_SPEED = 0, 1, 2
 BIT, TOP, RESIDUAL = 0, 1, 7  # indices into the array of the ends, shape (2, 7, 8)
@@ -236,26 +235,8 @@ def from_bit(frame: Array, row: Array, rate: Array) -> None:
 def turn_blocks(frame: Array, own: Array, upper: Array, lower: Array) -> None:
     """Rotate the bit's blocks of the system: rows of `own` and `upper`, columns of `own` and `lower`."""
     for j in range(8):
-        turn_column(frame, own, j)
-        turn_column(frame, upper, j)
+        turn_row(frame, own[:, j])
+        turn_row(frame, upper[:, j])
     for i in range(7):
         turn_row(frame, own[i])
         turn_row(frame, lower[i])
-
-
-@kernel
-def turn_column(frame: Array, block: Array, j: int) -> None:
-    """Rotate the rows of r and r' in a column of a block into the frame."""
-    for first in (0, 3):
-        x, y, z = block[first, j], block[first + 1, j], block[first + 2, j]
-        for c in range(3):
-            block[first + c, j] = frame[c, 0] * x + frame[c, 1] * y + frame[c, 2] * z
-
-
-@kernel
-def turn_step_back(frame: Array, block: Array) -> None:
-    """Rotate the bit's Newton step, in the last column of its block, out of the frame."""
-    for first in (0, 3):
-        x, y, z = block[first, 7], block[first + 1, 7], block[first + 2, 7]
-        for c in range(3):
-            block[first + c, 7] = frame[0, c] * x + frame[1, c] * y + frame[2, c] * z

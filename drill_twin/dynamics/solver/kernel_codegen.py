@@ -26,6 +26,8 @@ In the loop:
 * ``after_step(parameters, rod, command, time, step, u, v)``: update of an effect's own memory after a step;
 * ``missed(parameters, v)``: share of dry friction at the bit by which the law differs at velocities from the tangent of
   the last iteration; Newton's method goes on where it is large;
+* ``side_friction(parameters, here, along, across)``: in the joined form above the joint, in place of
+  ``distributed_load``: force of the wall, friction along the hole, couple and their slopes;
 * ``dissipated_power(parameters, here, half_step)``: for the energy audit, power per length turned into heat, where
   that is not all of the work of ``distributed_load``.
 
@@ -33,13 +35,12 @@ Where a block names a variant (`EffectConfig.variant`), ``distributed_load_<vari
 ``distributed_load``, and so on; what has no variant of its own is called as it is.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from types import ModuleType
-from typing import Any, cast
 
 from drill_twin.core.compile import kernel_cache
 from drill_twin.dynamics.solver.parameter_records import fields_read, record_name
-from drill_twin.physics.effects import effect_config, effect_module, function_name, key_of
+from drill_twin.physics.effects import Effect, effect_module
 from drill_twin.physics.effects.config import HOOKS
 
 _RIG = {
@@ -64,35 +65,36 @@ _RECORD = {
 _LEDGER = "parameters.ledger.entries, parameters.ledger.gauss"
 
 
-def packages_of(effects: Sequence[str]) -> tuple[str, ...]:
+def packages_of(effects: Sequence[Effect]) -> tuple[str, ...]:
     """Top-level packages that the effects come from."""
-    return tuple(sorted({effect_module(name).__name__.partition(".")[0] for name in effects}))
+    return tuple(sorted({effect_module(effect.key).__name__.partition(".")[0] for effect in effects}))
 
 
-def import_line(effect: str, alias: str) -> str:
-    """Import of an effect's module under another name."""
-    package, _, module = effect_module(effect).__name__.rpartition(".")
+def import_line(key: str) -> str:
+    """Import of an effect's module under its key in the scene."""
+    package, _, module = effect_module(key).__name__.rpartition(".")
     source = f"from {package} import {module}" if package else f"import {module}"
-    return source if module == alias else f"{source} as {alias}"
+    return source if module == key else f"{source} as {key}"
 
 
-def arguments_of(effect: str, function: str, arguments: str) -> str:
-    """Arguments of a function in an effect's module, its parameters cut down to those that it reads."""
-    fields = fields_read(getattr(effect_module(effect), function))
-    name = record_name(fields) if fields else None
-    if name is None or fields is None:
-        return arguments
-    record = f"parameter_records.{name}({', '.join(f'parameters.{field}' for field in fields)})"
-    return record + arguments.removeprefix("parameters")
+def call_of(effect: Effect, hook: str, arguments: str) -> str:
+    """Call of an effect's function for a hook, its parameters cut down to those that it reads; "" where it has none."""
+    if not (function := effect.function(hook)):
+        return ""
+    fields = fields_read(getattr(effect_module(effect.key), function))
+    if fields and (name := record_name(fields)):
+        record = f"parameter_records.{name}({', '.join(f'parameters.{field}' for field in fields)})"
+        arguments = record + arguments.removeprefix("parameters")
+    return f"{effect.key}.{function}({arguments})"
 
 
-def source(effects: Sequence[str], form: str, *, audit: bool = False) -> str:
+def source(effects: Sequence[Effect], form: str, *, audit: bool = False) -> str:
     """The text of the module with the time loop for a set of effects and a form of the string."""
     more = "\nfrom drill_twin.dynamics.twin import frame_kernel, observation"
     more += "\nfrom drill_twin.dynamics.audit import energy_ledger, step_audit" if audit else ""
     fields = ["ledger: energy_ledger.EnergyLedger"] if audit else []
-    contact = "wall.contact_force" if "wall" in map(key_of, effects) else None
-    title = f"The {form} time loop for: {', '.join(effects) or 'no effects'}"
+    contact = "wall.contact_force" if any(effect.key == "wall" for effect in effects) else None
+    title = f"The {form} time loop for: {', '.join(map(str, effects)) or 'no effects'}"
     return f"""{_bound(effects, form, title, "midpoint", more, fields)}
 {_audited(effects, form) if audit else "loop = midpoint.bind(form, effects)"}
 frames = frame_kernel.bind(loop, observation.bind({contact}))
@@ -104,9 +106,9 @@ def run(words, kind, commands, seconds, step, table):
 """
 
 
-def linearisation_source(effects: Sequence[str], form: str) -> str:
+def linearisation_source(effects: Sequence[Effect], form: str) -> str:
     """The text of the module with the equations at an instant (`drill_twin.dynamics.solver.linearisation`)."""
-    title = f"The {form} equations at an instant for: {', '.join(effects) or 'no effects'}"
+    title = f"The {form} equations at an instant for: {', '.join(map(str, effects)) or 'no effects'}"
     return f"""{_bound(effects, form, title, "linearisation", "", [])}
 instant = linearisation.bind_{form}(form, effects)
 
@@ -117,10 +119,10 @@ def evaluate(parameters, rod, scratch, constrained, state, u, v, a, residual, ta
 """
 
 
-def _bound(effects: Sequence[str], form: str, title: str, solver: str, more: str, fields: Sequence[str]) -> str:
+def _bound(effects: Sequence[Effect], form: str, title: str, solver: str, more: str, fields: Sequence[str]) -> str:
     """The part of a module that binds a formulation to the effects."""
-    keys = [key_of(name) for name in effects]
-    imports = "\n".join(import_line(key, key) for key in keys)
+    keys = [effect.key for effect in effects]
+    imports = "\n".join(map(import_line, keys))
     own = [f"{key}: {key}.Parameters" for key in keys if hasattr(effect_module(key), "Parameters")]
     functions = "\n\n".join(_function(hook, effects) for hook in HOOKS)
     return f'''"""{title}. Generated by drill_twin; do not edit."""
@@ -130,7 +132,7 @@ from drill_twin.core.compile.jit import entry_kernel, kernel
 from drill_twin.dynamics.solver import {solver}, parameter_records
 from drill_twin.dynamics.solver.boundary import Drive, rig_after_step, rig_end_load
 from drill_twin.dynamics.solver.interface import Effects
-from drill_twin.dynamics.solver.{form} import {"formulation, friction" if form == "joined" else "formulation"}{more}
+from drill_twin.dynamics.solver.{form} import formulation{more}
 {imports}
 
 
@@ -154,13 +156,11 @@ def _bind(form: str, *, audit: bool = False) -> str:
     return f"formulation.bind({bound}, {prefix}section_stress, {prefix}distributed_load, {prefix}friction)"
 
 
-def _above(effects: Sequence[str], *, audit: bool = False) -> str:
+def _above(effects: Sequence[Effect], *, audit: bool = False) -> str:
     """Functions of what acts on a string that follows the hole."""
-    prefix, bound, lines = "audited_" if audit else "", "", ["return across, 0.0, 0.0, 0.0, 0.0, 0.0"]
-    for number, name in enumerate(effects):
-        if key_of(name) == "wall_friction":
-            bound = f'\nside_friction = friction.side_friction("{name.partition(":")[2]}")\n\n'
-            rub = "side_friction(parameters.wall_friction, parameters.wall.lever[here.place], here, along, across)"
+    prefix, lines = "audited_" if audit else "", ["return across, 0.0, 0.0, 0.0, 0.0, 0.0"]
+    for number, effect in enumerate(effects):
+        if rub := call_of(effect, "side_friction", "parameters, here, along, across"):
             account = f"energy_ledger.FIRST_EFFECT + {number}"
             record = f"energy_ledger.record_side_friction({_LEDGER}, {account}, here, along, found)"
             lines = [f"found = {rub}", *([record] if audit else []), "return found"]
@@ -169,13 +169,13 @@ def _above(effects: Sequence[str], *, audit: bool = False) -> str:
     )
     return f"""{functions}
 
-{"" if audit else bound}
+
 @kernel
 def {prefix}above_friction(parameters, here, along, across):
     {_lines(lines)}"""
 
 
-def _audited(effects: Sequence[str], form: str) -> str:
+def _audited(effects: Sequence[Effect], form: str) -> str:
     """The part of the module for the energy audit: the effects once more, each followed by a record of its work."""
     functions = "\n\n".join(_function(hook, effects, audit=True) for hook in _RECORD)
     functions += f"\n\n{_above(effects, audit=True)}" if form == "joined" else ""
@@ -190,23 +190,21 @@ audit_step = step_audit.bind_{form}({_bind(form, audit=True)}.build)
 loop = midpoint.bind(form, effects, audit_step, {close})"""
 
 
-def _function(hook: str, effects: Sequence[str], *, audit: bool = False, above: bool = False) -> str:
+def _function(hook: str, effects: Sequence[Effect], *, audit: bool = False, above: bool = False) -> str:
     """A function that calls those of the effects in turn; above a joint those that do not act across the hole only."""
     lines = [_RIG[hook]] if hook in _RIG else []
     lines += [_BEGIN[hook]] if audit and hook in _BEGIN else []
     damping = hook == "axial_damping"
     for number, effect in sorted(enumerate(effects), key=lambda pair: _comes_later(hook, pair[1])):
-        if above and (effect_config(effect).across or key_of(effect) == "wall_friction"):
+        if above and (effect.config.across or effect.function("side_friction")):
             continue
         account = f"energy_ledger.FIRST_EFFECT + {number}"
-        if function := function_name(effect, hook):
-            call = f"{key_of(effect)}.{function}({arguments_of(effect, function, HOOKS[hook])})"
+        if call := call_of(effect, hook, HOOKS[hook]):
             lines += [f"added = {call}", "force += added[0]", "slope += added[1]"] if damping else [call]
             lines[-1] = f"miss = max(miss, {call})" if hook == "missed" else lines[-1]
             lines += [f"energy_ledger.{_RECORD[hook].format(ledger=_LEDGER, account=account)}"] if audit else []
-        if audit and hook == "distributed_load" and (function := function_name(effect, "dissipated_power")):
-            arguments = arguments_of(effect, function, "parameters, here, half_step")
-            heat = f"{key_of(effect)}.{function}({arguments})"
+        heat = call_of(effect, "dissipated_power", "parameters, here, half_step")
+        if audit and hook == "distributed_load" and heat:
             lines.append(f"energy_ledger.record_heat({_LEDGER}, {account}, here, {heat})")
     if damping:
         last = ["energy_ledger.next_sample(parameters.ledger.entries)"] if audit else []
@@ -219,33 +217,24 @@ def {"audited_" if audit else ""}{"above_" if above else ""}{hook}({HOOKS[hook]}
     {_lines(lines or ["pass"])}"""
 
 
-def _comes_later(hook: str, effect: str) -> bool:
+def _comes_later(hook: str, effect: Effect) -> bool:
     """True for an effect that is called after the one that finds the weight on bit, which laws of torque read."""
-    return hook == "end_load" and "weight" not in effect_config(effect).provides
+    return hook == "end_load" and "weight" not in effect.config.provides
 
 
 def _lines(lines: Sequence[str]) -> str:
     return "\n    ".join(lines)
 
 
-def entry_point(module: ModuleType, name: str) -> Callable[..., Any]:
-    """Entry of a generated module without numba's dispatcher; call it once with real arguments before.
-
-    With a second kernel in the process the dispatcher takes 0.4 ms a call to resolve the types, longer than a frame.
-    """
-    entry = getattr(module, name)
-    compiled = list(entry.overloads.values())
-    return cast("Callable[..., Any]", compiled[0].entry_point if len(compiled) == 1 else entry)
-
-
 def build_kernel(
-    effects: tuple[str, ...], form: str = "spatial", hole: str = "straight", *, audit: bool = False
+    effects: tuple[Effect, ...], form: str = "spatial", hole: str = "straight", *, audit: bool = False
 ) -> ModuleType:
     """The module with ``run`` and ``Parameters`` for a set of effects, compiled on first use.
 
     Args:
-        effects: Scene keys in the order of the registry, with variants (`drill_twin.physics.effects.with_variant`).
-        form: "spatial", or "lateral" for a string that neither stretches nor twists.
+        effects: In the order of the registry.
+        form: "spatial", "joined" for a string that moves laterally from a depth on, or "lateral" for one that neither
+            stretches nor twists.
         hole: "straight" or "curved": it decides the types of the arguments, and a module holds the kernel for one.
         audit: Include the energy audit.
     """
@@ -254,7 +243,7 @@ def build_kernel(
         return kernel_cache.load_generated("kernel", text, hole, packages=packages_of(effects))
 
 
-def build_linearisation(effects: tuple[str, ...], form: str, hole: str) -> ModuleType:
+def build_linearisation(effects: tuple[Effect, ...], form: str, hole: str) -> ModuleType:
     """The module with ``evaluate`` and ``Parameters``: the equations at an instant; arguments as in `build_kernel`."""
     with kernel_cache.ONE_THREAD:
         text = linearisation_source(effects, form)

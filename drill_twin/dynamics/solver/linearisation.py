@@ -7,8 +7,8 @@ and may be negative: the sum of T(h) and T(-h) is 2 C, their difference 2 (M / h
 h separates M from K. What a formulation evaluates between the ends of a step (wall, stretch) is then its value at the
 instant, up to h^2.
 
-The time loop can do with a simplified tangent where Newton's method converges with it; that of the bit's friction
-leaves out the change of its coefficient with the slide. So the damping of the load at the bit is taken from differences
+The time loop converges with a simplified tangent too: the tangent of the bit's friction leaves out the change of its
+coefficient with the slide. So the damping of the load at the bit is taken from differences
 of that load alone.
 
 Friction in a primal-dual form has its exact tangent when the dual variable has converged: from the second build at one
@@ -27,7 +27,7 @@ from drill_twin.dynamics.solver.lateral.linear_solver import NODE as LATERAL_NOD
 from drill_twin.dynamics.solver.spatial import formulation as spatial
 from drill_twin.dynamics.solver.spatial.linear_solver import NODE as SPATIAL_NODE
 from drill_twin.dynamics.solver.state import State
-from drill_twin.physics.model.mesh import Rod
+from drill_twin.physics.model import Rod
 
 SHORT, LONG = 1e-6, 2e-5
 """Half steps of the instant [s]: of the residual SHORT, of the damping LONG, of mass and stiffness both."""

@@ -40,7 +40,7 @@ from drill_twin.dynamics.solver.state import (
     record_failure,
     record_step,
 )
-from drill_twin.physics.model.mesh import Rod
+from drill_twin.physics.model import Rod
 
 MAX_ITERATIONS = 12
 CONVERGENCE_SAFETY = 0.1  # a next change foreseen below this share of the tolerance need not be computed

@@ -39,21 +39,12 @@ def fields_read(function: Any) -> tuple[str, ...] | None:
 
     None where it does anything else with that argument, or where its source cannot be had.
     """
+    source = getattr(function, "py_func", function)
     try:
-        (tree,) = ast.parse(dedent(inspect.getsource(getattr(function, "py_func", function)))).body
-    except (OSError, TypeError, ValueError, SyntaxError):
+        nodes = [*ast.walk(ast.parse(dedent(inspect.getsource(source))))]
+    except (OSError, TypeError, SyntaxError):
         return None
-    return _fields(tree) if isinstance(tree, ast.FunctionDef) and tree.args.args else None
-
-
-def _fields(function: ast.FunctionDef) -> tuple[str, ...] | None:
-    record = function.args.args[0].arg
-    parents = {id(child): node for node in ast.walk(function) for child in ast.iter_child_nodes(node)}
-    found = set()
-    for node in ast.walk(function):
-        if isinstance(node, ast.Name) and node.id == record:
-            parent = parents[id(node)]
-            if not isinstance(parent, ast.Attribute):
-                return None
-            found.add(parent.attr)
-    return tuple(sorted(found, key=lambda name: (name != "drive", name)))
+    record = source.__code__.co_varnames[0]
+    uses = [node for node in nodes if isinstance(node, ast.Name) and node.id == record]
+    read = [node.attr for node in nodes if isinstance(node, ast.Attribute) and node.value in uses]
+    return None if len(read) < len(uses) else tuple(sorted({*read}, key=lambda name: (name != "drive", name)))

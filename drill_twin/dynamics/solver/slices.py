@@ -12,7 +12,6 @@ from contextvars import ContextVar
 import numpy as np
 
 from drill_twin.core.arrays import Array
-from drill_twin.dynamics.solver.state import ITERATIONS_LEFT, NEXT_STEP, PAUSED
 
 WORK = 250_000
 """Newton iterations times elements of a slice: about 0.2 s of the spatial form, 0.03 s of the lateral one."""
@@ -45,26 +44,3 @@ def make_progress() -> Array:
 def iterations_of(elements: int) -> float:
     """Newton iterations of a slice, for a number of elements."""
     return float(max(1, WORK // elements))
-
-
-def in_slices(function: Callable[[], int], progress: Array, iterations: Callable[[], float]) -> int:
-    """Call a compiled function until it is done; `checked` may end it in between, and so does a signal's handler.
-
-    Args:
-        function: Calls it; returns its status, PAUSED where it is to be called again.
-        progress: Progress of the time loop within it, as `make_progress`.
-        iterations: Newton iterations of the next slice; 0 to leave the rest undone.
-
-    Returns:
-        The status, PAUSED where the rest was left undone.
-    """
-    status = PAUSED
-    try:
-        while status == PAUSED and (allowed := iterations()) > 0.0:
-            progress[ITERATIONS_LEFT] = allowed
-            status = function()
-            if status == PAUSED:
-                call_check()
-    finally:
-        progress[NEXT_STEP] = 0.0
-    return status

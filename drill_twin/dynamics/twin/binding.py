@@ -18,8 +18,8 @@ from drill_twin.dynamics.twin.frame_kernel import AS_SET, MINUS_SET, Effort, Pas
 from drill_twin.dynamics.twin.observation import MarkPlaces, locate_marks, make_observation
 from drill_twin.dynamics.twin.state_judge import EXTREMES, VERDICT, Bounds
 from drill_twin.physics.effects.wall import Parameters as Wall
+from drill_twin.physics.model import DiscreteModel
 from drill_twin.physics.model.bit import BIT_WEIGHT, HOOK, TOP_TORQUE
-from drill_twin.physics.model.discrete_model import DiscreteModel
 from drill_twin.physics.model.section_stress import SCALARS
 from drill_twin.scene import Scene
 

@@ -35,7 +35,7 @@ from drill_twin.scene.set_points.command import Command
 
 _FORMAT = 1
 _HEADER = "head"
-_OF_HEAD = {"format", "version", "time", "set_points", "scene"}
+_HEAD_KEYS = {"format", "version", "time", "set_points", "scene"}
 _LARGEST_HEADER = 2_000_000  # bytes; the scene takes most of it
 _LARGEST_SIZE = 128 * 1024 * 1024  # bytes of all arrays; a string of 10 000 elements needs 3 MB
 _FILE = ForeignFile("a checkpoint", _LARGEST_SIZE, CheckpointError)
@@ -170,7 +170,7 @@ def _refuse_other_file(path: Path) -> None:
     try:
         with zipfile.ZipFile(path) as archive:
             size = archive.getinfo(f"{_HEADER}.npy").file_size
-            known = size <= _LARGEST_HEADER and _head(_array(archive.read(f"{_HEADER}.npy"))).keys() >= _OF_HEAD
+            known = size <= _LARGEST_HEADER and _head(_array(archive.read(f"{_HEADER}.npy"))).keys() >= _HEAD_KEYS
     except (*_DAMAGED, DrillTwinError):
         known = False
     if not known:
@@ -194,23 +194,18 @@ def _members(archive: zipfile.ZipFile) -> dict[str, Array]:
 
 def _array(data: bytes) -> Array:
     stream = BytesIO(data)
-    version = np.lib.format.read_magic(stream)
-    if version != (1, 0):
-        raise ValueError(f"an array of format {version}")
-    shape, fortran, kind = np.lib.format.read_array_header_1_0(stream)
-    if kind.hasobject or kind not in {np.dtype(np.float64), np.dtype(np.uint8)} or (fortran and len(shape) > 1):
-        raise ValueError(f"an array of {kind}")
-    content = data[stream.tell() :]
-    if math.prod(shape) * kind.itemsize != len(content):
-        raise ValueError(f"{len(content)} bytes for an array of {shape}")
-    return np.frombuffer(content, kind).reshape(shape)
+    found: Array = np.lib.format.read_array(stream, allow_pickle=False)
+    if found.dtype not in {np.dtype(np.float64), np.dtype(np.uint8)} or stream.read(1):
+        raise ValueError(f"an array of {found.dtype} in {len(data)} bytes")
+    return found
 
 
-_LONGEST_TEXT = 200
+_MOST_CHARACTERS = 200
+"""Characters of an error that are told: zipfile quotes whole headers."""
 
 
 def _error_text(error: BaseException) -> str:
-    text = " ".join(str(error).split())[:_LONGEST_TEXT]  # zipfile quotes headers whole
+    text = " ".join(str(error).split())[:_MOST_CHARACTERS]
     return text if text and not isinstance(error, KeyError) else f"{type(error).__name__} {text}".strip()
 
 

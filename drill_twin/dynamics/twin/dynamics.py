@@ -7,55 +7,53 @@ from typing import Any
 import numpy as np
 
 from drill_twin.core.arrays import Array
-from drill_twin.core.compile.packed_arguments import Packed, pack
+from drill_twin.core.compile.packed_arguments import (
+    Packed,
+    named_arrays,
+    pack,
+    pack_arrays,
+    replace_numbers,
+    undispatched,
+)
 from drill_twin.dynamics.audit.energy import Energy, energy, joined_energy, lateral_energy
 from drill_twin.dynamics.audit.energy_ledger import make_energy_ledger
-from drill_twin.dynamics.discretisation.discretise import BoundaryConditions, discretise, set_initial_state, survey_of
-from drill_twin.dynamics.discretisation.joint import joined_workspace
+from drill_twin.dynamics.discretisation.discretise import set_initial_state, survey_of
 from drill_twin.dynamics.discretisation.kernel_arguments import (
     JOINED,
     LATERAL,
     SPATIAL,
+    KernelArguments,
     effects_of,
     form_of,
-    parameters_of,
-    variants_of,
 )
-from drill_twin.dynamics.discretisation.resolution import mesh, newton_place, resolution_of
+from drill_twin.dynamics.discretisation.resolution import newton_place, resolution_of
 from drill_twin.dynamics.equilibrium import start_in_equilibrium
 from drill_twin.dynamics.solver import slices, state
-from drill_twin.dynamics.solver.kernel_codegen import build_kernel, entry_point
-from drill_twin.dynamics.solver.lateral.linear_solver import make_workspace as make_lateral_workspace
-from drill_twin.dynamics.solver.spatial.linear_solver import make_workspace
+from drill_twin.dynamics.solver.kernel_codegen import build_kernel
 from drill_twin.dynamics.twin.binding import bounds_of, memories, reactions_of
 from drill_twin.dynamics.twin.frame_kernel import BoundTwin
 from drill_twin.dynamics.twin.frame_record import row_type
-from drill_twin.dynamics.twin.packed_arrays import named_arrays, pack_arrays, replace_numbers
-from drill_twin.physics.effects import effect_module
-from drill_twin.physics.model.mesh import SPIN, Rod
+from drill_twin.physics.effects import Effect, effect_module
+from drill_twin.physics.model import SPIN, Rod
 from drill_twin.scene import Scene
 from drill_twin.scene.set_points import Command
 
 
-class Dynamics:
+class Dynamics(KernelArguments):
     """Kernel of a scene and its state, initialised as in `rig.start`.
 
     Attributes:
-        scene: The scene.
-        model: Discrete model.
-        boundary_conditions: Boundary conditions at bit and top.
-        form: Formulation: "spatial", "joined" where the string moves laterally from a depth on only, or "lateral" for a
-            scene with neither stretch nor torsion.
-        hole: "straight" or "curved".
-        effects: Keys of the effects in the kernel, in the order of their parameters.
-        variants: The same, each with the variant that its block asks for.
         parameters: Parameters of drive and effects, and the ledger of an audit.
         step: Nominal time step [s].
         command: Set-points last reached, as `drill_twin.scene.set_points.Command.values`, shape (3,).
         counters: See `drill_twin.dynamics.solver.state`.
         memory_block: Bytes of all arrays of the state, shape (size,).
         progress: Progress of an advance, see `drill_twin.dynamics.solver.state`.
+        bound: Arguments of the compiled frame loop, with the parameters in force.
     """
+
+    bound: BoundTwin
+    _packed: Packed
 
     def __init__(self, scene: Scene, rod: Rod | None = None) -> None:
         """Build the model, load or compile the kernel, and set the initial state.
@@ -69,53 +67,41 @@ class Dynamics:
             TableError: Elements or step are to be chosen for a record that cannot be used.
             RunError: No equilibrium or steady whirl was found to start from.
         """
-        self.scene = scene
-        elements, self.step = resolution_of(scene)
-        rod = mesh(scene, elements) if rod is None else rod
-        self.model = discretise(scene, rod)
-        self.boundary_conditions = BoundaryConditions.of(scene)
-        self.effects = effects_of(scene)
-        self.variants, self.form, self.hole, audit = kernel_of(scene)
-        self.kernel = build_kernel(self.variants, self.form, self.hole, audit=audit)
-        ledger = [make_energy_ledger(len(self.effects), rod, bit_held=self._bit_is_constrained)] if audit else []
-        parameters = parameters_of(self.kernel, scene, self.model, *ledger)
-        self._constrained = self.boundary_conditions.constrained(scene.string.bit_end)
-        self._work: Any = self._make_workspace()
-        self._run: Callable[..., int] | None = None  # once compiled
-        self._packed: Packed | None = None
-        self._kind: Any = None
-        self._bound: BoundTwin | None = None
+        super().__init__(scene, rod)
+        self.step, audit = resolution_of(scene)[1], scene.numerics.audit == "energy"
+        self.kernel = build_kernel(self.effects, self.form, self.hole, audit=audit)
+        ends = self.boundary_conditions
+        held = ends.weight_at_top and not ends.bit_on_rock
+        ledger = [make_energy_ledger(len(self.effects), self.rod, bit_held=held)] if audit else []
         command, counters = np.zeros(3), np.zeros(state.COUNTERS)
         command[0] = scene.rig.first[0]
         axial = getattr(self._work, "axial", ())  # the last sum of weights is used in the next step
         memory, self.memory_block = pack_arrays(
-            (parameters, state.make_state(rod.length.size), command, counters, axial)
+            (self.parameters_for(self.kernel, scene, *ledger), self._state, command, counters, axial)
         )
         self.parameters, self._state, self.command, self.counters, axial = memory
         if self.form == LATERAL:
             self._work = self._work._replace(axial=axial)
         self.progress = slices.make_progress()
-        self._state.bit_frame[:] = self.model.bit_frame
         impulse = self.parameters.drive.bit.impulse
         self._memories = memories(
             scene, self.model, self.counters, impulse, self.stress, getattr(self._work, "side", np.zeros(0))
         )
         self._saved = self.memory_block.copy()
+        self._run: Callable[..., int] | None = None  # once compiled
+        self._kind: Any = None
         self.set_parameters(self.parameters)
         self._set_initial_state()
 
-    def _make_workspace(self) -> Any:
-        rod = self.rod
-        if self.form == JOINED:
-            return joined_workspace(self.scene, self.model, self._constrained)
-        return make_workspace(rod.length.size) if self.form == SPATIAL else make_lateral_workspace(rod.length.size)
-
     def set_parameters(self, parameters: Any) -> None:
         """Take parameters of drive and effects, and the tolerance of Newton's method that their stiffness asks for."""
-        self.parameters, self._kind = parameters, None
+        self.parameters = parameters
         blades = getattr(parameters, "bit_stabiliser", None)
         place = newton_place(self.scene.tolerance, self.rod, self.wall, getattr(blades, "stiffness", 0.0))
         self._control = state.StepControl(self.step, place, self.scene.tolerance, 0)
+        self.bound = self._bind()
+        self._packed = pack(self.bound, self._kind)
+        self._kind = self._packed.kind  # other numbers change no type
 
     def change_numbers(self, scene: Scene) -> None:
         """Take the numbers of another scene, which differs in effects and drive only; the state stays.
@@ -127,10 +113,9 @@ class Dynamics:
             scene: The other scene, with the same kernel and string, and without an audit, whose ledger depends on no
                 number.
         """
-        before, after = (parameters_of(self.kernel, each, self.model) for each in (self.scene, scene))
+        before, after = (self.parameters_for(self.kernel, each) for each in (self.scene, scene))
         self.scene = scene
         self.set_parameters(replace_numbers(self.parameters, before, after))
-        self._kind = None if self._packed is None else self._packed.kind  # numbers change no type
 
     def _set_initial_state(self) -> None:
         set_initial_state(self._state, self.model, self.scene, float(self.command[0]))
@@ -148,10 +133,6 @@ class Dynamics:
                 module.initial_state(getattr(self.scene.effects, name), self.model, *self.unknowns)
         if self.form == JOINED:  # from the joint up the string follows the hole, where a kick does not push it
             self._state.v[self._work.below.diagonal.shape[0] - 1 :, [0, 1, 3, 4]] = 0.0
-
-    @property
-    def _bit_is_constrained(self) -> bool:
-        return self.boundary_conditions.weight_at_top and not self.boundary_conditions.bit_on_rock
 
     @property
     def wall(self) -> Any:
@@ -172,11 +153,6 @@ class Dynamics:
         return row_type(self.rod.arc.size, len(self.scene.string.marks), sections, whole=whole)
 
     @property
-    def rod(self) -> Rod:
-        """The meshed string."""
-        return self.model.rod
-
-    @property
     def time(self) -> float:
         """Simulated time [s]."""
         return float(self._state.clock[state.TIME])
@@ -194,31 +170,42 @@ class Dynamics:
         if self.form == LATERAL:
             yield "work.axial", self._work.axial
 
-    @property
-    def bound(self) -> BoundTwin:
-        """Arguments of the compiled frame loop, with the parameters in force."""
-        if self._bound is None or self._bound.parameters is not self.parameters:
-            self._bound, self._packed = self._bind(), None
-        return self._bound
-
     def _bind(self) -> BoundTwin:
         model, wall = self.model, self.wall
         return BoundTwin(
             parameters=self.parameters, rod=self.rod, hole=model.wellbore, wall=wall, scratch=self._work,
-            constrained=self._constrained, state=self._state, control=self._control, command=self.command,
+            constrained=self.constrained, state=self._state, control=self._control, command=self.command,
             progress=self.progress, memory=self.memory_block.view(np.int64), saved=self._saved.view(np.int64),
             reactions=reactions_of(self.boundary_conditions),
             bounds=bounds_of(self.scene, model, wall, lateral=self.form == LATERAL), **self._memories,
         )  # fmt: skip
 
-    def run(self, commands: Array, seconds: float, step: float, table: Array) -> int:
-        """Advance by frames in compiled code, see `frame_kernel.bind`; PAUSED at the end of a slice."""
-        bound = self.bound
-        if self._packed is None:
-            self._packed = pack(bound, self._kind)
-        words, kind, _ = self._packed
-        status = (self._run or self.kernel.run)(words, kind, commands, seconds, step, table)
-        self._run = self._run or entry_point(self.kernel, "run")
+    def run(self, commands: Array, seconds: float, step: float, table: Array, iterations: Callable[[], float]) -> int:
+        """Advance by frames in compiled code, which returns after each slice, so that signals are handled.
+
+        `drill_twin.dynamics.solver.slices.checked` may end it between two slices.
+
+        Args:
+            commands: Set-points at the end of each frame, shape (F, 3).
+            seconds: Length of a frame [s].
+            step: Nominal time step [s].
+            table: The record (`frame_kernel.bind`).
+            iterations: Newton iterations of the next slice; 0 to leave the rest undone.
+
+        Returns:
+            Outcome of the last frame; PAUSED where the rest was left undone.
+        """
+        arguments = *self._packed[:2], commands, seconds, step, table
+        status = state.PAUSED
+        try:
+            while status == state.PAUSED and (allowed := iterations()) > 0.0:
+                self.progress[state.ITERATIONS_LEFT] = allowed
+                self._run = self._run or undispatched(self.kernel.run, *arguments)
+                status = self._run(*arguments)
+                if status == state.PAUSED:
+                    slices.call_check()
+        finally:
+            self.progress[state.NEXT_STEP] = 0.0
         return status
 
     def roll_back(self) -> None:
@@ -236,14 +223,11 @@ class Dynamics:
         Returns:
             False if Newton's method fails at the smallest step, or the step is halved too often.
         """
-        iterations, nothing = slices.iterations_of(self.rod.length.size), np.zeros((0, 0))
-        commands, nominal = target.reshape(1, -1), self.step if step is None else step
+        iterations = slices.iterations_of(self.rod.length.size)
         slices.call_check()  # between the many short ones of a search for an equilibrium
         self.bound.course[:] = 0
-        status = slices.in_slices(
-            lambda: self.run(commands, seconds, nominal, nothing), self.progress, lambda: iterations
-        )
-        return status == state.CONVERGED
+        step = self.step if step is None else step
+        return self.run(target.reshape(1, -1), seconds, step, np.zeros((0, 0)), lambda: iterations) == state.CONVERGED
 
     @property
     def clock(self) -> Array:
@@ -291,7 +275,7 @@ class Dynamics:
         return bool(whole)
 
 
-def kernel_of(scene: Scene) -> tuple[tuple[str, ...], str, str, bool]:
-    """Properties that select a scene's kernel: variants of effects, formulation, "straight" or "curved" hole, audit."""
+def kernel_of(scene: Scene) -> tuple[tuple[Effect, ...], str, str, bool]:
+    """Properties that select a scene's kernel: effects, formulation, "straight" or "curved" hole, audit."""
     hole = "straight" if survey_of(scene) is None else "curved"
-    return variants_of(scene), form_of(scene), hole, scene.numerics.audit == "energy"
+    return effects_of(scene), form_of(scene), hole, scene.numerics.audit == "energy"

@@ -31,7 +31,7 @@ from drill_twin.dynamics.audit.energy_ledger import (
 from drill_twin.dynamics.twin.frame import EnergyBalance
 from drill_twin.physics.effects import EFFECTS
 from drill_twin.physics.effects.wall import Parameters as Wall
-from drill_twin.physics.model.discrete_model import DiscreteModel
+from drill_twin.physics.model import DiscreteModel
 
 HEAT = frozenset(key for key, block in EFFECTS.items() if block.energy_class == "heat")
 SLOWEST = 1e-3

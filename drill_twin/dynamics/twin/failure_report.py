@@ -16,10 +16,9 @@ from drill_twin.core.errors import StoppedError
 from drill_twin.dynamics.audit.energy import element_unknowns
 from drill_twin.dynamics.twin.dynamics import Dynamics
 from drill_twin.dynamics.twin.step_guard import REMEDIES, Violation
-from drill_twin.physics.effects import effect_module, function_name, key_of
-from drill_twin.physics.model.mesh import Rod
+from drill_twin.physics.effects import Effect, effect_module
+from drill_twin.physics.model import Point, Rod, Strain, strain_at
 from drill_twin.physics.model.section import RESULTANTS
-from drill_twin.physics.model.strain import Point, Strain, strain_at
 
 
 class EvaluationPoint(NamedTuple):
@@ -33,7 +32,7 @@ class EvaluationPoint(NamedTuple):
 
 
 def diagnose(
-    parameters: Any, rod: Rod, effects: Sequence[str], moments: Sequence[EvaluationPoint], node: int | None = None
+    parameters: Any, rod: Rod, effects: Sequence[Effect], moments: Sequence[EvaluationPoint], node: int | None = None
 ) -> tuple[str, str]:
     """The effect that most likely caused a failure, and a sentence about it; two empty texts where none acts.
 
@@ -43,51 +42,52 @@ def diagnose(
     Args:
         parameters: Of all effects, as the kernel takes them.
         rod: The string.
-        effects: Keys of the effects, with their variants.
+        effects: The effects, as the kernel calls them.
         moments: States and times to evaluate at.
         node: The node at which to evaluate; all, where it is None.
     """
     strongest, size, place, last = "", 0.0, 0.0, rod.length.size - 1
     elements = range(last + 1) if node is None else range(max(node - 1, 0), min(node, last) + 1)
     with np.errstate(all="ignore"):
-        for name in effects:
+        for effect in effects:
             for moment in moments:
                 loads = np.zeros(last + 1)
-                loads[elements] = [_load_on_element(parameters, rod, name, e, moment) for e in elements]
-                loads[[0, -1]] += _load_at_ends(parameters, rod, name, moment) * [0 in elements, last in elements]
+                loads[elements] = [_load_on_element(parameters, rod, effect, e, moment) for e in elements]
+                loads[[0, -1]] += _load_at_ends(parameters, rod, effect, moment) * [0 in elements, last in elements]
                 if not np.isfinite(loads).all():
                     place = float(rod.arc[int(np.argmin(np.isfinite(loads)))])
-                    return key_of(name), f"{key_of(name)} gives no number {place:.3g} m from the bit"
+                    return effect.key, f"{effect.key} gives no number {place:.3g} m from the bit"
                 if loads.max() > size:
-                    strongest, size, place = key_of(name), float(loads.max()), float(rod.arc[int(loads.argmax())])
+                    strongest, size, place = effect.key, float(loads.max()), float(rod.arc[int(loads.argmax())])
     return strongest, f"strongest: {strongest} ({size:.3g} N {place:.3g} m from the bit)" if strongest else ""
 
 
-def _load_on_element(parameters: Any, rod: Rod, name: str, e: int, at: EvaluationPoint) -> float:
+def _call(effect: Effect, hook: str, *arguments: Any) -> None:
+    """Call an effect's function for a hook, if it has one, as Python."""
+    if function := effect.function(hook):
+        as_python(getattr(effect_module(effect.key), function))(*arguments)
+
+
+def _load_on_element(parameters: Any, rod: Rod, effect: Effect, e: int, at: EvaluationPoint) -> float:
     """Size of an effect's load on an element [N]."""
-    module, total = effect_module(name), 0.0
+    total = 0.0
     for p in range(2):
         strain, here = _sample(rod, e, p, at)
         load, stiff, out = np.zeros(4), np.zeros((4, 4)), np.zeros(RESULTANTS)
-        if function := function_name(name, "distributed_load"):
-            as_python(getattr(module, function))(parameters, rod, here, 0.5 * at.step, load, stiff)
-        if function := function_name(name, "section_stress"):
-            as_python(getattr(module, function))(parameters, rod, strain, 0.5 * at.step, out)
+        _call(effect, "distributed_load", parameters, rod, here, 0.5 * at.step, load, stiff)
+        _call(effect, "section_stress", parameters, rod, strain, 0.5 * at.step, out)
         share = 0.5 * rod.length[e]
         total += share * float(np.linalg.norm(load[:3]) + abs(load[3]) / rod.outer_radius[e])
         total += float(np.linalg.norm(out[:4])) / rod.length[e]
     return total
 
 
-def _load_at_ends(parameters: Any, rod: Rod, name: str, at: EvaluationPoint) -> Array:
+def _load_at_ends(parameters: Any, rod: Rod, effect: Effect, at: EvaluationPoint) -> Array:
     """Size of an effect's loads at the bit and at the top [N], shape (2,)."""
-    module, ends = effect_module(name), np.zeros((2, 7, 8))
-    if function := function_name(name, "end_load"):
-        # in the frame of the hole at the top, which is accurate enough to compare effects
-        load = as_python(getattr(module, function))
-        load(parameters, rod, at.command, at.time, 0.5 * at.step, at.u, at.v, at.v, ends)
-    force: Array = np.linalg.norm(ends[:, :3, 7], axis=1) + np.abs(ends[:, 6, 7]) / rod.outer_radius[[0, -1]]
-    return force
+    ends = np.zeros((2, 7, 8))
+    # in the frame of the hole at the top, which is accurate enough to compare effects
+    _call(effect, "end_load", parameters, rod, at.command, at.time, 0.5 * at.step, at.u, at.v, at.v, ends)
+    return np.asarray(np.linalg.norm(ends[:, :3, 7], axis=1) + np.abs(ends[:, 6, 7]) / rod.outer_radius[[0, -1]])
 
 
 def _sample(rod: Rod, e: int, p: int, at: EvaluationPoint) -> tuple[Strain, Point]:
@@ -130,7 +130,7 @@ def failure_report(
     kept = dynamics.memory_block.copy()  # evaluation may change the state of an effect
     late = found.kind in {"slow", "long"}
     place = found.node if late else None
-    effect, doing = diagnose(dynamics.parameters, dynamics.rod, dynamics.variants, moments, place)
+    effect, doing = diagnose(dynamics.parameters, dynamics.rod, dynamics.effects, moments, place)
     if found.kind == "long":  # no place and no effect is to blame
         effect, doing = "", ""
     dynamics.memory_block[:] = kept

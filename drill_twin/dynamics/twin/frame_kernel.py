@@ -28,16 +28,16 @@ from drill_twin.dynamics.solver.state import (
     State,
     StepControl,
 )
+from drill_twin.dynamics.twin.frame import RigState
 from drill_twin.dynamics.twin.observation import DEPTH, PLACE, MarkPlaces, Observation
 from drill_twin.dynamics.twin.state_judge import Bounds, find_extremes, judge
+from drill_twin.physics.model import SPIN, Rod, Wellbore
 from drill_twin.physics.model.bit import BIT_TORQUE, DRILLED
-from drill_twin.physics.model.mesh import Rod
-from drill_twin.physics.model.wellbore import Wellbore
 
 GOOD, DIVERGED, HALVED_TOO_OFTEN, IMPLAUSIBLE = range(4)
 """Outcome of a frame: good, Newton's method failed, the step was halved too often, or a bound is exceeded.
 
-PAUSED of `drill_twin.dynamics.solver.state` is a frame to be gone on with.
+PAUSED of `drill_twin.dynamics.solver.state` is the outcome of a frame whose slice ended before the frame did.
 """
 FRACTION, GOOD_FRAMES = 0, 1
 """Indices into the guard's memory: fraction of the nominal step, good frames since it was halved."""
@@ -116,20 +116,16 @@ def count_good_frame(guard: Array) -> None:
 
 @kernel
 def put(row: Array, at: int, values: Array) -> int:
-    """Put a list of numbers into a row of the record from a column on; returns the column behind it."""
-    for i in range(values.shape[0]):
-        row[at + i] = values[i]
-    return at + int(values.shape[0])
+    """Put the numbers of an array into a row of the record from a column on; returns the column behind it."""
+    for i in range(values.size):
+        row[at + i] = values.flat[i]
+    return at + int(values.size)
 
 
 @kernel
-def put_table(row: Array, at: int, values: Array) -> int:
-    """As `put`, of an array of two dimensions."""
-    rows, columns = values.shape
-    for i in range(rows):
-        for c in range(columns):
-            row[at + i * columns + c] = values[i, c]
-    return at + int(rows * columns)
+def max_halvings(seconds: float, step: float) -> int:
+    """Limit of step halvings in a frame of a length [s], with a nominal step [s]."""
+    return int(HALVINGS_PER_FRAME + HALVINGS_PER_STEP * np.ceil(seconds / step))
 
 
 @kernel
@@ -147,25 +143,29 @@ def mean_reaction(effort: Effort, source: int, load: float, seconds: float) -> f
 def record_rig(
     effort: Effort, reactions: Reactions, load: float, u: Array, v: Array, seconds: float, row: Array, at: int
 ) -> int:
-    """Record the fields of `drill_twin.dynamics.twin.frame.RigState`, in their order."""
+    """Record the state of the rig."""
     top = u.shape[0] - 1
-    row[at], row[at + 1] = u[top, 6], v[top, 6]
-    row[at + 2] = mean_reaction(effort, reactions.torque, load, seconds)
-    row[at + 3], row[at + 4] = u[0, 6], v[0, 6]
-    row[at + 5] = mean_reaction(effort, COUNTERS + BIT_TORQUE, load, seconds)
-    row[at + 6] = mean_reaction(effort, reactions.weight, load, seconds)
-    row[at + 7], row[at + 8] = u[top, 2], v[top, 2]
-    row[at + 9] = mean_reaction(effort, reactions.hook, load, seconds)
-    row[at + 10] = effort.impulse[DRILLED]
-    row[at + 11] = mean_reaction(effort, COUNTERS + DRILLED, load, seconds)
-    return at + 12
+    rig = RigState(
+        top_drive_angle=u[top, SPIN], top_drive_speed=v[top, SPIN],
+        top_drive_torque=mean_reaction(effort, reactions.torque, load, seconds),
+        bit_angle=u[0, SPIN], bit_speed=v[0, SPIN],
+        bit_torque=mean_reaction(effort, COUNTERS + BIT_TORQUE, load, seconds),
+        bit_force=mean_reaction(effort, reactions.weight, load, seconds),
+        block_position=u[top, 2], block_velocity=v[top, 2],
+        hookload=mean_reaction(effort, reactions.hook, load, seconds),
+        drilled=effort.impulse[DRILLED],
+        rate_of_penetration=mean_reaction(effort, COUNTERS + DRILLED, load, seconds),
+    )  # fmt: skip
+    for i in range(len(rig)):
+        row[at + i] = rig[i]
+    return at + len(rig)
 
 
 @kernel
 def record_marks(seen: Observation, row: Array, at: int) -> int:
     """Record marks and wall forces."""
-    at = put_table(row, at, seen.position)
-    at = put_table(row, at, seen.centre)
+    at = put(row, at, seen.position)
+    at = put(row, at, seen.centre)
     at = put(row, at, seen.spin)
     at = put(row, at, seen.mark_force)
     largest, touching = 0.0, 0
@@ -179,14 +179,14 @@ def record_marks(seen: Observation, row: Array, at: int) -> int:
 @kernel
 def record_nodes(seen: Observation, u: Array, v: Array, stress: Array, row: Array, at: int) -> None:
     """Record the state of all nodes, in the order of `drill_twin.dynamics.twin.frame_record.NodeSeries`."""
-    at = put_table(row, at, u)
-    at = put_table(row, at, v)
-    at = put_table(row, at, seen.tangents)
+    at = put(row, at, u)
+    at = put(row, at, v)
+    at = put(row, at, seen.tangents)
     at = put(row, at, seen.wall_force)
-    at = put_table(row, at, seen.velocity)
+    at = put(row, at, seen.velocity)
     at = put(row, at, seen.spin_rate)
     row[at], row[at + 1] = seen.deepest[DEPTH], seen.gauss_arc[int(seen.deepest[PLACE])]
-    put_table(row, at + 2, stress)
+    put(row, at + 2, stress)
 
 
 @kernel
@@ -236,7 +236,7 @@ def bind(advance: Any, observe: Any) -> Callable[..., int]:
         now, before, seen = field(words, kind, "now"), field(words, kind, "before"), field(words, kind, "seen")
         u, v, clock = state.u, state.v, state.clock
         judged = table.shape[0] > 0
-        halvings = int(HALVINGS_PER_FRAME + HALVINGS_PER_STEP * np.ceil(seconds / nominal))
+        halvings = max_halvings(seconds, nominal)
         while course[ROW] < commands.shape[0]:
             step = nominal
             if judged:

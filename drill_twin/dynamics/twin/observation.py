@@ -17,9 +17,17 @@ from numpy.typing import NDArray
 
 from drill_twin.core.arrays import Array
 from drill_twin.core.compile.jit import kernel
-from drill_twin.physics.model.mesh import Rod, locate
-from drill_twin.physics.model.strain import Point, rotate_to_tangent
-from drill_twin.physics.model.wellbore import Axis, Wellbore, axis_offset, distance_along
+from drill_twin.physics.model import (
+    Axis,
+    Point,
+    Rod,
+    Wellbore,
+    along_element,
+    axis_offset,
+    distance_along,
+    locate,
+    rotate_to_tangent,
+)
 
 DEPTH, PLACE = 0, 1  # indices into Observation.deepest
 
@@ -45,7 +53,6 @@ class Observation(NamedTuple):
     spin: Array  # (m,) [rad]
     spin_rate: Array  # (m,) [rad/s]
     mark_force: Array  # (m,) [N]
-    point: Array  # (3, 3) of the present mark: position, velocity, tangent, not of unit length
     deepest: Array  # (2,) largest penetration of the surface into the wall [m], and its Gauss point
     gauss_arc: Array  # (2 n,) of the Gauss points from the bit [m]
     side: Array  # (2 k,) force per length on the wall at the last Gauss points, where the string follows the hole [N/m]
@@ -67,7 +74,7 @@ def locate_marks(rod: Rod, places: Array, offset: Array, axis: Axis | None = Non
 def make_observation(gauss_arc: Array, marks: int, side: Array) -> Observation:
     """Arrays for an observation of Gauss points and a number of marks; `side` as in `Observation`."""
     n, m = gauss_arc.size // 2 + 1, marks
-    shapes = ((n, 3), (n,), (m, 3), (m, 3), (m, 3), (m,), (m,), (m,), (3, 3), (2,))
+    shapes = ((n, 3), (n,), (m, 3), (m, 3), (m, 3), (m,), (m,), (m,), (2,))
     arrays: list[Array] = [np.zeros(shape) for shape in shapes]
     return Observation._make((*arrays, gauss_arc, side))
 
@@ -85,17 +92,13 @@ def observe_nodes(u: Array, out: Observation) -> None:
 @kernel
 def observe_marks(u: Array, v: Array, marks: MarkPlaces, out: Observation) -> None:
     """Compute position and velocity of the marks in the frame of the hole at their depth, spin and wall force."""
-    r, dr, t = out.point[0], out.point[1], out.point[2]
     for m in range(marks.element.shape[0]):
         e, far, radius = marks.element[m], marks.share[m], marks.offset[m]
         near = 1.0 - far
         psi = near * u[e, 6] + far * u[e + 1, 6]
         rate = near * v[e, 6] + far * v[e + 1, 6]
         w, d = marks.shape[m, 0], marks.shape[m, 1]
-        for c in range(3):
-            r[c] = w[0] * u[e, c] + w[1] * u[e, 3 + c] + w[2] * u[e + 1, c] + w[3] * u[e + 1, 3 + c]
-            dr[c] = w[0] * v[e, c] + w[1] * v[e, 3 + c] + w[2] * v[e + 1, c] + w[3] * v[e + 1, 3 + c]
-            t[c] = d[0] * u[e, c] + d[1] * u[e, 3 + c] + d[2] * u[e + 1, c] + d[3] * u[e + 1, 3 + c]
+        r, dr, t = along_element(w, u, e), along_element(w, v, e), along_element(d, u, e)
         g = 1.0 / np.sqrt(t[0] ** 2 + t[1] ** 2 + t[2] ** 2)
         arm = rotate_to_tangent(t[0] * g, t[1] * g, t[2] * g, radius * np.cos(psi), radius * np.sin(psi))
         sweep = rotate_to_tangent(
@@ -132,17 +135,13 @@ def bind(contact_force: Any) -> Callable[..., None]:
         for e in range(free):
             for p in range(2):
                 w, place = shape[e, p, 0], 2 * e + p
-                x = w[0] * u[e, 0] + w[1] * u[e, 3] + w[2] * u[e + 1, 0] + w[3] * u[e + 1, 3]
-                y = w[0] * u[e, 1] + w[1] * u[e, 4] + w[2] * u[e + 1, 1] + w[3] * u[e + 1, 4]
-                z = w[0] * u[e, 2] + w[1] * u[e, 5] + w[2] * u[e + 1, 2] + w[3] * u[e + 1, 5]
+                x, y, z = along_element(w, u, e)
                 off = axis_offset(bore.axis, place, x, y, z)
                 depth = np.sqrt(off.x**2 + off.y**2 + off.z**2) - bore.clearance[place]
                 if depth > out.deepest[DEPTH]:
                     out.deepest[DEPTH], out.deepest[PLACE] = depth, place
                 if wall is not None and depth > 0.0:
-                    vx = w[0] * v[e, 0] + w[1] * v[e, 3] + w[2] * v[e + 1, 0] + w[3] * v[e + 1, 3]
-                    vy = w[0] * v[e, 1] + w[1] * v[e, 4] + w[2] * v[e + 1, 1] + w[3] * v[e + 1, 4]
-                    vz = w[0] * v[e, 2] + w[1] * v[e, 5] + w[2] * v[e + 1, 2] + w[3] * v[e + 1, 5]
+                    vx, vy, vz = along_element(w, v, e)
                     here = Point(
                         e, place, 0.0, x, y, z, vx, vy, vz, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0,
                         0.0, 0.0, 0.0, 1.0, 0.0, True, 0.0,

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Step guard: words for the verdict on a frame, rollback to the last good one, and step size control.
+"""Step guard: words for the verdict on a frame, rollback to the last good one, step size control; the frame loop.
 
 The frame loop saves the state before a frame and judges the one after it (`state_judge`). A frame with a violation is
 rejected and repeated with half the step, up to `MAX_RETRIES` times; the step is doubled again after every
@@ -9,15 +9,18 @@ rejected and repeated with half the step, up to `MAX_RETRIES` times; the step is
 from __future__ import annotations
 
 import math
+import time
 from dataclasses import dataclass
 
 import numpy as np
 
+from drill_twin.dynamics.solver import slices
 from drill_twin.dynamics.solver.midpoint import SMALLEST_SHARE
+from drill_twin.dynamics.solver.state import HALVINGS, NEXT_STEP, UNFINISHED
 from drill_twin.dynamics.twin import state_judge
 from drill_twin.dynamics.twin.dynamics import Dynamics
 from drill_twin.dynamics.twin.frame import EnergyBalance, Intervention
-from drill_twin.dynamics.twin.frame_kernel import FRACTION, GOOD_FRAMES, HALVINGS_PER_FRAME, HALVINGS_PER_STEP
+from drill_twin.dynamics.twin.frame_kernel import FRACTION, GOOD_FRAMES, REPEATED, ROW
 from drill_twin.dynamics.twin.state_judge import ALLOWED, FOUND, KIND, NODE
 
 NOT_RETRIED = {"slow": 0, "long": 0, "fold": 1, "slope": 1}
@@ -59,11 +62,6 @@ ENERGY_SHARE = 0.2
 
 FOLDING = 0.2
 """1 - t_z in a straight hole, a lean of 37 degrees, above which a string that has no solution is said to fold."""
-
-
-def max_halvings(seconds: float, step: float) -> int:
-    """Limit of step halvings in a frame of a length [s], with a nominal step [s]."""
-    return HALVINGS_PER_FRAME + HALVINGS_PER_STEP * math.ceil(seconds / step)
 
 
 class StepGuard:
@@ -206,3 +204,65 @@ class StepGuard:
 def _degrees(lean: float) -> float:
     """Angle from the upright of a tangent with 1 - t_z [degrees]."""
     return math.degrees(math.acos(max(1.0 - lean, -1.0)))
+
+
+MOST_SECONDS = 60.0
+"""Most processor time of a frame unless `numerics.processor_time` says another [s]."""
+LAST_STEPS = 100
+"""Attempts of a step, beyond that time, until one is cut, which shows where Newton's method fails."""
+
+
+class FrameLoop:
+    """Place of the compiled frame loop in a block of frames, and the processor time of its present frame.
+
+    Attributes:
+        longest: Most processor time of a frame, its repetitions included [s].
+    """
+
+    def __init__(self, dynamics: Dynamics) -> None:
+        self._dynamics, self._course = dynamics, dynamics.bound.course
+        given = dynamics.scene.numerics.processor_time
+        self.longest = MOST_SECONDS if given is None else given
+        self._iterations = slices.iterations_of(dynamics.rod.length.size)
+        self._begun: tuple[float, float] | None = None  # simulated time of a frame that was paused, and clock then [s]
+        self._halvings = 0.0  # when that frame was last within `longest`
+        self._late = 0  # attempts of a step beyond `longest`
+
+    @property
+    def row(self) -> int:
+        """Number of the next frame of the block."""
+        return int(self._course[ROW])
+
+    def begin(self) -> None:
+        """Begin a block."""
+        self._course[:] = 0
+        self._begun = None
+
+    def take_back(self) -> None:
+        """Take back the frame that was recorded last."""
+        self._course[ROW] -= 1
+        self._dynamics.progress[UNFINISHED] = 1.0
+
+    def repeat(self) -> None:
+        """Let the next frame begin from the state that was saved."""
+        self._course[REPEATED] = 1
+
+    def abandon(self) -> None:
+        """Go back to the end of the last whole frame, if one has been begun since."""
+        if self._dynamics.progress[UNFINISHED] != 0.0:
+            self._dynamics.roll_back()
+            self._dynamics.progress[UNFINISHED] = 0.0
+
+    def next_slice(self) -> float:
+        """Newton iterations of the next slice; 0 if the frame takes too long, once it is seen where it is cut."""
+        dynamics = self._dynamics
+        if dynamics.progress[NEXT_STEP] == 0.0:
+            return self._iterations
+        now = time.thread_time()
+        if self._begun is None or self._begun[0] != dynamics.time:
+            self._begun, self._late = (dynamics.time, now), 0
+        if now - self._begun[1] <= self.longest:
+            self._halvings = dynamics.counters[HALVINGS]
+            return self._iterations
+        self._late += 1
+        return 0.0 if self._late > LAST_STEPS or dynamics.counters[HALVINGS] > self._halvings else 1.0

@@ -7,6 +7,7 @@ from collections.abc import Iterator, Mapping
 import numpy as np
 
 from drill_twin.core.arrays import Array
+from drill_twin.core.compile.jit import as_python
 from drill_twin.core.errors import ArgumentError
 from drill_twin.dynamics.solver.state import HALVINGS, PAUSED, REACHED, STEPS
 from drill_twin.dynamics.twin.binding import read_past
@@ -14,13 +15,11 @@ from drill_twin.dynamics.twin.dynamics import Dynamics
 from drill_twin.dynamics.twin.energy_balance import EnergyAudit
 from drill_twin.dynamics.twin.failure_report import failure_report
 from drill_twin.dynamics.twin.frame import EnergyBalance, Frame, Frames
-from drill_twin.dynamics.twin.frame_kernel import GOOD, HALVED_TOO_OFTEN, IMPLAUSIBLE
-from drill_twin.dynamics.twin.frame_loop import FrameLoop
+from drill_twin.dynamics.twin.frame_kernel import GOOD, HALVED_TOO_OFTEN, IMPLAUSIBLE, max_halvings
 from drill_twin.dynamics.twin.frame_record import Record, frame_of, frames_of, make_record
-from drill_twin.dynamics.twin.step_guard import StepGuard, Violation, max_halvings
+from drill_twin.dynamics.twin.step_guard import FrameLoop, StepGuard, Violation
+from drill_twin.physics.model import DiscreteModel, Rod
 from drill_twin.physics.model.bit import DRILLED
-from drill_twin.physics.model.discrete_model import DiscreteModel
-from drill_twin.physics.model.mesh import Rod
 from drill_twin.scene import Scene
 from drill_twin.scene.set_points.command import Command
 
@@ -46,11 +45,11 @@ class Twin:
         self.dynamics = dynamics = Dynamics(scene)
         self.energy_audit: EnergyAudit | None = None
         if scene.numerics.audit == "energy":
+            keys = [effect.key for effect in dynamics.effects]
             self.energy_audit = EnergyAudit(
-                dynamics.parameters.ledger, dynamics.effects, self.model, dynamics.wall, dynamics.energy_of
+                dynamics.parameters.ledger, keys, self.model, dynamics.wall, dynamics.energy_of
             )
-        self._guard = StepGuard(dynamics)
-        self._loop = FrameLoop(dynamics)
+        self._guard, self._loop = StepGuard(dynamics), FrameLoop(dynamics)
         self._energy: EnergyBalance | None = None
         self._single, self._last = np.zeros((1, 3)), self.record(1)
 
@@ -81,7 +80,7 @@ class Twin:
 
     @property
     def form(self) -> str:
-        """Formulation: "spatial", or "lateral" for a scene with neither stretch nor torsion."""
+        """Formulation: "spatial", "joined" or "lateral", as `Dynamics.form`."""
         return self.dynamics.form
 
     @property
@@ -141,7 +140,7 @@ class Twin:
     def load(self) -> None:
         """Bind the compiled frame loop and load its machine code, so that no frame waits for it or is timed with it."""
         self._loop.begin()
-        self._loop.run(self._single[:0], 1.0, self._last.table)
+        self.dynamics.run(self._single[:0], 1.0, self.step_size, self._last.table, self._loop.next_slice)
 
     def record(self, frames: int, *, nodes: bool = True) -> Record:
         """Make an empty record of a number of frames, with the state of all nodes, as messages need it, or without."""
@@ -208,20 +207,21 @@ class Twin:
 
     def _go_on(self, commands: Array, seconds: float, table: Array) -> Violation | None:
         """Advance until a frame is rejected, with an audit by one frame; returns why it was."""
-        loop, guard, audit = self._loop, self._guard, self.energy_audit
-        if audit is None:
-            return self._violation(loop.run(commands, seconds, table), seconds)
-        memory = guard.memory.copy()
-        audit.begin(*self.unknowns)
-        found = self._violation(loop.run(commands[: loop.row + 1], seconds, table), seconds)
+        loop, guard, audit, memory = self._loop, self._guard, self.energy_audit, self._guard.memory.copy()
+        if audit is not None:
+            commands = commands[: loop.row + 1]
+            audit.begin(*self.unknowns)
+        outcome = self.dynamics.run(commands, seconds, self.step_size, table, loop.next_slice)
+        found = self._violation(outcome, seconds)
+        if audit is None or found is not None:
+            return found
+        energy, grown = audit.balance(*self.unknowns)
+        found = guard.energy_drift(energy, grown)
         if found is None:
-            energy, grown = audit.balance(*self.unknowns)
-            found = guard.energy_drift(energy, grown)
-            if found is None:
-                self._energy = energy
-            else:
-                loop.take_back()
-                guard.memory[:] = memory
+            self._energy = energy
+        else:
+            loop.take_back()
+            guard.memory[:] = memory
         return found
 
     def _violation(self, outcome: int, seconds: float) -> Violation | None:
@@ -232,7 +232,7 @@ class Twin:
             return self._too_slow(seconds)
         if outcome == IMPLAUSIBLE:
             return self._guard.implausible()
-        halvings = max_halvings(seconds, self.step_size) if outcome == HALVED_TOO_OFTEN else None
+        halvings = as_python(max_halvings)(seconds, self.step_size) if outcome == HALVED_TOO_OFTEN else None
         return self._guard.diverged(self._step_now(seconds), halvings)
 
     def _retry_with_smaller_step(self, first: Violation, record: Record, commands: Array, seconds: float) -> None:

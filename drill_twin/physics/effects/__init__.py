@@ -10,7 +10,7 @@ import warnings
 from importlib import import_module, metadata
 from pkgutil import iter_modules
 from types import ModuleType
-from typing import Any
+from typing import Any, NamedTuple, Self
 
 from drill_twin.core.errors import RunError
 from drill_twin.physics.effects.config import HOOKS, EffectConfig, uncalled
@@ -59,50 +59,54 @@ EFFECTS: dict[str, type[EffectConfig]] = {key: config for key, (_, config) in _F
 """Key in a scene file -> its config: those of this package by name, then those of other packages."""
 
 
-def effect_module(effect: str) -> ModuleType:
-    """The module of an effect, by its key in the scene, with or without a variant."""
-    return _FOUND[key_of(effect)][0]
+class Effect(NamedTuple):
+    """An effect as a kernel calls it."""
+
+    key: str
+    """Its key in the scene."""
+    variant: str = ""
+    """Suffix of those of its functions that have one of their own for the block of the scene; "" for none."""
+
+    @classmethod
+    def of(cls, key: str, block: EffectConfig) -> Self:
+        """The effect with the variant that its block asks for.
+
+        Raises:
+            RunError: The module has no function of the variant.
+        """
+        effect, module = cls(key, block.variant), effect_module(key)
+        if effect.variant and not any(hasattr(module, f"{hook}_{effect.variant}") for hook in HOOKS):
+            functions = ", ".join(f"{hook}_{effect.variant}" for hook in HOOKS)
+            raise RunError(f'effects.{key}: expected one of the functions {functions} for the variant '
+                           f'"{effect.variant}" of its block, found none in {module.__name__}')  # fmt: skip
+        return effect
+
+    @property
+    def config(self) -> type[EffectConfig]:
+        """Class of its block."""
+        return _FOUND[self.key][1]
+
+    def function(self, hook: str) -> str:
+        """Name of its function for a hook, that of the variant where there is one; "" for none."""
+        names = (f"{hook}_{self.variant}", hook)
+        return next((name for name in names if hasattr(effect_module(self.key), name)), "")
+
+    def __str__(self) -> str:
+        """Key and variant, such as `wall_friction:arctan`."""
+        return f"{self.key}:{self.variant}" if self.variant else self.key
 
 
-def effect_config(effect: str) -> type[EffectConfig]:
-    """The class of an effect's block, by the same."""
-    return _FOUND[key_of(effect)][1]
+def effect_module(key: str) -> ModuleType:
+    """The module of an effect, by its key in the scene."""
+    return _FOUND[key][0]
 
 
-def parameters_of(effect: str, block: EffectConfig, model: Any) -> Any:
+def parameters_of(key: str, block: EffectConfig, model: Any) -> Any:
     """Parameters of an effect's functions, by its `parameters`; without one they are the fields of its block."""
-    module = effect_module(effect)
+    module = effect_module(key)
     if hasattr(module, "parameters"):
         return module.parameters(block, model)
     return module.Parameters(*(getattr(block, name) for name in module.Parameters._fields))
 
 
-def key_of(effect: str) -> str:
-    """Key in the scene of an effect with a variant: `wall_friction` of `wall_friction:arctan`."""
-    return effect.partition(":")[0]
-
-
-def with_variant(key: str, config: EffectConfig) -> str:
-    """Key of an effect in a kernel: that of the scene, with the variant that the block asks for.
-
-    Raises:
-        RunError: The module has no function of the variant.
-    """
-    variant = config.variant
-    if variant and not any(hasattr(effect_module(key), f"{hook}_{variant}") for hook in HOOKS):
-        functions = ", ".join(f"{hook}_{variant}" for hook in HOOKS)
-        raise RunError(f'effects.{key}: expected one of the functions {functions} for the variant "{variant}" of its '
-                       f"block, found none in {effect_module(key).__name__}")  # fmt: skip
-    return f"{key}:{variant}" if variant else key
-
-
-def function_name(effect: str, hook: str) -> str:
-    """Name of an effect's compiled function in its module, for the variant if it has one of its own; "" if none."""
-    module, (_, _, variant) = effect_module(effect), effect.partition(":")
-    return next((name for name in (f"{hook}_{variant}", hook) if hasattr(module, name)), "")
-
-
-__all__ = [
-    "EFFECTS", "GROUP", "LEFT_OUT", "EffectConfig", "effect_module", "function_name", "key_of", "parameters_of",
-    "with_variant",
-]  # fmt: skip
+__all__ = ["EFFECTS", "GROUP", "LEFT_OUT", "Effect", "EffectConfig", "effect_module", "parameters_of"]

@@ -12,9 +12,8 @@ from drill_twin.core.units import Dimensionless, Length, Within
 from drill_twin.physics.effects.bit_torque_stribeck import dual_of_step, sign_missed
 from drill_twin.physics.effects.config import EffectConfig, Incompatibility
 from drill_twin.physics.effects.friction_dual import no_iterate
+from drill_twin.physics.model import SPIN, DiscreteModel, Rod
 from drill_twin.physics.model.bit import BIT_TORQUE, contact_weight
-from drill_twin.physics.model.discrete_model import DiscreteModel
-from drill_twin.physics.model.mesh import SPIN, Rod
 
 SLIDING = ("sliding", "free")
 """Constraints of the bit that let it slide laterally."""

@@ -7,7 +7,7 @@ from drill_twin.core.arrays import Array
 from drill_twin.core.compile.jit import kernel
 from drill_twin.core.units import Inertia, Mass, RotationalDamping, Within
 from drill_twin.physics.effects.config import EffectConfig, parameters_class
-from drill_twin.physics.model.mesh import Rod
+from drill_twin.physics.model import Rod
 
 
 class BitMass(EffectConfig):

@@ -18,9 +18,8 @@ from drill_twin.core.units import AngularSpeed, Dimensionless, Length, Pressure,
 from drill_twin.physics.effects.bit_torque_stribeck import dual_of_step, sign_missed
 from drill_twin.physics.effects.config import EffectConfig, Flag, Incompatibility
 from drill_twin.physics.effects.friction_dual import no_iterate
+from drill_twin.physics.model import SPIN, DiscreteModel, Rod
 from drill_twin.physics.model.bit import BIT_TORQUE, DRILLED, Bit, apply_support, correct_weight_impulse
-from drill_twin.physics.model.discrete_model import DiscreteModel
-from drill_twin.physics.model.mesh import SPIN, Rod
 
 MOST_BLADES = 100
 CELLS = 512

@@ -10,8 +10,7 @@ from drill_twin.core.arrays import Array
 from drill_twin.core.compile.jit import kernel
 from drill_twin.core.units import Angle, Force, Time, Torque, Within
 from drill_twin.physics.effects.config import EffectConfig, Incompatibility
-from drill_twin.physics.model.discrete_model import DiscreteModel
-from drill_twin.physics.model.mesh import Rod
+from drill_twin.physics.model import DiscreteModel, Rod
 
 SLIDING, TILTING = ("sliding", "free", "stabilised"), ("pinned", "free", "stabilised")
 """Constraints of the bit that leave it free to move laterally, and to tilt."""

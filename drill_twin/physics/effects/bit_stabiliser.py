@@ -12,8 +12,7 @@ from drill_twin.core.units import Damping, Dimensionless, Length, RotationalStif
 from drill_twin.physics.effects.config import EffectConfig, Incompatibility
 from drill_twin.physics.effects.friction_dual import dual_variable, no_iterate
 from drill_twin.physics.effects.wall import SMALLEST, mean_force
-from drill_twin.physics.model.discrete_model import DiscreteModel
-from drill_twin.physics.model.mesh import Rod
+from drill_twin.physics.model import DiscreteModel, Rod
 
 AT_THE_BIT = 1e-9  # of the string's length, from the bit up, where its gauge fits the hole
 

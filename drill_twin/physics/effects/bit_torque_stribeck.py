@@ -13,9 +13,8 @@ from drill_twin.core.compile.jit import kernel
 from drill_twin.core.units import AngularSpeed, Dimensionless, Length, Pressure, TimePerAngle, Within, refuse, show
 from drill_twin.physics.effects.config import EffectConfig
 from drill_twin.physics.effects.friction_dual import dual_variable, no_iterate
+from drill_twin.physics.model import SPIN, DiscreteModel, Rod
 from drill_twin.physics.model.bit import BIT_TORQUE, DRILLED, apply_torque, contact_weight
-from drill_twin.physics.model.discrete_model import DiscreteModel
-from drill_twin.physics.model.mesh import SPIN, Rod
 
 
 class BitTorqueStribeck(EffectConfig):

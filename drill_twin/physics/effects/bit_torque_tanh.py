@@ -9,8 +9,8 @@ from drill_twin.core.arrays import Array, Pair
 from drill_twin.core.compile.jit import kernel
 from drill_twin.core.units import Length, SquaredTimePerAngle, TimePerAngle, Within
 from drill_twin.physics.effects.config import EffectConfig, parameters_class
+from drill_twin.physics.model import SPIN, Rod
 from drill_twin.physics.model.bit import BIT_TORQUE, apply_torque, contact_weight
-from drill_twin.physics.model.mesh import SPIN, Rod
 
 
 class BitTorqueTanh(EffectConfig):

@@ -12,10 +12,8 @@ from drill_twin.core.compile.jit import kernel
 from drill_twin.core.units import Angle, Length, Within, refuse
 from drill_twin.physics.effects.config import EffectConfig, Incompatibility, Seed
 from drill_twin.physics.effects.random_draws import generator, random_line
-from drill_twin.physics.model.discrete_model import DiscreteModel
-from drill_twin.physics.model.mesh import Rod
+from drill_twin.physics.model import DiscreteModel, Rod, Strain, rotate_to_tangent
 from drill_twin.physics.model.section import COUPLE, MX, MY, MZ
-from drill_twin.physics.model.strain import Strain, rotate_to_tangent
 
 
 class Bow(EffectConfig):

@@ -22,7 +22,7 @@ HOOKS = {
     "missed": "parameters, v",
 }
 """Functions of an effect that the loop calls, and their arguments."""
-_OTHERS = ("dissipated_power", "initial_state", "parameters", "Parameters")
+_OTHERS = ("dissipated_power", "side_friction", "initial_state", "parameters", "Parameters")
 NEAR = 0.85
 """Likeness (`difflib`) from which a name is a misspelling: a letter of `end_load` too many or too few has 0.93."""
 

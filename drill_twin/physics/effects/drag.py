@@ -7,8 +7,7 @@ from drill_twin.core.arrays import Array
 from drill_twin.core.compile.jit import kernel
 from drill_twin.core.units import LinearDrag, RotaryDrag, Within
 from drill_twin.physics.effects.config import EffectConfig, parameters_class
-from drill_twin.physics.model.mesh import Rod
-from drill_twin.physics.model.strain import Point
+from drill_twin.physics.model import Point, Rod
 
 
 class Drag(EffectConfig):

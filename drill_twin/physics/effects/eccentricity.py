@@ -12,9 +12,7 @@ from drill_twin.core.compile.jit import kernel
 from drill_twin.core.units import Angle, Length, Within, refuse
 from drill_twin.physics.effects.config import EffectConfig, Incompatibility, Seed
 from drill_twin.physics.effects.random_draws import generator, random_line
-from drill_twin.physics.model.discrete_model import DiscreteModel
-from drill_twin.physics.model.mesh import Rod
-from drill_twin.physics.model.strain import Point, transverse_axes
+from drill_twin.physics.model import DiscreteModel, Point, Rod, transverse_axes
 
 Offset = Annotated[Length, Within(at_least="0 m", at_most="1 m", reason="no string is thicker")]
 Direction = Annotated[Angle, Within(at_least="-360 deg", at_most="360 deg", reason="a turn")]

@@ -17,8 +17,7 @@ from drill_twin.core.compile.jit import kernel
 from drill_twin.core.units import Dimensionless, Length, Pressure, Within, refuse
 from drill_twin.physics.effects import bow
 from drill_twin.physics.effects.config import EffectConfig, Incompatibility
-from drill_twin.physics.model.discrete_model import DiscreteModel
-from drill_twin.physics.model.mesh import Rod, locate
+from drill_twin.physics.model import DiscreteModel, Rod, locate
 from drill_twin.physics.model.rainflow import DEPTH, EXTREME, MEMORY, Law, add_stress, total_cycles, total_damage
 from drill_twin.physics.model.section_stress import (
     AXIAL_FORCE,

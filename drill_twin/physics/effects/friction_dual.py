@@ -1,5 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Dual variable of dry friction, with which Newton's method converges where the slip changes its sign."""
+"""Regularised signs and limits of dry friction, and its dual variable.
+
+With the dual variable Newton's method converges where the slip changes its sign.
+"""
+
+from typing import Any
 
 import numpy as np
 
@@ -32,3 +37,31 @@ def dual_variable(
             dx, dy = dx / long, dy / long
     memory[0], memory[1], memory[2], memory[3], memory[4], memory[5] = across, along, size, dx, dy, count
     return dx, dy
+
+
+@kernel
+def arctan_size(law: Any, slip: float) -> Pair:
+    """Size by which the slip s is divided for the paper's sign [m/s], and that size times its slope over s [-]."""
+    steep = 0.5 * np.pi * slip / law.creep
+    if steep < 1e-4:
+        return law.creep, np.pi * np.pi / 6.0
+    sign = 2.0 / np.pi * np.arctan(steep)
+    return slip / sign, (1.0 - slip / (law.creep * (1.0 + steep * steep) * sign)) / (sign * sign)
+
+
+@kernel
+def step_size(law: Any, slip: float) -> Pair:
+    """As `arctan_size` for the STEP from -mu to mu, (3 x - x^3) / 2 at x = v / v_s up to 1."""
+    square = (slip / law.low) ** 2
+    if square >= 1.0:
+        return slip, 1.0
+    left = 3.0 - square
+    return 2.0 * law.low / left, 8.0 / (left * left * left)
+
+
+@kernel
+def step_limit(law: Any, slip: float) -> Pair:
+    """Friction coefficient from v_s on, mu falling to mu_d by a STEP, and its fall over slip speed [s/m]."""
+    t = min(max((slip - law.low) / (law.high - law.low), 0.0), 1.0)
+    drop = law.coefficient - law.sliding
+    return law.coefficient - drop * t * t * (3.0 - 2.0 * t), drop * 6.0 * t * (1.0 - t) / (law.high - law.low)

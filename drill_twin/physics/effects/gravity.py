@@ -10,9 +10,7 @@ from drill_twin.core.compile.jit import kernel
 from drill_twin.core.units import Acceleration, Within
 from drill_twin.physics.effects.config import EffectConfig
 from drill_twin.physics.effects.mud import displaced_area
-from drill_twin.physics.model.discrete_model import DiscreteModel
-from drill_twin.physics.model.mesh import Rod
-from drill_twin.physics.model.strain import Point
+from drill_twin.physics.model import DiscreteModel, Point, Rod
 
 
 class Gravity(EffectConfig):
@@ -37,8 +35,7 @@ class Parameters(NamedTuple):
 
 def line_weight(block: Gravity, model: DiscreteModel) -> Array:
     """Weight per length less buoyancy (m - rho A) g, by element [N/m], shape (n,); negative if the string floats."""
-    weight: Array = block.magnitude * (model.rod.line_mass - model.fluid_density * displaced_area(model))
-    return weight
+    return np.asarray(block.magnitude * (model.rod.line_mass - model.fluid_density * displaced_area(model)))
 
 
 def parameters(block: Gravity, model: DiscreteModel) -> Parameters:

@@ -7,9 +7,8 @@ from drill_twin.core.arrays import Array
 from drill_twin.core.compile.jit import kernel
 from drill_twin.core.units import Time, Within
 from drill_twin.physics.effects.config import EffectConfig, parameters_class
-from drill_twin.physics.model.mesh import Rod
+from drill_twin.physics.model import Rod, Strain
 from drill_twin.physics.model.section import BEND_DAMP, COUPLE, MX, MY, MZ, TORQUE, TORQUE_RATE
-from drill_twin.physics.model.strain import Strain
 
 
 class InternalDamping(EffectConfig):

@@ -10,8 +10,7 @@ from drill_twin.core.arrays import Array
 from drill_twin.core.errors import RunError
 from drill_twin.core.units import Length, Speed, Within
 from drill_twin.physics.effects.config import EffectConfig, Incompatibility
-from drill_twin.physics.model.discrete_model import DiscreteModel
-from drill_twin.physics.model.mesh import locate
+from drill_twin.physics.model import DiscreteModel, locate
 
 STEEPEST = 0.5
 """Largest initial slope [-]."""

@@ -8,7 +8,7 @@ import numpy as np
 from drill_twin.core.arrays import Array
 from drill_twin.core.units import Density, Viscosity, Within
 from drill_twin.physics.effects.config import EffectConfig
-from drill_twin.physics.model.discrete_model import DiscreteModel
+from drill_twin.physics.model import DiscreteModel
 
 
 class Mud(EffectConfig):
@@ -33,8 +33,7 @@ def bore_radius(model: DiscreteModel) -> Array:
 
 def hole_radius(model: DiscreteModel) -> Array:
     """Radius of the hole at the Gauss points [m], shape (2 n,)."""
-    radius: Array = model.wellbore.clearance + model.contact_radius
-    return radius
+    return np.asarray(model.wellbore.clearance + model.contact_radius)
 
 
 def displaced_area(model: DiscreteModel) -> Array:
@@ -46,5 +45,4 @@ def displaced_area(model: DiscreteModel) -> Array:
     if model.fluid_density == 0.0:
         return np.zeros_like(model.rod.length)
     inside = bore_radius(model) if model.fluid_inside else np.zeros_like(model.rod.length)
-    area: Array = np.pi * (model.rod.outer_radius**2 - inside**2) + model.joint_area
-    return area
+    return np.asarray(np.pi * (model.rod.outer_radius**2 - inside**2) + model.joint_area)

@@ -14,7 +14,7 @@ from statistics import NormalDist
 import numpy as np
 
 from drill_twin.core.arrays import Array
-from drill_twin.physics.model.discrete_model import DiscreteModel
+from drill_twin.physics.model import DiscreteModel
 
 HARMONICS = 64
 
@@ -51,8 +51,7 @@ def random_line(
     """
     waves = normal_strata(random, HARMONICS) / correlation
     turns = np.exp(1j * (np.multiply.outer(places, waves) + phases(random, HARMONICS)))
-    line: np.ndarray[tuple[int], np.dtype[np.complex128]] = turns @ ((1j * waves) ** derivative) / np.sqrt(HARMONICS)
-    return line
+    return np.asarray(turns @ ((1j * waves) ** derivative) / np.sqrt(HARMONICS))
 
 
 SIZE = 2
@@ -77,5 +76,4 @@ def random_matrix(dispersion: float, random: np.random.Generator) -> Array:
     shapes = (SIZE + 1.0) / (2.0 * dispersion**2) - 0.5 * np.arange(SIZE)
     factor = np.diag(scale * np.sqrt(2.0 * random.gamma(shapes)))
     factor[np.triu_indices(SIZE, 1)] = scale * random.standard_normal(SIZE * (SIZE - 1) // 2)
-    drawn: Array = factor.T @ factor
-    return drawn
+    return np.asarray(factor.T @ factor)

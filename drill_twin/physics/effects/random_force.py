@@ -10,9 +10,7 @@ from drill_twin.core.compile.jit import kernel
 from drill_twin.core.units import ForcePerLength, Length, Time, Within
 from drill_twin.physics.effects.config import EffectConfig, Seed
 from drill_twin.physics.effects.random_draws import generator, normal_strata, phases
-from drill_twin.physics.model.discrete_model import DiscreteModel
-from drill_twin.physics.model.mesh import Rod
-from drill_twin.physics.model.strain import Point
+from drill_twin.physics.model import DiscreteModel, Point, Rod
 
 WAVES, HARMONICS = 16, 32  # shapes along the string, and harmonics in time of each
 

@@ -10,9 +10,8 @@ from drill_twin.core.arrays import Array, Pair
 from drill_twin.core.compile.jit import kernel
 from drill_twin.core.units import Damping, Stiffness, Within
 from drill_twin.physics.effects.config import EffectConfig, Incompatibility
+from drill_twin.physics.model import DiscreteModel, Rod
 from drill_twin.physics.model.bit import apply_support, correct_weight_impulse, rock_height
-from drill_twin.physics.model.discrete_model import DiscreteModel
-from drill_twin.physics.model.mesh import Rod
 
 
 class RockFloor(EffectConfig):

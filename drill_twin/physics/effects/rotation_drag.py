@@ -10,9 +10,7 @@ from drill_twin.core.arrays import Array
 from drill_twin.core.compile.jit import kernel
 from drill_twin.physics.effects.config import EffectConfig, Incompatibility
 from drill_twin.physics.effects.mud import hole_radius
-from drill_twin.physics.model.discrete_model import DiscreteModel
-from drill_twin.physics.model.mesh import Rod
-from drill_twin.physics.model.strain import Point
+from drill_twin.physics.model import DiscreteModel, Point, Rod
 
 
 class RotationDrag(EffectConfig):

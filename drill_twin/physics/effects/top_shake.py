@@ -12,8 +12,7 @@ from drill_twin.core.compile.jit import kernel
 from drill_twin.core.units import Angle, Frequency, Length, Within
 from drill_twin.physics.effects.config import EffectConfig, Incompatibility, Seed
 from drill_twin.physics.effects.random_draws import generator, normal_strata, phases
-from drill_twin.physics.model.discrete_model import DiscreteModel
-from drill_twin.physics.model.mesh import Rod
+from drill_twin.physics.model import DiscreteModel, Rod
 
 HARMONICS = 64
 

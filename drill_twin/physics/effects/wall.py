@@ -5,16 +5,12 @@ from typing import Annotated, Any, NamedTuple, Self
 
 import numpy as np
 from pydantic import model_validator
-from pydantic_core import PydanticCustomError
 
 from drill_twin.core.arrays import Array, Pair
 from drill_twin.core.compile.jit import kernel
-from drill_twin.core.units import Dimensionless, HertzStiffness, LinearStiffness, Speed, Within
+from drill_twin.core.units import Dimensionless, HertzStiffness, LinearStiffness, Speed, Within, refuse
 from drill_twin.physics.effects.config import EffectConfig
-from drill_twin.physics.model.discrete_model import DiscreteModel
-from drill_twin.physics.model.mesh import Rod
-from drill_twin.physics.model.strain import Point
-from drill_twin.physics.model.wellbore import Wellbore, axis_offset
+from drill_twin.physics.model import DiscreteModel, Point, Rod, Wellbore, axis_offset
 
 SMALLEST = 1e-12  # distance from the axis at which a normal still has a direction [m]
 
@@ -41,8 +37,7 @@ class Wall(EffectConfig):
     def _has_one_law(self) -> Self:
         if (self.stiffness is None) == (self.linear_stiffness is None):
             found = "neither" if self.stiffness is None else "both"
-            message = f'expected either `stiffness` such as "1e7 N/m^2.5" or `linear_stiffness`, found {found}'
-            raise PydanticCustomError("drill_twin", "{message}", {"message": message})
+            raise refuse(f'expected either `stiffness` such as "1e7 N/m^2.5" or `linear_stiffness`, found {found}')
         return self
 
 

@@ -11,14 +11,13 @@ from drill_twin.core.arrays import Array, Pair, Triple
 from drill_twin.core.compile.jit import kernel
 from drill_twin.core.units import Dimensionless, InverseSpeed, Length, Speed, Within, refuse, show
 from drill_twin.physics.effects.config import EffectConfig
-from drill_twin.physics.effects.friction_dual import dual_variable
+from drill_twin.physics.effects.friction_dual import arctan_size, dual_variable, step_limit, step_size
 from drill_twin.physics.effects.wall import Contact, contact_force
-from drill_twin.physics.model.discrete_model import DiscreteModel
-from drill_twin.physics.model.mesh import Rod
-from drill_twin.physics.model.strain import Point
+from drill_twin.physics.model import DiscreteModel, Point, Rod
 
 ACCURACY = 1e6  # steepness of the regularised sign, where none is given [s/m]
 Quad = tuple[float, float, float, float]
+SideFriction = tuple[float, float, float, float, float, float]
 Coefficient = Annotated[Dimensionless, Within(at_least="0", at_most="5")]
 SlipSpeed = Annotated[Speed, Within(above="0 m/s", at_most="100 m/s")] | None
 Depth = Annotated[Length, Within(at_least="0 m", at_most="20 km")]
@@ -159,32 +158,61 @@ def parameters(block: WallFriction, model: DiscreteModel) -> Parameters:
     )  # fmt: skip
 
 
-@kernel
-def arctan_size(law: Parameters, slip: float) -> Pair:
-    """Size by which the slip s is divided for the paper's sign [m/s], and that size times its slope over s [-]."""
-    steep = 0.5 * np.pi * slip / law.creep
-    if steep < 1e-4:
-        return law.creep, np.pi * np.pi / 6.0
-    sign = 2.0 / np.pi * np.arctan(steep)
-    return slip / sign, (1.0 - slip / (law.creep * (1.0 + steep * steep) * sign)) / (sign * sign)
+class Friction(NamedTuple):
+    """Friction over the normal force [-], around the hole and along it, and its slopes by the slip [s/m]."""
+
+    around: float
+    along: float
+    by_around: float  # of the part around the hole, by the slip around it
+    mixed: float  # of one part by the other slip
+    by_along: float
 
 
 @kernel
-def step_size(law: Parameters, slip: float) -> Pair:
-    """As `arctan_size` for the STEP from -mu to mu, (3 x - x^3) / 2 at x = v / v_s up to 1."""
-    square = (slip / law.low) ** 2
-    if square >= 1.0:
-        return slip, 1.0
-    left = 3.0 - square
-    return 2.0 * law.low / left, 8.0 / (left * left * left)
+def unit_friction(
+    law: Parameters, here: Point, around: float, along: float, arctan: bool, sliding: bool, stribeck: bool, step: bool
+) -> Friction:
+    """Friction for a normal force of 1 N/m at the slip of a point around the hole and along it [m/s].
 
-
-@kernel
-def step_limit(law: Parameters, slip: float) -> Pair:
-    """Friction coefficient from v_s on, mu falling to mu_d by a STEP, and its fall over slip speed [s/m]."""
-    t = min(max((slip - law.low) / (law.high - law.low), 0.0), 1.0)
-    drop = law.coefficient - law.sliding
-    return law.coefficient - drop * t * t * (3.0 - 2.0 * t), drop * 6.0 * t * (1.0 - t) / (law.high - law.low)
+    The last four arguments choose the law. They are constants where this is called, so the other laws leave no machine
+    code.
+    """
+    slip, steep, falling = np.sqrt(around * around + along * along), 0.0, 1.0
+    if step:
+        size, bend = step_size(law, slip)
+        limit, excess = step_limit(law, slip)
+    else:
+        falling = 1.0 + law.decay * slip
+        if arctan:
+            size, bend = arctan_size(law, slip)
+        else:
+            size, bend = np.sqrt(slip * slip + law.creep * law.creep), 1.0
+        if stribeck:
+            steep = (law.decay * slip) ** law.exponent
+            excess = (law.coefficient - law.sliding) * np.exp(-steep)
+            limit = law.sliding + excess
+        elif sliding:
+            excess = (law.coefficient - law.sliding) / falling
+            limit = law.sliding + excess
+        else:
+            excess = limit = law.coefficient / falling
+    excess, limit = law.scale[here.place] * excess, law.scale[here.place] * limit
+    st, sz = around / size, along / size
+    dt, dz = dual_variable(law.memory[here.place], here.first_iteration, here.iteration, around, along, size, bend)
+    # the limit decreases with slip (without a branch; negligible within the creep)
+    if step:
+        fall = excess / max(slip, law.low)
+    elif stribeck:
+        slower = max(slip, law.creep)
+        fall = excess * law.exponent * steep / (slower * slower)
+    else:
+        fall = excess * law.decay / (falling * max(slip, law.creep))
+    scale = limit / size
+    return Friction(
+        limit * st, limit * sz, scale * (1.0 - bend * dt * st) - fall * st * around,
+        -0.5 * bend * scale * (dt * sz + dz * st) - fall * st * along,
+        scale * (1.0 - bend * dz * sz) - fall * sz * along,
+    )  # fmt: skip
 
 
 @kernel
@@ -203,8 +231,8 @@ def row(
 
 def bind(
     *, arctan: bool = False, sliding: bool = False, stribeck: bool = False, step: bool = False
-) -> Callable[..., None]:
-    """The load for one law; the branches of the others leave no machine code."""
+) -> tuple[Callable[..., None], Callable[..., SideFriction]]:
+    """The load on the wall for one law, and the friction on a string that follows the hole."""
 
     @kernel
     def distributed_load(parameters: Any, rod: Rod, here: Point, half_step: float, load: Array, stiff: Array) -> None:
@@ -214,70 +242,58 @@ def bind(
         """
         at = contact_force(parameters.wall, here, half_step)
         if at.force > 0.0:
-            law = parameters.wall_friction
             r = parameters.wall.lever[here.place]
             tx, ty, tz = at.tx, at.ty, at.tz
             cx, cy, cz = ty * at.nz - tz * at.ny, tz * at.nx - tx * at.nz, tx * at.ny - ty * at.nx
             around = cx * here.vx + cy * here.vy + cz * here.vz + r * here.spin_rate
             along = tx * here.vx + ty * here.vy + tz * here.vz
-            slip = np.sqrt(around * around + along * along)
-            if step:
-                size, bend = step_size(law, slip)
-            elif arctan:
-                size, bend = arctan_size(law, slip)
-            else:
-                size, bend = np.sqrt(slip * slip + law.creep * law.creep), 1.0
-            falling = 1.0 + law.decay * slip
-            if step:
-                limit, excess = step_limit(law, slip)
-            elif stribeck:
-                steep = (law.decay * slip) ** law.exponent
-                excess = (law.coefficient - law.sliding) * np.exp(-steep)
-                limit = law.sliding + excess
-            elif sliding:
-                excess = (law.coefficient - law.sliding) / falling
-                limit = law.sliding + excess
-            else:
-                excess = limit = law.coefficient / falling
-            excess, limit = law.scale[here.place] * excess, law.scale[here.place] * limit
-            st, sz = around / size, along / size
-            ft, fz = -limit * at.force * st, -limit * at.force * sz
+            rub = unit_friction(parameters.wall_friction, here, around, along, arctan, sliding, stribeck, step)
+            ft, fz = -at.force * rub.around, -at.force * rub.along
             load[0] += ft * cx + fz * tx
             load[1] += ft * cy + fz * ty
             load[2] += ft * cz + fz * tz
             load[3] += r * ft
-            dt, dz = dual_variable(
-                law.memory[here.place], here.first_iteration, here.iteration, around, along, size, bend
-            )
-            scale = limit * at.force / size
-            tt, zz = scale * (1.0 - bend * dt * st), scale * (1.0 - bend * dz * sz)
-            mixed = -0.5 * bend * scale * (dt * sz + dz * st)
-            # the limit decreases with slip (without a branch; negligible within the creep)
-            if step:
-                fall = excess * at.force / max(slip, law.low)
-            elif stribeck:
-                slower = max(slip, law.creep)
-                fall = excess * at.force * law.exponent * steep / (slower * slower)
-            else:
-                fall = excess * at.force * law.decay / (falling * max(slip, law.creep))
-            tt, zz, mixed = tt - fall * st * around, zz - fall * sz * along, mixed - fall * st * along
+            slopes = (at.force * rub.by_around, at.force * rub.mixed, at.force * rub.by_along)
             # friction depends on the normal force: unsymmetric
-            tn, zn = limit * at.slope * st, limit * at.slope * sz
-            tc, zc, nc = limit * at.swing * st, limit * at.swing * sz, half_step * ft / at.radius
+            press = (at.slope * rub.around, at.slope * rub.along)
+            swung = (at.swing * rub.around, at.swing * rub.along, half_step * ft / at.radius)
             # rows of the force along x, y, z and of the couple about the axis, with lever r
-            swung = (tc, zc, nc)
-            row(stiff, 0, at, (cx, tx, at.nx), (tt, mixed, zz), (tn, zn), swung, (cx, cy, cz, r))
-            row(stiff, 1, at, (cy, ty, at.ny), (tt, mixed, zz), (tn, zn), swung, (cx, cy, cz, r))
-            row(stiff, 2, at, (cz, tz, at.nz), (tt, mixed, zz), (tn, zn), swung, (cx, cy, cz, r))
-            row(stiff, 3, at, (r, 0.0, 0.0), (tt, mixed, zz), (tn, zn), swung, (cx, cy, cz, r))
+            row(stiff, 0, at, (cx, tx, at.nx), slopes, press, swung, (cx, cy, cz, r))
+            row(stiff, 1, at, (cy, ty, at.ny), slopes, press, swung, (cx, cy, cz, r))
+            row(stiff, 2, at, (cz, tz, at.nz), slopes, press, swung, (cx, cy, cz, r))
+            row(stiff, 3, at, (r, 0.0, 0.0), slopes, press, swung, (cx, cy, cz, r))
 
-    return distributed_load
+    @kernel
+    def side_friction(parameters: Any, here: Point, along: float, across: float) -> SideFriction:
+        """Friction on a string that follows the hole, pressed to its wall by a load across the hole.
+
+        The wall carries the load across the hole together with the friction around it, N^2 (1 + (mu s_t)^2) = W^2, as
+        a pipe that turns climbs its wall.
+
+        Args:
+            parameters: Of the effects.
+            here: The point.
+            along: Speed along the hole [m/s].
+            across: Load across the hole W [N/m].
+
+        Returns:
+            Force of the wall, friction along the hole, couple, and minus their slopes: z by z, z by spin, spin by spin.
+        """
+        r = parameters.wall.lever[here.place]
+        rub = unit_friction(parameters.wall_friction, here, r * here.spin_rate, along, arctan, sliding, stribeck, step)
+        force = across / np.sqrt(1.0 + rub.around**2)
+        return (
+            force, -force * rub.along, -r * force * rub.around,
+            force * rub.by_along, r * force * rub.mixed, r * r * force * rub.by_around,
+        )  # fmt: skip
+
+    return distributed_load, side_friction
 
 
-distributed_load = bind()
-distributed_load_arctan = bind(arctan=True)
-distributed_load_sliding = bind(sliding=True)
-distributed_load_arctan_sliding = bind(arctan=True, sliding=True)
-distributed_load_stribeck = bind(stribeck=True)
-distributed_load_arctan_stribeck = bind(arctan=True, stribeck=True)
-distributed_load_step = bind(step=True)
+distributed_load, side_friction = bind()
+distributed_load_arctan, side_friction_arctan = bind(arctan=True)
+distributed_load_sliding, side_friction_sliding = bind(sliding=True)
+distributed_load_arctan_sliding, side_friction_arctan_sliding = bind(arctan=True, sliding=True)
+distributed_load_stribeck, side_friction_stribeck = bind(stribeck=True)
+distributed_load_arctan_stribeck, side_friction_arctan_stribeck = bind(arctan=True, stribeck=True)
+distributed_load_step, side_friction_step = bind(step=True)

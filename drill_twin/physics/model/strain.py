@@ -150,6 +150,17 @@ def transverse_axes(tangent: Array) -> tuple[Array, Array]:
     )
 
 
+@kernel
+def along_element(weights: Array, rows: Array, e: int) -> Triple:
+    """Weighted sum of r and r' of both nodes of an element, from node rows: r, r' or r'' at a point of it."""
+    w, below, above = weights, rows[e], rows[e + 1]
+    return (
+        w[0] * below[0] + w[1] * below[3] + w[2] * above[0] + w[3] * above[3],
+        w[0] * below[1] + w[1] * below[4] + w[2] * above[1] + w[3] * above[4],
+        w[0] * below[2] + w[1] * below[5] + w[2] * above[2] + w[3] * above[5],
+    )
+
+
 class Stretching(NamedTuple):
     """Strain |r'| - 1 over a step."""
 

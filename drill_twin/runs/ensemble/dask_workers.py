@@ -27,6 +27,7 @@ from drill_twin.core.compile.source_hash import source_hash
 from drill_twin.core.errors import DrillTwinError, RunError, import_extra
 from drill_twin.dynamics.solver.kernel_codegen import packages_of, source
 from drill_twin.dynamics.twin.dynamics import kernel_of
+from drill_twin.physics.effects import Effect
 from drill_twin.runs.compilation import compile_kernel
 from drill_twin.runs.ensemble.members import Member, Members, scene_of
 from drill_twin.runs.ensemble.outputs import Request
@@ -204,7 +205,7 @@ def fingerprint(scene: Scene) -> dict[str, str]:
 
 
 @cache
-def _source(kernel: tuple[tuple[str, ...], str, str, bool]) -> str:
+def _source(kernel: tuple[tuple[Effect, ...], str, str, bool]) -> str:
     effects, form, _, audit = kernel
     text = f"{source(effects, form, audit=audit)}\nimport drill_twin.runs.ensemble.run\n"
     return source_hash(text, packages_of(effects))[:12]

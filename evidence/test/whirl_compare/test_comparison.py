@@ -10,8 +10,14 @@ from typer.testing import CliRunner
 from drill_twin.cli.app import app
 from drill_twin.core.errors import ArgumentError
 from drill_twin.dynamics.rotordynamics.equations import EquationsOfMotion
-from drill_twin.dynamics.rotordynamics.steady.shape_search import SOFT_CREEP, ShapeSearch, set_creep, stiffen_friction
-from drill_twin.dynamics.rotordynamics.steady.slow_whirls import damped, helix
+from drill_twin.dynamics.rotordynamics.steady.shape_search import (
+    SOFT_CREEP,
+    ShapeSearch,
+    damped,
+    helix,
+    set_creep,
+    stiffen_friction,
+)
 from drill_twin.dynamics.rotordynamics.steady.steady_whirl import Deflation, TurningEquations
 from drill_twin.dynamics.rotordynamics.steady.whirl_state import state_of
 from drill_twin.dynamics.rotordynamics.steady.whirl_states import whirl_states

@@ -12,7 +12,7 @@ import pytest
 
 from drill_twin.core.compile.source_hash import modules_reached
 from drill_twin.dynamics.solver import kernel_codegen
-from drill_twin.physics.effects import EFFECTS
+from drill_twin.physics.effects import EFFECTS, Effect
 
 ROOT = Path(__file__).resolve().parents[3]
 
@@ -58,7 +58,7 @@ def machine_code(folder: Path, form: str, *effects: str, hide: bool = False) -> 
 @pytest.mark.parametrize("on", [(), ("drag",), ("drag", "internal_damping")])
 def test_a_kernel_reaches_the_source_of_its_own_effects_only(form, on):
     """What is compiled is compiled from these; the machine code itself is compared in a long test."""
-    reached = modules_reached(kernel_codegen.source(on, form))
+    reached = modules_reached(kernel_codegen.source([*map(Effect, on)], form))
     assert {name for name in EFFECTS if f"drill_twin.physics.effects.{name}" in reached} == set(on)
 
 
@@ -76,8 +76,9 @@ import importlib.util, json, pathlib
 from drill_twin.core.compile import kernel_cache
 from drill_twin.dynamics.solver import kernel_codegen
 from drill_twin.core.compile.source_hash import modules_reached
+from drill_twin.physics.effects import Effect
 sets = {"bare": (), "drag": ("drag",), "bow": ("bow", "drag")}
-text = {name: kernel_codegen.source(effects, "spatial") for name, effects in sets.items()}
+text = {name: kernel_codegen.source([*map(Effect, effects)], "spatial") for name, effects in sets.items()}
 def names():
     return {name: kernel_cache.fingerprint(source) for name, source in text.items()}
 before, told = names(), {}
@@ -111,7 +112,7 @@ def test_a_kernel_is_named_by_every_source_that_it_reaches(tmp_path):
         "drill_twin.physics.model.section",
     }
     assert wanted <= set(told)
-    frames = {f"drill_twin.dynamics.twin.{name}" for name in ("frame_kernel", "observation", "state_judge")}
+    frames = {f"drill_twin.dynamics.twin.{name}" for name in ("frame", "frame_kernel", "observation", "state_judge")}
     assert {name for name in told if name.startswith(("drill_twin.scene", "drill_twin.dynamics.twin"))} == frames
     only = {"drill_twin.physics.effects.bow": ["bow"], "drill_twin.physics.effects.drag": ["drag", "bow"]}
     only["drill_twin.physics.effects.random_draws"] = ["bow"]

@@ -14,6 +14,7 @@ from drill_twin.dynamics.audit.energy_ledger import FIRST_EFFECT, WORK
 from drill_twin.dynamics.solver import kernel_codegen
 from drill_twin.dynamics.twin.frame import EnergyBalance
 from drill_twin.dynamics.twin.twin import Twin
+from drill_twin.physics.effects import Effect
 from drill_twin.scene import Scene
 from drill_twin.scene.set_points import Command
 
@@ -136,7 +137,7 @@ def test_the_books_do_not_touch_the_motion():
         assert np.allclose(one.positions, other.positions, atol=1e-7)
     assert other.energy is None
     assert "ledger" not in without.dynamics.kernel.Parameters._fields
-    assert "audit" not in kernel_codegen.source(("drag",), "lateral")
+    assert "audit" not in kernel_codegen.source([Effect("drag")], "lateral")
 
 
 def test_a_resumed_run_goes_on_with_its_books():

@@ -7,8 +7,14 @@ import numpy as np
 import pytest
 
 from drill_twin.dynamics.discretisation.discretise import tubes_of
-from drill_twin.dynamics.discretisation.resolution import LONGEST, PER_WAVE, elements_needed, mesh, resolution_of
-from drill_twin.dynamics.discretisation.warnings import notes_on
+from drill_twin.dynamics.discretisation.notes import notes_on
+from drill_twin.dynamics.discretisation.resolution import (
+    LONGEST_ELEMENT,
+    PER_WAVE,
+    elements_needed,
+    mesh,
+    resolution_of,
+)
 from drill_twin.physics.model.mesh import build_rod
 from drill_twin.scene import load_scene
 
@@ -67,4 +73,4 @@ def test_no_element_is_longer_than_half_a_stand() -> None:
     still = load_scene(
         "wells/vertical_3000", overrides={"rig.rotation.value": "0 rpm", "rig.weight_on_bit.value": "0 N"}
     )
-    assert elements_needed(still).sum() == pytest.approx(3000.0 / LONGEST, rel=1e-6)
+    assert elements_needed(still).sum() == pytest.approx(3000.0 / LONGEST_ELEMENT, rel=1e-6)

@@ -9,7 +9,7 @@ import pytest
 from rod_scenes import DIAMETER, rod_scene
 
 from drill_twin.dynamics.discretisation.discretise import discretise
-from drill_twin.dynamics.discretisation.kernel_arguments import make_drive, variants_of
+from drill_twin.dynamics.discretisation.kernel_arguments import effects_of, make_drive
 from drill_twin.dynamics.discretisation.resolution import mesh
 from drill_twin.dynamics.twin.failure_report import EvaluationPoint, diagnose
 from drill_twin.physics.effects import parameters_of
@@ -32,9 +32,9 @@ def test_the_load_of_a_variant_is_its_own(exponent: float | None, share: float) 
     u, v = np.zeros((25, 7)), np.zeros((25, 7))
     u[:, 2], u[:, 5], v[:, 6] = model.rod.arc, 1.0, SPEED
     at = EvaluationPoint(u, v, 0.0, 1e-3, np.zeros(3))
-    (name,) = variants_of(scene)
-    named, said = diagnose(given, model.rod, [name], [at])
+    (effect,) = effects_of(scene)
+    named, said = diagnose(given, model.rod, [effect], [at])
     force = RADIUS * WEIGHT * (0.3 + 2.7 * share) / (0.5 * DIAMETER)
-    assert name == ("bit_torque_stribeck" if exponent is None else "bit_torque_stribeck:exponent")
+    assert str(effect) == ("bit_torque_stribeck" if exponent is None else "bit_torque_stribeck:exponent")
     assert named == "bit_torque_stribeck"
     assert said == f"strongest: bit_torque_stribeck ({force:.3g} N 0 m from the bit)"

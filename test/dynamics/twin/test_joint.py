@@ -11,8 +11,8 @@ from drill_twin.core.compile.jit import as_python
 from drill_twin.core.errors import SceneError
 from drill_twin.dynamics.discretisation.discretise import discretise
 from drill_twin.dynamics.discretisation.joint import LONGEST_ABOVE, buckled_up_to, joined_workspace, joint_of
+from drill_twin.dynamics.discretisation.notes import notes_on
 from drill_twin.dynamics.discretisation.resolution import mesh, resolution_of
-from drill_twin.dynamics.discretisation.warnings import notes_on
 from drill_twin.dynamics.solver.joined import elements
 from drill_twin.dynamics.twin.dynamics import Dynamics
 from drill_twin.dynamics.twin.twin import Twin

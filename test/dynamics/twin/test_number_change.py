@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 from rod_scenes import ROLLING, STRESSED, quiet_scene
 
-from drill_twin.dynamics.twin.packed_arrays import named_arrays
+from drill_twin.core.compile.packed_arguments import named_arrays
 from drill_twin.dynamics.twin.twin import Twin
 from drill_twin.scene import load_scene
 from drill_twin.scene.set_points import Command

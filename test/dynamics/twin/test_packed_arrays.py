@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from drill_twin.dynamics.twin.packed_arrays import CACHE_LINE, named_arrays, pack_arrays
+from drill_twin.core.compile.packed_arguments import CACHE_LINE, named_arrays, pack_arrays
 from drill_twin.dynamics.twin.twin import Twin
 from drill_twin.scene import load_scene
 

@@ -113,13 +113,13 @@ def test_a_signal_as_compiled_code_returns_loses_no_frame(monkeypatch):
     commands, period = planned(scene, 0.2)
     twin = Twin(scene)
     record = twin.record(len(commands))
-    whole = slices.in_slices
+    whole = twin.dynamics.run
 
     def signalled(*arguments):
         whole(*arguments)
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(slices, "in_slices", signalled)
+    monkeypatch.setattr(twin.dynamics, "run", signalled)
     frames, error = twin.fill(record, commands, period)
     assert isinstance(error, KeyboardInterrupt)
     assert frames.time[-1] == twin.time == pytest.approx(0.2)

@@ -15,7 +15,7 @@ from rod_scenes import DIAMETER, LINE_MASS
 from drill_twin.core.compile.jit import as_python
 from drill_twin.core.errors import SceneError
 from drill_twin.dynamics.twin.twin import Twin
-from drill_twin.physics.effects import function_name, wall, wall_friction, with_variant
+from drill_twin.physics.effects import Effect, wall, wall_friction
 from drill_twin.physics.model.strain import Point
 from drill_twin.scene import Scene, load_scene
 from drill_twin.scene.set_points.command import Command
@@ -52,8 +52,8 @@ def evaluate(
     both: Both, twin: Twin, place: np.ndarray, rate: np.ndarray, half_step: float = H2
 ) -> tuple[np.ndarray, ...]:
     """Load and tangent after two iterations at the same state, over a step or at an instant; rates of x, y, z, spin."""
-    law = with_variant("wall_friction", twin.scene.effects.wall_friction)
-    friction_load = as_python(getattr(wall_friction, function_name(law, "distributed_load")))
+    law = Effect.of("wall_friction", twin.scene.effects.wall_friction)
+    friction_load = as_python(getattr(wall_friction, law.function("distributed_load")))
     for count in range(2):
         load, stiff = np.zeros(4), np.zeros((4, 4))
         seen = dict.fromkeys(Point._fields, 0.0) | dict(zip("xyz", place, strict=True))

@@ -12,8 +12,8 @@ from typer.testing import CliRunner
 from variants import one_of
 
 from drill_twin.cli.app import app
+from drill_twin.core.compile.packed_arguments import undispatched
 from drill_twin.core.errors import RunError, SceneError
-from drill_twin.dynamics.solver.kernel_codegen import entry_point
 from drill_twin.dynamics.twin import dynamics
 from drill_twin.dynamics.twin.twin import Twin
 from drill_twin.runs.ensemble.parts import parts_of, planned
@@ -163,7 +163,7 @@ def test_nothing_is_loaded_in_a_timed_part(monkeypatch: pytest.MonkeyPatch) -> N
     loaded: list[bool] = []
     timed = time.thread_time
     monkeypatch.setattr("drill_twin.runs.ensemble.parts.time.thread_time", lambda: loaded.append(True) or timed())
-    monkeypatch.setattr(dynamics, "entry_point", lambda *of: entry_point(*of) if not loaded else pytest.fail("timed"))
+    monkeypatch.setattr(dynamics, "undispatched", lambda *of: undispatched(*of) if not loaded else pytest.fail("timed"))
     scene = load_scene("pa6_bench", overrides={"duration": "0.2 s"})
     commands, period = planned(scene)
     twin = Twin(scene)

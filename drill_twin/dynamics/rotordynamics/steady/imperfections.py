@@ -11,26 +11,29 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
 from drill_twin.core.arrays import Array, ComplexArray
 from drill_twin.dynamics.rotordynamics.equations import EquationsOfMotion
 from drill_twin.dynamics.rotordynamics.steady.shape_search import ShapeSearch
-from drill_twin.dynamics.rotordynamics.steady.steady_whirl import TOLERANCE, SteadyWhirl, TurningEquations
+from drill_twin.dynamics.rotordynamics.steady.steady_whirl import (
+    TOLERANCE,
+    Pace,
+    SteadyWhirl,
+    TurningEquations,
+    settled,
+)
 from drill_twin.dynamics.rotordynamics.steady.whirl_state import WhirlState, state_of
-from drill_twin.dynamics.solver.linearisation import MASS
-from drill_twin.physics.model.mesh import SPIN
+from drill_twin.physics.model import SPIN
 from drill_twin.scene.set_points.command import Command
 
 QUARTERS = 4
 """Directions of the imperfections from which their force is taken."""
-STEPS, LONGEST, SETTLED, FIRST_STEP = 200, 1e6, 100.0, 1e6
+STEPS, LONGEST_STEP, SETTLED, FIRST_STEP = 200, 1e6, 100.0, 1e6
 """Most steps of Newton's method with pseudo-time; its longest step over the first; step over the inverse square of
 the rotation from which it may end; first step from the axis [s2]."""
-LARGEST_MOVE = 0.3
-"""Step over the clearance that is taken back."""
 STARTS = 0.02, 0.97
 """Sizes of the first shapes over the clearance."""
 
@@ -116,8 +119,7 @@ def _starts(search: ShapeSearch) -> Iterator[Array]:
     """First shapes: the axis, and the lowest modes in four directions."""
     yield search.axis
     for mode in search.starts(0, 0):
-        line = (mode - search.axis)[:, 0] + 1j * (mode - search.axis)[:, 1]
-        slope = (mode - search.axis)[:, 3] + 1j * (mode - search.axis)[:, 4]
+        line, slope = (moved[:, 0] + 1j * moved[:, 1] for moved in np.split((mode - search.axis)[:, :6], 2, axis=1))
         for size in STARTS:
             scale = size * search.turning.clearance / np.abs(line).max()
             for turn in scale * 1j ** np.arange(4):
@@ -129,21 +131,6 @@ def _starts(search: ShapeSearch) -> Iterator[Array]:
 
 def _relaxed(turning: TurningEquations, whirl: SteadyWhirl, shortest: float) -> SteadyWhirl | None:
     """Equilibrium in the frame of the string near a first shape, by pseudo-transient continuation."""
-    rows, length, last = turning.equations.block_rows, shortest, np.inf
-    for _ in range(STEPS):
-        system = turning.at(whirl)
-        matrix = turning.stiffness(system, whirl.omega) + system.tangents[MASS] / length
-        step = rows.solve(matrix, -system.residual)
-        size = float(np.abs(step).max()) / turning.clearance
-        if not np.isfinite(size):
-            return None
-        if size > LARGEST_MOVE:
-            length *= 0.25
-            continue
-        whirl = replace(whirl, u=whirl.u + turning.equations.rows(step))
-        if size < TOLERANCE and length > SETTLED / whirl.omega**2:
-            return whirl
-        force = float(np.abs(system.residual).max())
-        length = min(length * float(np.clip(1.5 * last / max(force, 1e-300), 0.5, 3.0)), LONGEST * shortest)
-        last = force
-    return None
+    pace = Pace(STEPS, shortest, (0.0, LONGEST_STEP * shortest), TOLERANCE, SETTLED / whirl.omega**2)
+    found = settled(turning, whirl, pace)
+    return None if found is None else found[0]

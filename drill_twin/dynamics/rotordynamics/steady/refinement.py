@@ -19,7 +19,7 @@ from drill_twin.dynamics.rotordynamics.steady.imperfections import locked_near
 from drill_twin.dynamics.rotordynamics.steady.steady_whirl import MARGIN, SteadyWhirl, TurningEquations
 from drill_twin.dynamics.rotordynamics.steady.whirl_state import WhirlState, state_of
 from drill_twin.dynamics.rotordynamics.steady.whirl_states import is_new, state_near
-from drill_twin.physics.model.mesh import SPIN
+from drill_twin.physics.model import SPIN
 from drill_twin.scene import Scene
 
 LARGEST_CHANGE, DOUBLINGS = 0.03, 2

@@ -6,25 +6,30 @@ whirl. The shape and tau follow by pseudo-transient continuation (Kelley and Key
 descend in energy as in `drill_twin.dynamics.equilibrium`, so that it ends on the wall and not on the
 axis. Where tau(omega) changes its sign, a steady whirl is near. Each shape is the first guess of the next speed.
 
+A string with much load lies on the wall as a helix, and creeps around with a hundredth of the rotation. No plane shape
+at a whirl speed leads there. Damped steps in time do, from helices and plane shapes at rest: long steps of the linearly
+implicit Euler method damp all that is fast.
+
 Friction with a steep regularisation is entered in stages: its slip is proportional to the regularisation where the
 string rolls, so each stage is foreseen by a straight line through the last two.
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from dataclasses import replace
 from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
+from scipy.interpolate import CubicSpline
 
 from drill_twin.core.arrays import Array
 from drill_twin.dynamics.equilibrium import random_shape
 from drill_twin.dynamics.rotordynamics.eigenvalues import Pencil, undamped_basis
-from drill_twin.dynamics.rotordynamics.steady.steady_whirl import SteadyWhirl, TurningEquations
-from drill_twin.dynamics.rotordynamics.turning_frame import quarter_turn
-from drill_twin.dynamics.solver.linearisation import MASS
+from drill_twin.dynamics.rotordynamics.steady.steady_whirl import Pace, SteadyWhirl, TurningEquations, settled
+from drill_twin.physics.model import SPIN
 from drill_twin.scene.set_points.command import Command
 
 SPEEDS = 43
@@ -35,8 +40,6 @@ STEPS, FOLLOWING_STEPS, RESTART_STEPS = 250, 30, 80
 """Most pseudo-transient steps from a first shape, from the shape at the speed before, and from a first shape again."""
 CONVERGED = 1e-7
 """Step of the shape over the clearance at which a shape is in balance."""
-LARGEST_MOVE = 0.3
-"""Step over the clearance that is taken back."""
 FIRST_STEP, LONGEST_STEP = 0.3, 1e3
 """Of the pseudo-transient steps: over the growth of buckling, and over the first."""
 REFINEMENTS = 3
@@ -45,6 +48,17 @@ START_SIZE = 0.3
 """Of a first random shape over the clearance."""
 SOFT_CREEP, CREEP_FACTOR = 1e-2, 5.0
 """Slip of regularisation at which shapes are sought [m/s], and its ratio from stage to stage."""
+TURNS = (-1.0, 1.0)
+"""Turns of the helices over the length, from the bit up, positive in the sense of rotation."""
+RADIUS, RUN_IN = 0.97, 0.3
+"""Radius of a helix over the clearance, and share of the length in which it leaves an end held on the axis."""
+DAMPED_STEP, DAMPED_STEPS, SHORTEST = 0.02, 500, 1e-6
+"""Longest damped step [s], most of them, and the step at which a start is given up [s]."""
+DAMPED_MOVE, CORRECTION = 0.1, 0.05
+"""Largest move and largest correction in a damped step, over the clearance."""
+STEADY = 1e-4
+"""Velocity in the frame of the whirl, over clearance and rotation, at which a motion is steady."""
+ACROSS = (0, 1, 3, 4)
 
 
 class Shape(NamedTuple):
@@ -71,8 +85,7 @@ class ShapeSearch:
         x = np.ix_(turning.frame.x, turning.frame.x)
         pencil = Pencil(system.mass[x], system.damping[x], system.stiffness[x])
         self._modes = undamped_basis(pencil, 4)
-        lowest = float(np.einsum("ik,ij,jk->k", self._modes, pencil.stiffness, self._modes).min())
-        self._lowest = lowest
+        self._lowest = float(np.einsum("ik,ij,jk->k", self._modes, pencil.stiffness, self._modes).min())
 
     def starts(self, seed: int, random: int) -> Iterator[Array]:
         """First shapes: random ones, then the lowest modes in one plane."""
@@ -116,34 +129,12 @@ class ShapeSearch:
 
     def relax(self, start: Array, omega: float, steps: int = STEPS) -> Shape | None:
         """Shape in balance at a whirl speed, near a first shape; None if there is none."""
-        turning, frame = self.turning, self.turning.frame
         first = FIRST_STEP / max(1.0, omega**2 - self._lowest)
-        whirl, drive, length, last = SteadyWhirl(self.command, start, omega), 0.0, first, np.inf
-        for _ in range(steps):
-            system = turning.at(whirl)
-            mass, rows = system.tangents[MASS], system.rows
-            along = rows.times(mass, frame.values(quarter_turn(whirl.u)))
-            if last == np.inf:
-                drive = -float(along @ system.residual) / max(float(along @ along), 1e-300)
-            matrix = turning.stiffness(system, omega) + drive * rows.times_j(mass) + mass / length
-            held = frame.farthest(frame.values(whirl.u))
-            residual = system.residual + drive * along
-            step = rows.solve(matrix, -residual, held, along)
-            change, step[held] = float(step[held]), 0.0
-            size = float(np.abs(step).max()) / turning.clearance
-            if not np.isfinite(size):
-                return None
-            if size > LARGEST_MOVE:
-                length *= 0.25
-                continue
-            whirl, drive = replace(whirl, u=whirl.u + turning.equations.rows(step)), drive + change
-            if size < CONVERGED and length > LONGEST_STEP * first:
-                on_wall = float(whirl.radius.max()) > 0.9 * turning.clearance
-                return Shape(whirl, drive) if on_wall else None
-            force = float(np.abs(residual).max())
-            length = max(length * float(np.clip(1.5 * last / max(force, 1e-300), 0.5, 3.0)), first)
-            last = force
-        return None
+        pace = Pace(steps, first, (first, math.inf), CONVERGED, LONGEST_STEP * first)
+        found = settled(self.turning, SteadyWhirl(self.command, start, omega), pace, driven=True)
+        if found is None or float(found[0].radius.max()) <= 0.9 * self.turning.clearance:
+            return None
+        return Shape(*found)
 
     def crossings(self, shapes: list[Shape]) -> Iterator[SteadyWhirl]:
         """Guesses of steady whirls: shapes between two with drives of different sign (false position)."""
@@ -188,3 +179,56 @@ def set_creep(turning: TurningEquations, creep: float) -> None:
     if hasattr(parameters, "wall_friction"):
         friction = parameters.wall_friction._replace(creep=creep)
         turning.equations.parameters = parameters._replace(wall_friction=friction)
+
+
+def slow_whirls(search: ShapeSearch) -> Iterator[SteadyWhirl]:
+    """Guesses of steady whirls from helices and from the lowest modes."""
+    for start in (*(helix(search, turns) for turns in TURNS), *search.starts(0, 0)):
+        found = damped(search, start)
+        if found is not None:
+            yield found
+
+
+def helix(search: ShapeSearch, turns: float) -> Array:
+    """Rows of a helix near the wall, which leaves the ends that are held on the axis as a sine, shape (n + 1, 7)."""
+    equations, u = search.turning.equations, search.axis.copy()
+    arc = equations.model.rod.arc
+    along = (arc - arc[0]) / (arc[-1] - arc[0])
+    radius = np.full(arc.size, RADIUS * search.turning.clearance)
+    for held, distance in zip(~equations.free[[0, -1], 0], (along, 1.0 - along), strict=True):
+        if held:
+            radius *= np.sin(0.5 * math.pi * np.minimum(distance / RUN_IN, 1.0))
+    place = radius * np.exp(1j * math.tau * turns * along)
+    slope = CubicSpline(arc, place)(arc, 1)
+    u[:, 0], u[:, 1], u[:, 3], u[:, 4] = place.real, place.imag, slope.real, slope.imag
+    return search.on_constraints(u)
+
+
+def damped(search: ShapeSearch, start: Array) -> SteadyWhirl | None:
+    """Whirl that damped steps from a shape at rest settle in; None if they settle in none."""
+    turning, command = search.turning, search.command
+    equations, length = turning.equations, DAMPED_STEP
+    u, v = start.copy(), np.zeros_like(start)
+    v[:, SPIN] = command.rotation
+    for _ in range(DAMPED_STEPS):
+        ahead = u.copy()
+        ahead[:, ACROSS] += length * v[:, ACROSS]
+        system = equations.evaluate(command, ahead, v, np.zeros_like(u))
+        mass, damping, stiffness = system.tangents
+        change = system.rows.solve(mass / length + damping + length * stiffness, -system.residual)
+        corrected = v + equations.rows(change)
+        move = length * float(np.abs(corrected[:, :2]).max()) / turning.clearance
+        correction = length * float(np.abs(change).max()) / turning.clearance
+        if not (move <= DAMPED_MOVE and correction <= CORRECTION):
+            length *= 0.5
+            if length < SHORTEST:
+                return None
+            continue
+        u[:, ACROSS] += length * corrected[:, ACROSS]
+        v, length = corrected, min(1.3 * length, DAMPED_STEP)
+        place, speed = u[:, 0] + 1j * u[:, 1], v[:, 0] + 1j * v[:, 1]
+        omega = float((np.vdot(place, speed) / max(float(np.vdot(place, place).real), 1e-300)).imag)
+        moving = float(np.abs(speed - 1j * omega * place).max())
+        if moving < STEADY * turning.clearance * abs(command.rotation):
+            return SteadyWhirl(command, u, omega)
+    return None

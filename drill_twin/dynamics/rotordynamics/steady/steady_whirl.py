@@ -19,6 +19,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 
@@ -27,7 +28,7 @@ from drill_twin.dynamics.rotordynamics.eigenvalues import Pencil, eigenvalues_on
 from drill_twin.dynamics.rotordynamics.equations import EquationsOfMotion, Linearised
 from drill_twin.dynamics.rotordynamics.turning_frame import TurningFrame, quarter_turn
 from drill_twin.dynamics.solver.linearisation import DAMPING, MASS
-from drill_twin.physics.model.mesh import SPIN
+from drill_twin.physics.model import SPIN
 from drill_twin.scene.set_points.command import Command
 
 ITERATIONS = 25
@@ -91,16 +92,14 @@ class TurningEquations:
         """Derivative of the residual by the shape, K + omega C J - omega^2 M across the axis, as block rows."""
         mass, damping, stiffness = system.tangents
         rows = system.rows
-        result: Array = stiffness + omega * rows.times_j(damping) - omega**2 * rows.across(mass)
-        return result
+        return np.asarray(stiffness + omega * rows.times_j(damping) - omega**2 * rows.across(mass))
 
     def by_omega(self, system: Linearised, whirl: SteadyWhirl) -> Array:
         """Derivative of the residual by the whirl speed, C J u - 2 omega M u across the axis."""
         turned = quarter_turn(whirl.u)
         damped = system.rows.times(system.tangents[DAMPING], self.frame.values(turned))
         moved = system.rows.times(system.tangents[MASS], self.frame.values(quarter_turn(turned)))
-        result: Array = damped + 2.0 * whirl.omega * moved
-        return result
+        return np.asarray(damped + 2.0 * whirl.omega * moved)
 
     def newton(
         self, start: SteadyWhirl, away: StepFactor | None = None, iterations: int = ITERATIONS
@@ -144,6 +143,70 @@ class TurningEquations:
         return np.asarray(values[np.argsort(-values.real)], np.complex128)
 
 
+LARGEST_MOVE = 0.3
+"""Step over the clearance that is taken back, to go on with a quarter of the pseudo-time."""
+FORCE_RATIO, LEAST_RATIO, MOST_RATIO = 1.5, 0.5, 3.0
+"""Growth of the pseudo-time by the fall of the largest force, and its bounds."""
+
+
+class Pace(NamedTuple):
+    """Steps of a pseudo-transient continuation, in pseudo-time [s2]."""
+
+    steps: int
+    """Most steps."""
+    first: float
+    bounds: tuple[float, float]
+    """Least and largest step."""
+    tolerance: float
+    """Step of the shape over the clearance at which it is in balance."""
+    settled: float
+    """Step from which it may be."""
+
+
+def settled(
+    turning: TurningEquations, whirl: SteadyWhirl, pace: Pace, *, driven: bool = False
+) -> tuple[SteadyWhirl, float] | None:
+    """Shape in balance at the speed of a whirl, near its own, by pseudo-transient continuation (Kelley and Keyes 1998).
+
+    Args:
+        turning: The equations.
+        whirl: First shape, and the speed.
+        pace: The steps.
+        driven: An extra force along the path holds the shape, and the direction of its node farthest from the axis is
+            held in place of it.
+
+    Returns:
+        The shape, and the extra force per momentum [1/s2]; None if there is none.
+    """
+    frame, drive, length, last = turning.frame, 0.0, pace.first, np.inf
+    for _ in range(pace.steps):
+        system = turning.at(whirl)
+        mass, rows, residual = system.tangents[MASS], system.rows, system.residual
+        matrix = turning.stiffness(system, whirl.omega) + mass / length
+        if driven:
+            along = rows.times(mass, frame.values(quarter_turn(whirl.u)))
+            if last == np.inf:
+                drive = -float(along @ residual) / max(float(along @ along), 1e-300)
+            held, residual = frame.farthest(frame.values(whirl.u)), residual + drive * along
+            step = rows.solve(matrix + drive * rows.times_j(mass), -residual, held, along)
+            change, step[held] = float(step[held]), 0.0
+        else:
+            step, change = rows.solve(matrix, -residual), 0.0
+        size = float(np.abs(step).max()) / turning.clearance
+        if not np.isfinite(size):
+            return None
+        if size > LARGEST_MOVE:
+            length *= 0.25
+            continue
+        whirl, drive = replace(whirl, u=whirl.u + turning.equations.rows(step)), drive + change
+        if size < pace.tolerance and length > pace.settled:
+            return whirl, drive
+        force = float(np.abs(residual).max())
+        growth = float(np.clip(FORCE_RATIO * last / max(force, 1e-300), LEAST_RATIO, MOST_RATIO))
+        length, last = float(np.clip(length * growth, *pace.bounds)), force
+    return None
+
+
 def solve(matrix: Array, right: Array) -> Array:
     """Solution of linear equations; not finite where they have none."""
     try:
@@ -152,7 +215,7 @@ def solve(matrix: Array, right: Array) -> Array:
         return np.full(right.shape, np.nan)
 
 
-LONGEST = 4.0
+LARGEST_FACTOR = 4.0
 """Largest factor on a step; deflated steps may be of any length and sign."""
 
 
@@ -182,8 +245,8 @@ class Deflation:
             square = max(float(np.mean(np.abs(away) ** 2)) + ahead**2, 1e-24)
             along = 2.0 * (float(np.mean((away.conj() * moved).real)) / clearance + ahead * change / speed)
             slope -= along / (square * (1.0 + square))
-        factor = 1.0 / (1.0 - slope) if abs(1.0 - slope) > 1e-12 else LONGEST
-        return float(np.clip(factor, -LONGEST, LONGEST))
+        factor = 1.0 / (1.0 - slope) if abs(1.0 - slope) > 1e-12 else LARGEST_FACTOR
+        return float(np.clip(factor, -LARGEST_FACTOR, LARGEST_FACTOR))
 
 
 def _line(u: Array) -> ComplexArray:

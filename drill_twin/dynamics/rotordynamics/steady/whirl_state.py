@@ -69,7 +69,10 @@ class WhirlState:
 
     @property
     def verdict(self) -> str:
-        """`stable` or `unstable`; `not determined` where the sign of the growth is the mesh's, as far as is known."""
+        """`stable` or `unstable`; `not determined` where finer meshes leave the sign of the growth open.
+
+        They do where they have changed the growth by more than its size, or where one of them has lost the state.
+        """
         if self.lost_at or not abs(self.growth) > self.growth_change:
             return "not determined"
         return "stable" if self.growth < 0.0 else "unstable"
@@ -109,5 +112,4 @@ def state_of(turning: TurningEquations, whirl: SteadyWhirl, *, is_locked: bool =
 
 
 def _touching(depth: Array, arc: Array) -> float:
-    share: float = float(np.sum(np.diff(arc) * 0.5 * ((depth[:-1] > 0.0).astype(float) + (depth[1:] > 0.0)))) / arc[-1]
-    return share
+    return float(float(np.sum(np.diff(arc) * 0.5 * ((depth[:-1] > 0.0).astype(float) + (depth[1:] > 0.0)))) / arc[-1])

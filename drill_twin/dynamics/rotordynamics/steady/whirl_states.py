@@ -19,11 +19,17 @@ from drill_twin.core.errors import RunError, SceneError
 from drill_twin.dynamics.discretisation.kernel_arguments import LATERAL
 from drill_twin.dynamics.rotordynamics.equations import EquationsOfMotion, meshed, without
 from drill_twin.dynamics.rotordynamics.modes import is_vertical
-from drill_twin.dynamics.rotordynamics.steady.shape_search import SOFT_CREEP, ShapeSearch, set_creep, stiffen_friction
-from drill_twin.dynamics.rotordynamics.steady.slow_whirls import ACROSS, slow_whirls
+from drill_twin.dynamics.rotordynamics.steady.shape_search import (
+    ACROSS,
+    SOFT_CREEP,
+    ShapeSearch,
+    set_creep,
+    slow_whirls,
+    stiffen_friction,
+)
 from drill_twin.dynamics.rotordynamics.steady.steady_whirl import Deflation, SteadyWhirl, TurningEquations
 from drill_twin.dynamics.rotordynamics.steady.whirl_state import WhirlState, state_of
-from drill_twin.physics.model.discrete_model import DiscreteModel
+from drill_twin.physics.model import DiscreteModel
 from drill_twin.scene import Scene
 from drill_twin.scene.set_points.command import Command
 

@@ -18,10 +18,8 @@ from drill_twin.core.compile.jit import kernel
 from drill_twin.dynamics.solver.interface import Effects
 from drill_twin.dynamics.solver.joined.linear_solver import Workspace
 from drill_twin.dynamics.solver.spatial.assembly import FAR, NEAR
-from drill_twin.physics.model.mesh import Rod
+from drill_twin.physics.model import Axis, Point, Rod, Strain
 from drill_twin.physics.model.section import BEND_DAMP, COUPLE, TORQUE, TORQUE_RATE, elastic_resultants
-from drill_twin.physics.model.strain import Point, Strain
-from drill_twin.physics.model.wellbore import Axis
 
 Z0, SLOPE0, Z1, SLOPE1, SPIN0, SPIN1 = range(6)
 

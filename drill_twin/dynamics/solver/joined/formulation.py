@@ -14,7 +14,7 @@ import numpy as np
 
 from drill_twin.core.arrays import Array
 from drill_twin.core.compile.jit import kernel
-from drill_twin.dynamics.solver.boundary import ROTATION, TOP, from_bit, to_bit, turn_blocks, turn_row, turn_row_back
+from drill_twin.dynamics.solver.boundary import ROTATION, TOP
 from drill_twin.dynamics.solver.interface import Effects, Formulation
 from drill_twin.dynamics.solver.joined import elements
 from drill_twin.dynamics.solver.joined.elements import along
@@ -31,8 +31,7 @@ from drill_twin.dynamics.solver.spatial import assembly
 from drill_twin.dynamics.solver.spatial import formulation as lower
 from drill_twin.dynamics.solver.spatial.linear_solver import NODE, solve_blocks
 from drill_twin.dynamics.solver.state import BIT_IMPULSE, HOOK_IMPULSE, KNOWN, TORQUE_IMPULSE, State, StepControl
-from drill_twin.physics.model.mesh import SPIN, Rod
-from drill_twin.physics.model.wellbore import Axis, distance_along
+from drill_twin.physics.model import SPIN, Axis, Rod, distance_along
 
 
 @kernel
@@ -210,7 +209,7 @@ def accept(scratch: Workspace, constrained: Array, state: State, counters: Array
 
 def bind(effects: Effects, section_stress: Any, distributed_load: Any, friction: Any) -> Formulation:
     """The formulation for a set of effects, and for those of their functions that the string above the joint needs."""
-    assemble, end_load = assembly.bind(effects), effects.end_load
+    assemble, load_ends = assembly.bind(effects), lower.bind_ends(effects.end_load)
     assemble_above = elements.bind(effects, section_stress, distributed_load, friction)
 
     @kernel
@@ -219,7 +218,7 @@ def bind(effects: Effects, section_stress: Any, distributed_load: Any, friction:
         first_iteration: bool, number: float,
     ) -> None:  # fmt: skip
         """Fill the system: elements, loads at the ends, constraints."""
-        frame, below, size = state.bit_frame, scratch.below, scratch.size
+        below, size = scratch.below, scratch.size
         move_to_middle(scratch, state, half_step)
         for c in range(NODE):
             scratch.held[0, c] = constrained[0, c]
@@ -230,14 +229,7 @@ def bind(effects: Effects, section_stress: Any, distributed_load: Any, friction:
         )
         if size[KEPT] == 0.0:
             assemble_above(parameters, rod, scratch, time, half_step, first_iteration, number)
-        below.ends[:] = 0.0
-        # the bit is constrained, loaded and braked along and across the hole
-        turn_blocks(frame, below.diagonal[0], below.upper[0], below.lower[0])
-        to_bit(frame, state.place[0], state.trial[0])
-        turn_row(frame, state.v[0])
-        end_load(parameters, rod, scratch.command, time, half_step, state.place, state.trial, state.v, below.ends)
-        from_bit(frame, state.place[0], state.trial[0])
-        turn_row_back(frame, state.v[0])
+        load_ends(parameters, rod, below, state, time, half_step)
         if size[KEPT] == 0.0:
             close_top(scratch, constrained)
         for c in range(NODE):

@@ -14,8 +14,7 @@ from drill_twin.core.compile.jit import kernel
 from drill_twin.dynamics.solver.spatial.linear_solver import SMALLEST_PIVOT
 from drill_twin.dynamics.solver.spatial.linear_solver import Workspace as Below
 from drill_twin.dynamics.solver.spatial.linear_solver import make_workspace as make_below
-from drill_twin.physics.model.mesh import Rod, part_of
-from drill_twin.physics.model.wellbore import Axis
+from drill_twin.physics.model import Axis, Rod, part_of
 
 ALONG = 3
 """Unknowns a node above the joint: coordinate along the hole z, its derivative z' by arc length, spin psi."""

@@ -15,9 +15,8 @@ from drill_twin.core.arrays import Array, Pair
 from drill_twin.core.compile.jit import kernel
 from drill_twin.dynamics.solver.interface import Effects
 from drill_twin.dynamics.solver.lateral.linear_solver import TORQUE, WEIGHT, Workspace
-from drill_twin.physics.model.mesh import Rod
+from drill_twin.physics.model import Point, Rod, Strain
 from drill_twin.physics.model.section import BEND_DAMP, COUPLE, MX, MY
-from drill_twin.physics.model.strain import Point, Strain
 
 
 @kernel
@@ -192,7 +191,7 @@ def bind(effects: Effects) -> Callable[..., float]:
                 shape = rod.shape[e, point]
                 place, share = 2 * e + point, rod.spin_shape[point, 1]
                 b, db = blend(shape[2], scratch.ue), blend(shape[2], scratch.ve)
-                # material at spin psi: the rate of r'' that it sees (`rod.section`, with t = z)
+                # material at spin psi: the rate of r'' that it sees (`drill_twin.physics.model.section`, t = z)
                 ring_x, ring_y = db[0] + spin_rate * b[1], db[1] - spin_rate * b[0]
                 strain = Strain(
                     e, place, 1.0, 0.0, 0.0, 1.0, 0.0, b[0], b[1], 0.0, -b[1], b[0], 0.0, 2.0, 0.0, 0.0, spin_rate,

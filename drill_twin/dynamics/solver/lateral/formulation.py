@@ -33,7 +33,7 @@ from drill_twin.dynamics.solver.lateral.linear_solver import (
     solve_blocks,
 )
 from drill_twin.dynamics.solver.state import BIT_IMPULSE, FACTOR, HOOK_IMPULSE, TORQUE_IMPULSE, State, StepControl
-from drill_twin.physics.model.mesh import SPIN, Rod
+from drill_twin.physics.model import SPIN, Rod, along_element
 
 X, Y, SLOPE_X, SLOPE_Y = 0, 1, 3, 4  # columns of the unknowns in a node's row
 
@@ -148,10 +148,7 @@ def finish(rod: Rod, state: State) -> None:
         u[i, SPIN], v[i, SPIN] = u[last, SPIN], v[last, SPIN]
     for e in range(last - 1, -1, -1):
         w, h = rod.middle[e], rod.length[e]
-        ax = w[0] * u[e, X] + w[1] * u[e, SLOPE_X] + w[2] * u[e + 1, X] + w[3] * u[e + 1, SLOPE_X]
-        ay = w[0] * u[e, Y] + w[1] * u[e, SLOPE_Y] + w[2] * u[e + 1, Y] + w[3] * u[e + 1, SLOPE_Y]
-        dx = w[0] * v[e, X] + w[1] * v[e, SLOPE_X] + w[2] * v[e + 1, X] + w[3] * v[e + 1, SLOPE_X]
-        dy = w[0] * v[e, Y] + w[1] * v[e, SLOPE_Y] + w[2] * v[e + 1, Y] + w[3] * v[e + 1, SLOPE_Y]
+        (ax, ay, _), (dx, dy, _) = along_element(w, u, e), along_element(w, v, e)
         middle = np.sqrt(1.0 - min(ax * ax + ay * ay, 0.99))
         u[e, 2] = u[e + 1, 2] - h / 6.0 * (u[e, 5] + 4.0 * middle + u[e + 1, 5])
         v[e, 2] = v[e + 1, 2] - h / 6.0 * (v[e, 5] - 4.0 * (ax * dx + ay * dy) / middle + v[e + 1, 5])

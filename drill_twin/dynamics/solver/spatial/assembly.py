@@ -19,9 +19,8 @@ from drill_twin.core.arrays import Array, Triple
 from drill_twin.core.compile.jit import kernel
 from drill_twin.dynamics.solver.interface import Effects
 from drill_twin.dynamics.solver.spatial.linear_solver import Workspace
-from drill_twin.physics.model.mesh import Rod
+from drill_twin.physics.model import Point, Rod, strain_at, stretch_forces, stretching
 from drill_twin.physics.model.section import BEND_DAMP, TORQUE_RATE, elastic_resultants, section_forces
-from drill_twin.physics.model.strain import Point, strain_at, stretch_forces, stretching
 
 Four = tuple[float, float, float, float]
 

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The string in space: seven unknowns per node (r, r', psi), stretch and torsion included."""
 
+from collections.abc import Callable
 from typing import Any
 
 from drill_twin.core.arrays import Array
@@ -12,13 +13,12 @@ from drill_twin.dynamics.solver.boundary import (
     turn_blocks,
     turn_row,
     turn_row_back,
-    turn_step_back,
 )
 from drill_twin.dynamics.solver.interface import Effects, Formulation, bind_unknowns
 from drill_twin.dynamics.solver.spatial import assembly
 from drill_twin.dynamics.solver.spatial.linear_solver import NODE, Workspace, solve_blocks
 from drill_twin.dynamics.solver.state import BIT_IMPULSE, HOOK_IMPULSE, TORQUE_IMPULSE, State, StepControl
-from drill_twin.physics.model.mesh import SPIN, Rod
+from drill_twin.physics.model import SPIN, Rod
 
 
 @kernel
@@ -89,7 +89,7 @@ def predict(scratch: Workspace, constrained: Array, state: State, half_step: flo
 def correct(scratch: Workspace, state: State, control: StepControl, half_step: float) -> float:
     """Apply the Newton step; returns its size in tolerances, NaN if it is not finite."""
     update_reactions(scratch)
-    turn_step_back(state.bit_frame, scratch.diagonal[0])
+    turn_row_back(state.bit_frame, scratch.diagonal[0, :, NODE])
     position, angle, total = 0.0, 0.0, 0.0
     for i in range(scratch.diagonal.shape[0]):
         for c in range(NODE):
@@ -131,9 +131,27 @@ def finish(rod: Rod, state: State) -> None:
     """No-op: every column of the state is an unknown."""
 
 
+def bind_ends(end_load: Any) -> Callable[..., None]:
+    """The loads of the effects on bit and top, for their function `end_load`."""
+
+    @kernel
+    def load_ends(parameters: Any, rod: Rod, scratch: Workspace, state: State, time: float, half_step: float) -> None:
+        """Fill `scratch.ends`; the bit is constrained, loaded and braked along and across the hole."""
+        frame = state.bit_frame
+        scratch.ends[:] = 0.0
+        turn_blocks(frame, scratch.diagonal[0], scratch.upper[0], scratch.lower[0])
+        to_bit(frame, state.place[0], state.trial[0])
+        turn_row(frame, state.v[0])
+        end_load(parameters, rod, scratch.command, time, half_step, state.place, state.trial, state.v, scratch.ends)
+        from_bit(frame, state.place[0], state.trial[0])
+        turn_row_back(frame, state.v[0])
+
+    return load_ends
+
+
 def bind(effects: Effects) -> Formulation:
     """The formulation for a set of effects."""
-    assemble, end_load = assembly.bind(effects), effects.end_load
+    assemble, load_ends = assembly.bind(effects), bind_ends(effects.end_load)
 
     @kernel
     def build(
@@ -148,17 +166,9 @@ def bind(effects: Effects) -> Formulation:
         number: float,
     ) -> None:
         """Fill the block system: elements, loads at the ends, constraints."""
-        frame = state.bit_frame
         move_to_middle(state, half_step)
         assemble(parameters, rod, scratch, time, half_step, first_iteration, number, state.place, state.trial, state.v)
-        scratch.ends[:] = 0.0
-        # the bit is constrained, loaded and braked along and across the hole
-        turn_blocks(frame, scratch.diagonal[0], scratch.upper[0], scratch.lower[0])
-        to_bit(frame, state.place[0], state.trial[0])
-        turn_row(frame, state.v[0])
-        end_load(parameters, rod, scratch.command, time, half_step, state.place, state.trial, state.v, scratch.ends)
-        from_bit(frame, state.place[0], state.trial[0])
-        turn_row_back(frame, state.v[0])
+        load_ends(parameters, rod, scratch, state, time, half_step)
         add_ends(scratch)
         constrain(constrained, scratch)
 

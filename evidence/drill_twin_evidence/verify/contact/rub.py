@@ -13,8 +13,7 @@ from scipy.optimize import brentq
 from drill_twin.core.errors import RunError
 from drill_twin.dynamics.rotordynamics.equations import EquationsOfMotion
 from drill_twin.dynamics.rotordynamics.steady.branches import branch, speed_of
-from drill_twin.dynamics.rotordynamics.steady.shape_search import Shape, ShapeSearch
-from drill_twin.dynamics.rotordynamics.steady.slow_whirls import helix
+from drill_twin.dynamics.rotordynamics.steady.shape_search import Shape, ShapeSearch, helix
 from drill_twin.dynamics.rotordynamics.steady.steady_whirl import SteadyWhirl, TurningEquations
 from drill_twin.scene import Scene
 from drill_twin.scene.set_points.command import Command

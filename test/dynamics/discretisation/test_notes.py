@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 from scipy.linalg import eigh
 
+from drill_twin.dynamics.discretisation.notes import frequency_error, notes_on
 from drill_twin.dynamics.discretisation.resolution import resolution_of
-from drill_twin.dynamics.discretisation.warnings import frequency_error, notes_on
 from drill_twin.runs import RunLoop
 from drill_twin.scene import load_scene, presets
 

@@ -19,7 +19,7 @@ from drill_twin.dynamics.discretisation.resolution import (
     stick_slip_step,
     wanted_elements,
 )
-from drill_twin.physics.model.mesh import tube_constants
+from drill_twin.physics.model import tube_constants
 from drill_twin.scene import Scene
 from drill_twin.scene.blocks.numerics import MOST_ELEMENTS
 from drill_twin.scene.set_points import extremes
