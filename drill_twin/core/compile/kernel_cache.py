@@ -136,7 +136,7 @@ def _kept_parsing() -> Iterator[None]:
         yield
         return
     method = hashlib.sha256(Path(__file__).with_name("source_hash.py").read_bytes()).hexdigest()
-    key, file = (platform.python_version(), __file__, method), CheckedFiles(folder, "sources", "parsed")
+    key, file = (platform.python_version(), __file__, method), CheckedFiles(folder, "sources", "parsed", logging.DEBUG)
     if not PARSED:
         PARSED.update(file.load(key) or {})
     before = dict(PARSED)
