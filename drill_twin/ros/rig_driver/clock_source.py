@@ -19,9 +19,7 @@ class ClockSource:
     the numbers of one publisher follow each other, and where two are heard, they do not.
     """
 
-    def __init__(
-        self, topics: NodeTopics, alone: Callable[[int], object], two_are_heard: Callable[[], object]
-    ) -> None:
+    def __init__(self, topics: NodeTopics, alone: Callable[[int], object], two_are_heard: Callable[[], object]) -> None:
         """Subscribe to the clock.
 
         Args:
