@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
 """The `rig:` part of a scene: weight on bit and rotation over time, top drive, recorded table."""
 
-from importlib import metadata
 from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 
 from pydantic import Field, model_validator
 
+from drill_twin.core.companions import entries
 from drill_twin.core.units import AngularSpeed, Force, Length, Speed, Stiffness, Time, Torque, Within, refuse
 from drill_twin.scene.blocks.part import Part, refuse_all, refuse_at
 from drill_twin.scene.blocks.top_drive import TopDrive
@@ -15,7 +15,7 @@ GROUP = "drill_twin.schedules"
 (``saw = my_package.shapes:saw``) from a set-point to its value over time."""
 BUILT_IN = ("constant", "step", "ramp", "table")
 """Shapes of this package; another package cannot replace them."""
-ADDED = {entry.name: entry for entry in metadata.entry_points(group=GROUP) if entry.name not in BUILT_IN}
+ADDED = {entry.name: entry for entry in entries(GROUP) if entry.name not in BUILT_IN}
 """Entry points of the shapes of other packages, by name."""
 SHAPES = (*BUILT_IN, *sorted(ADDED))
 """Names of all shapes."""
