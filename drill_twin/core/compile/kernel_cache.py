@@ -29,12 +29,13 @@ import numba
 import numpy as np
 from numba.core.dispatcher import Dispatcher
 
-from drill_twin.core.compile.jit import is_inlined
+from drill_twin.core.compile.jit import is_inlined, start
 from drill_twin.core.compile.object_cache import CheckedFiles, is_open, keep_machine_code, keep_parts
 from drill_twin.core.compile.source_hash import PARSED, modules_reached, source_hash
 from drill_twin.core.errors import RunError
 from drill_twin.core.files.output import PRIVATE, write_whole
 
+start()  # numba is imported, so that functions become dispatchers
 _LOG = logging.getLogger(__name__)
 
 ONE_THREAD = RLock()
