@@ -103,7 +103,8 @@ def copy(values: NDArray[Any], out: NDArray[Any]) -> None:
 
 def is_inlined(dispatcher: Any) -> bool:
     """True for a compiled function that only other kernels call."""
-    return bool(dispatcher._compiler.pipeline_class.__name__ == "InlinedCompiler")  # noqa: SLF001
+    pipeline: type = dispatcher._compiler.pipeline_class  # noqa: SLF001
+    return pipeline.__name__ == "InlinedCompiler"
 
 
 @cache
