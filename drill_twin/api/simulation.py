@@ -18,12 +18,12 @@ from drill_twin.core.units.dimension import ANGULAR_SPEED, FORCE, SPEED, TIME
 from drill_twin.io.messages.stamps import NANOSECONDS, seconds
 from drill_twin.scene import Scene
 from drill_twin.scene.blocks.rig import FASTEST_BLOCK, FASTEST_ROTATION, LARGEST_LOAD
+from drill_twin.scene.set_points import Command, Schedule
 
 if TYPE_CHECKING:
     from drill_twin.api.result import Result
     from drill_twin.dynamics.twin.frame import Frames
     from drill_twin.runs.session_run import SetPoints
-    from drill_twin.scene.set_points import Command, Schedule
     from drill_twin.whirl import Findings
 
 
@@ -159,8 +159,6 @@ class Simulation:
             TableError: The record that the scene plays cannot be played.
             SceneError: The shape of a set-point cannot be loaded.
         """
-        from drill_twin.scene.set_points import Schedule
-
         return Schedule.from_scene(self.scene)
 
     def run(self, duration: Quantity | None = None, *, progress: Callable[[State], None] | None = None) -> Result:
@@ -210,8 +208,6 @@ class Simulation:
             ArgumentError: A set-point is no such quantity, or the time is not a whole number of frames.
             RunError: The motion could not be followed; `result` gives what came before.
         """
-        from drill_twin.scene.set_points import Command
-
         last = self._run.command
         carried = self.scene.rig.block
         if block is not None and (carried is None or carried.auto_driller is not None):
