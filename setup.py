@@ -39,6 +39,7 @@ setup(
         "mcap>=1.6,<1.7",  # io/bag/mcap_writer.py uses private names of its Writer
         "numba>=0.63.1,<0.69",  # core/compile uses private names of it: evidence/docs/private_compiler.md
         "numpy>=1.26.4,<2.6",  # 1.26: what Ubuntu 24.04 gives ROS Jazzy; 2.6: what numba does not take yet
+        "pint>=0.24.4",
         "plotly>=5.20",
         "pydantic>=2.12",  # 2.7 to 2.11 take a scene without a name
         "pyyaml>=6.0.1",
@@ -63,7 +64,6 @@ setup(
             "lasio>=0.31",
             "mcap-ros2-support",
             "mypy",
-            "pint>=0.24.4",  # another implementation of the units, for a comparison
             "pytest",
             "pytest-rerunfailures",
             "pytest-timeout",
