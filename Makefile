@@ -33,11 +33,12 @@ endif
 COMPANIONS := $(addprefix --editable companions/drill_twin_,rig dashboard studies)
 PIP := $(CLEAN) $(PYTHON) -m pip install --disable-pip-version-check -qq -c $(STAMPS)/constraints.txt
 
-.PHONY: help setup setup-test demo docs test test-long evidence faults faults-seeded kills soak fuzz day damage random-scenes fit-coverage sub-onsets browser bench bounds map-boundary advice-loop peers check clean
+.PHONY: help setup setup-test demo docs quick test test-long evidence faults faults-seeded kills soak fuzz day damage random-scenes fit-coverage sub-onsets browser bench bounds map-boundary advice-loop peers check clean
 
 help:
 	@echo 'make demo       the paper'"'"'s drillstring over DDS: four nodes, a bag, a report in out/demo/'
 	@echo 'make docs       the documentation as a site in out/docs/html'
+	@echo 'make quick      the tests that neither start a process nor compile a kernel'
 	@echo 'make test       the test suite'
 	@echo 'make test-long  its variants, soaks and large random samples, and one variant of each test in evidence/'
 	@echo 'make evidence   the tests of what shows that the twin is right (evidence/), all variants'
@@ -143,6 +144,10 @@ test: setup-test
 	wait $$! || found=$$?; \
 	cat $(BESIDE); \
 	exit $$found
+
+# Tests that neither start a process nor compile: what one wants after an edit.
+quick: setup-test
+	@$(PYTEST) -q $(addprefix --ignore=,$(WITH_ROS)) -m 'not long and not process and not compiles' test companions
 
 test-long: setup-test
 	@found=0; \

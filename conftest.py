@@ -4,7 +4,11 @@
 import os
 import subprocess
 import sys
+from collections.abc import Iterator
 from contextlib import suppress
+from pathlib import Path
+from types import FunctionType
+from typing import Any
 
 import pytest
 
@@ -14,9 +18,49 @@ def pytest_configure(config: pytest.Config) -> None:
     config.addinivalue_line("markers", "fault(what, then): a fault that is survived, for the table of `make faults`")
 
 
+ROOT = Path(__file__).parent
+MARKED_BY = {
+    "process": {"subprocess", "Popen", "fork", "Process", "rclpy", "process_bench", "attack", "harmless", "Browser"},
+    "compiles": {
+        "Session", "SessionRun", "Simulation", "Twin", "Dynamics", "compile_kernel", "build_kernel", "run_command",
+        "Analyzer", "BitOnlyAnalyzer", "WhirlPipeline", "read_recording", "summarise", "build_report", "Ensemble",
+        "entry_kernel", "load_generated", "njit", "linearise", "steady_whirl", "equilibrium", "run_many", "read_bag",
+    },
+}  # fmt: skip
+"""Marker -> names by which code of a test, or of what it calls in the test house, starts processes or compiles."""
+
+
+def _names(function: Any, seen: set[Any]) -> Iterator[str]:
+    """Names in the code of a function, and in that of the functions and classes of the test house which it names."""
+    function = getattr(function, "__wrapped__", function)
+    file = getattr(sys.modules.get(getattr(function, "__module__", "")), "__file__", None) or ""
+    if function in seen or not file.startswith(str(ROOT)) or "test" not in Path(file).relative_to(ROOT).parts:
+        return
+    seen.add(function)
+    if isinstance(function, type):
+        for method in vars(function).values():
+            if isinstance(method, FunctionType):
+                yield from _names(method, seen)
+    codes = [function.__code__] if isinstance(function, FunctionType) else []
+    while codes:
+        code = codes.pop()
+        codes += [constant for constant in code.co_consts if isinstance(constant, type(code))]
+        for name in code.co_names:
+            yield name
+            if isinstance(found := function.__globals__.get(name), FunctionType | type):
+                yield from _names(found, seen)
+
+
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Take what a fault's marker says along to the report."""
+    """Mark tests that start a process or compile, and take what a fault's marker says along to the report."""
     for item in items:
+        fixtures = getattr(item, "_fixtureinfo").name2fixturedefs.values()  # noqa: B009
+        functions = [getattr(item, "function"), *(fixture.func for found in fixtures for fixture in found)]  # noqa: B009
+        seen: set[Any] = set()
+        names = {name for function in functions for name in _names(function, seen)}
+        for marker, known in MARKED_BY.items():
+            if names & known or (marker == "process" and "ros" in item.path.parent.parts):
+                item.add_marker(marker)
         for mark in item.iter_markers("fault"):
             item.user_properties.append(("fault", mark.args))
 

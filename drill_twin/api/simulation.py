@@ -9,21 +9,22 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
+from typing import TYPE_CHECKING
 
-from drill_twin.api.result import Result
 from drill_twin.api.scenes import Overrides, Quantity, as_scene, in_si
 from drill_twin.core.arrays import Array
 from drill_twin.core.errors import ArgumentError, RunError
 from drill_twin.core.units.dimension import ANGULAR_SPEED, FORCE, SPEED, TIME
-from drill_twin.dynamics.twin.frame import Frames
-from drill_twin.io.bag.virtual_bags import MemoryBag
 from drill_twin.io.messages.stamps import NANOSECONDS, seconds
-from drill_twin.runs import SessionRun, compile_kernel
-from drill_twin.runs.session_run import SetPoints
 from drill_twin.scene import Scene
 from drill_twin.scene.blocks.rig import FASTEST_BLOCK, FASTEST_ROTATION, LARGEST_LOAD
 from drill_twin.scene.set_points import Command, Schedule
-from drill_twin.whirl import Findings
+
+if TYPE_CHECKING:
+    from drill_twin.api.result import Result
+    from drill_twin.dynamics.twin.frame import Frames
+    from drill_twin.runs.session_run import SetPoints
+    from drill_twin.whirl import Findings
 
 
 class CompileProgress:
@@ -121,6 +122,9 @@ class Simulation:
             SceneError: The scene cannot be loaded, or has an accuracy that cannot be reached.
             RunError: It begins in static equilibrium, and none was found.
         """
+        from drill_twin.io.bag.virtual_bags import MemoryBag
+        from drill_twin.runs import SessionRun, compile_kernel
+
         self.scene = as_scene(scene, overrides)
         if self.scene.numerics.accuracy is not None:
             from drill_twin.studies.accuracy import resolve
@@ -259,6 +263,8 @@ class Simulation:
         Raises:
             ArgumentError: Nothing was run yet.
         """
+        from drill_twin.api.result import Result
+
         if self.state is None:
             raise ArgumentError("expected a run of at least one frame, found none; call run or advance first")
         self._report()

@@ -55,10 +55,14 @@ COMPANIONS = (
 )
 
 
+_installed = cache(entry_points)
+"""Entry points of all groups: to read those of all installed packages takes 20 ms."""
+
+
 @cache
 def entries(group: str) -> tuple[EntryPoint, ...]:
     """Entry points of a group, by the name of their package and their own."""
-    return tuple(sorted(entry_points(group=group), key=lambda entry: (package_of(entry), entry.name)))
+    return tuple(sorted(_installed().select(group=group), key=lambda entry: (package_of(entry), entry.name)))
 
 
 def package_of(entry: EntryPoint) -> str:

@@ -3,9 +3,9 @@
 
 import site
 import sys
-from importlib import metadata
 from pathlib import Path
 
+from drill_twin.core.companions import entry_of
 from drill_twin.core.errors import SceneError, nearest
 
 GROUP = "drill_twin.scenes"
@@ -53,7 +53,7 @@ def added_scenes(folder: str) -> dict[str, Path]:
     Raises:
         SceneError: The entry point cannot be loaded.
     """
-    for entry in metadata.entry_points(group=GROUP, name=folder):
+    if entry := entry_of(GROUP, folder):
         try:
             place = Path(entry.load())
         except Exception as error:

@@ -10,13 +10,13 @@ from typing import NamedTuple
 from unittest.mock import ANY
 
 import pytest
+from companion_parts import part
 from typing_extensions import TypedDict
 
 from drill_twin.core.errors import ArgumentError, BagError
 from drill_twin.core.files.json_files import JsonLines
-from drill_twin_studies.maps.regimes import Regime
-from drill_twin_studies.maps.runs import Key, RunRecord
-from drill_twin_studies.maps.search import open_journal
+
+REGIMES, RUNS, SEARCH = (part(f"drill_twin_studies.maps.{name}") for name in ("regimes", "runs", "search"))
 
 SETUP = {"scene": "bench", "duration": 30.0}
 
@@ -150,7 +150,9 @@ def test_a_line_of_the_right_shape_and_a_wrong_type_is_left_out(tmp_path, damage
 
 
 def test_a_run_of_a_map_with_a_wrong_number_is_left_out_and_told(tmp_path, caplog):
-    file, key, record = tmp_path / "runs.jsonl", Key(1, 2, origin=(0, 3)), RunRecord(Regime.SMOOTH, radius=0.5)
+    Key, open_journal = RUNS.Key, SEARCH.open_journal
+    file, key = tmp_path / "runs.jsonl", Key(1, 2, origin=(0, 3))
+    record = RUNS.RunRecord(REGIMES.Regime.SMOOTH, radius=0.5)
     journal = open_journal(tmp_path, SETUP)
     for one in (key, Key(4, 4)):
         journal.add((one, record))

@@ -13,6 +13,7 @@ import lz4.frame
 import numpy as np
 import pytest
 import zstandard
+from companion_parts import part
 from mcap.writer import MCAP0_MAGIC
 
 sys.path.insert(0, str(Path(__file__).parent))
@@ -29,8 +30,8 @@ from drill_twin.report.summary import summarise
 from drill_twin.runs import Session
 from drill_twin.scene import load_scene
 from drill_twin.scene.set_points.tables import read_table
-from drill_twin_dashboard.live.page_state import INPUTS
-from drill_twin_dashboard.live.player import Player
+
+PAGE, PLAYER = (part(f"drill_twin_dashboard.live.{name}") for name in ("page_state", "player"))
 
 LAUGHS = "".join(f"k{n}: &a{n} [{', '.join([f'*a{n - 1}' if n else 'x'] * 9)}]\n" for n in range(9))
 MERGES = "a0: &a0 {x: 1}\n" + "".join(f"a{n}: &a{n} {{{', '.join([f'<<: *a{n - 1}'] * 9)}}}\n" for n in range(1, 12))
@@ -62,7 +63,8 @@ def read_bag(path):
     """As `drill-twin analyze` and `watch` do."""
     recording = read_recording(path)
     json.dumps(summarise(recording), allow_nan=False)
-    Player(path).close()
+    if PLAYER:
+        PLAYER.Player(path).close()
 
 
 @pytest.fixture(scope="module")
@@ -357,4 +359,4 @@ def test_a_matlab_file_of_zeros(tmp_path):
 
 
 def test_topics_of_the_page_are_those_attacked():
-    assert {TWIN_SCENE, DIAGNOSTICS} < set(INPUTS)
+    assert {TWIN_SCENE, DIAGNOSTICS} < set(PAGE.INPUTS)

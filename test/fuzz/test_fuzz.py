@@ -16,6 +16,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from companion_parts import part
 from scipy.io import savemat
 
 sys.path.insert(0, str(Path(__file__).parent))
@@ -32,7 +33,8 @@ from drill_twin.runs import Session
 from drill_twin.scene import load_scene
 from drill_twin.scene.paths import config_dir
 from drill_twin.scene.set_points.tables import read_table
-from drill_twin_dashboard.live.page_state import INPUTS, PageState
+
+PAGE = part("drill_twin_dashboard.live.page_state")
 
 SEED = 20261121
 COUNT = int(os.environ.get("DRILL_TWIN_FUZZ", "150"))
@@ -99,12 +101,12 @@ def _as_sqlite3(bag, target):
 
 def _read_bag(path):
     """As the command line does: all messages, the analysis, the page."""
-    pipeline, page = WhirlPipeline(), PageState()
+    pipeline, page = WhirlPipeline(), PAGE.PageState() if PAGE else None
     for topic, _, raw in Bag(path).messages():
         pipeline.take(topic, raw)
-        if topic in INPUTS:
+        if page and topic in PAGE.INPUTS:
             page.update(topic, raw)
-    json.dumps(page.snapshot(), allow_nan=False)
+    json.dumps(page and page.snapshot(), allow_nan=False)
 
 
 def _damage_file(source, target, random, *, text):
@@ -144,12 +146,13 @@ def _attempt(kind, material, place, random):
         _damage_file(folder / "run.npz", place / "run.npz", random, text=False)
         Checkpoint.load(place / "run.npz")
     else:
-        pipeline, page = WhirlPipeline(), PageState()
+        pipeline, page = WhirlPipeline(), PAGE.PageState() if PAGE else None
         for topic, _, raw in Bag(bag).messages():
             sent = mutated(raw, random, text=False) if random.random() < 0.2 else raw
             pipeline.take(topic, sent)
-            page.update(topic, sent)
-        json.dumps(page.snapshot(), allow_nan=False)
+            if page:
+                page.update(topic, sent)
+        json.dumps(page and page.snapshot(), allow_nan=False)
 
 
 def _processor_time():

@@ -6,6 +6,7 @@ import math
 
 import numpy as np
 import pytest
+from companion_parts import part
 from variants import one_of
 
 import drill_twin as dt
@@ -28,8 +29,8 @@ from drill_twin.io.messages.topics import (
 )
 from drill_twin.report import build_report
 from drill_twin.report.summary import summarise
-from drill_twin_dashboard.live.page_state import INPUTS, PageState
-from drill_twin_dashboard.live.player import in_simulated_time
+
+PAGE, PLAYER = (part(f"drill_twin_dashboard.live.{name}") for name in ("page_state", "player"))
 
 AT = 5_000_000_000
 FUTURE = 1_900_000_000_000_000_000
@@ -129,11 +130,11 @@ def test_one_odd_message(topic, kind, first, good, expected, tmp_path):
     assert all(len(note) < 1000 and note.isprintable() for note in found["notes"])
 
 
-@pytest.mark.parametrize("topic", one_of(3, sorted(set(INPUTS) & set(TOPICS))))
+@pytest.mark.parametrize("topic", one_of(3, sorted(set(PAGE.INPUTS if PAGE else ()) & set(TOPICS))))
 def test_the_page_plays_on(topic, good, tmp_path):
     for kind in (*ANY, *BY_TYPE.get(TOPICS[topic].type_name, ())):
         bag = Bag(odd_bag(tmp_path / kind, good, topic, kind, first=False))
-        messages, page = list(in_simulated_time(bag.messages(INPUTS))), PageState()
+        messages, page = list(PLAYER.in_simulated_time(bag.messages(PAGE.INPUTS))), PAGE.PageState()
         for name, _, raw in messages:
             page.update(name, raw)
         json.dumps(page.snapshot(), allow_nan=False)

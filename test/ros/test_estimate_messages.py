@@ -7,10 +7,14 @@ import pytest
 
 from drill_twin.io.messages.decode import read_joint_state
 from drill_twin.io.messages.diagnostics import Level
-from drill_twin_dashboard.live.shown import shown_estimates
-from drill_twin_studies.estimation import Band, Estimate
-from drill_twin_studies.estimation.doubts import Span
-from drill_twin_studies.ros.estimator.messages import EstimateEncoder, trust_in, values_for_diagnostics, verdict_of
+
+for package in ("drill_twin_dashboard", "drill_twin_studies"):
+    pytest.importorskip(package, reason=f"needs the package {package}")
+
+from drill_twin_dashboard.live.shown import shown_estimates  # noqa: E402
+from drill_twin_studies.estimation import Band, Estimate  # noqa: E402
+from drill_twin_studies.estimation.doubts import Span  # noqa: E402
+from drill_twin_studies.ros.estimator.messages import EstimateEncoder, trust_in, values_for_diagnostics, verdict_of  # noqa: E402
 
 SPANS = (Span(12.0, 41.0, 29), Span(60.0, 61.0, 1))
 

@@ -16,10 +16,14 @@ from drill_twin.io.messages.encode import MARK_AXES
 from drill_twin.io.messages.topic_words import digest_of
 from drill_twin.io.messages.topics import ESTIMATE_STATE, MARKS_STATE, MEASURED_RIG_STATE, RIG_STATE
 from drill_twin.scene import load_scene
-from drill_twin_dashboard.live.page_state import PageState
-from drill_twin_dashboard.live.shown import Sources
-from drill_twin_studies.maps import OperatingMap, Plane, Regime, Span
-from drill_twin_studies.maps.runs import Key, RunRecord
+
+for package in ("drill_twin_dashboard", "drill_twin_studies"):
+    pytest.importorskip(package, reason=f"needs the package {package}")
+
+from drill_twin_dashboard.live.page_state import PageState  # noqa: E402
+from drill_twin_dashboard.live.shown import Sources  # noqa: E402
+from drill_twin_studies.maps import OperatingMap, Plane, Regime, Span  # noqa: E402
+from drill_twin_studies.maps.runs import Key, RunRecord  # noqa: E402
 
 COARSE = (
     "numerics.elements=8; numerics.step=10 ms; numerics.frame_rate=50 Hz; rig.rotation.duration=1 s; "

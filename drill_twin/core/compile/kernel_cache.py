@@ -29,12 +29,13 @@ import numba
 import numpy as np
 from numba.core.dispatcher import Dispatcher
 
-from drill_twin.core.compile.jit import is_inlined
-from drill_twin.core.compile.object_cache import is_open, keep_machine_code, keep_parts
-from drill_twin.core.compile.source_hash import modules_reached, source_hash
+from drill_twin.core.compile.jit import is_inlined, start
+from drill_twin.core.compile.object_cache import CheckedFiles, is_open, keep_machine_code, keep_parts
+from drill_twin.core.compile.source_hash import PARSED, modules_reached, source_hash
 from drill_twin.core.errors import RunError
 from drill_twin.core.files.output import PRIVATE, write_whole
 
+start()  # numba is imported, so that functions become dispatchers
 _LOG = logging.getLogger(__name__)
 
 ONE_THREAD = RLock()
@@ -119,12 +120,30 @@ def load_generated(kind: str, text: str, *more: str, packages: tuple[str, ...] =
 
 def fingerprint(text: str, *more: str, packages: tuple[str, ...] = ()) -> str:
     """Hash of all source that a module reaches, of other texts, of the versions of libraries and of the processor."""
-    digest = hashlib.sha256(source_hash(text, packages).encode())
+    with _kept_parsing():
+        digest = hashlib.sha256(source_hash(text, packages).encode())
     for part in (*more, platform.python_version(), numba.__version__, llvmlite.__version__, np.__version__):
         digest.update(part.encode())
     cpu = llvmlite.binding
     digest.update(f"{cpu.get_host_cpu_name()} {sorted(cpu.get_host_cpu_features().items())}".encode())
     return digest.hexdigest()[:16]
+
+
+@contextmanager
+def _kept_parsing() -> Iterator[None]:
+    """Context that has the parsed sources of earlier processes, and keeps those that are parsed in it."""
+    folder = permanent_folder()
+    if folder is None:
+        yield
+        return
+    method = hashlib.sha256(Path(__file__).with_name("source_hash.py").read_bytes()).hexdigest()
+    key, file = (platform.python_version(), __file__, method), CheckedFiles(folder, "sources", "parsed", logging.DEBUG)
+    if not PARSED:
+        PARSED.update(file.load(key) or {})
+    before = dict(PARSED)
+    yield
+    if before != PARSED:
+        file.save(key, {name: found for name, found in PARSED.items() if Path(name).is_file()})
 
 
 def _load(name: str, text: str, packages: tuple[str, ...]) -> ModuleType:

@@ -94,8 +94,8 @@ class _Implementation(_CACHING.CompileResultCacheImpl):  # type: ignore[misc]
 class CheckedFiles:
     """One file for each signature: hash, then key and machine code. No index that processes would share."""
 
-    def __init__(self, folder: Path, base: str, suffix: str = "machine_code") -> None:
-        self._folder, self._base, self._suffix = folder, base, suffix
+    def __init__(self, folder: Path, base: str, suffix: str = "machine_code", level: int = logging.WARNING) -> None:
+        self._folder, self._base, self._suffix, self._level = folder, base, suffix, level
 
     def path(self, key: Any) -> Path:
         """File of a signature and processor."""
@@ -112,7 +112,7 @@ class CheckedFiles:
                 known, data = pickle.loads(content[_HASH:])  # noqa: S301  of this user, and whole
                 if repr(known) == repr(key):
                     return data
-        _LOG.warning("%s: damaged, compiled again", path)
+        _LOG.log(self._level, "%s: damaged, compiled again", path)
         return None
 
     def save(self, key: Any, data: Any) -> None:

@@ -8,10 +8,12 @@ and laboratories, with the angle as a dimension: `2 Hz` is then not mistaken for
 import re
 from functools import cache
 from tokenize import TokenError
-
-import pint
+from typing import TYPE_CHECKING
 
 from drill_twin.core.errors import SceneError
+
+if TYPE_CHECKING:
+    import pint
 
 DEFINITIONS = """
 nano- = 1e-9 = n-
@@ -84,19 +86,6 @@ _COURSE = re.compile(r"(deg|°|rad)\s*/\s*(30|10|100)\s*(m|ft)")
 """Curvature over a course length: `deg/30 m`, `deg/100 ft`."""
 _WORD = re.compile(r"[A-Za-zµμ]+|[%°]")
 
-_PINT_ERRORS = (
-    pint.PintError,
-    AssertionError,
-    AttributeError,
-    IndexError,
-    SyntaxError,
-    TokenError,
-    TypeError,
-    ValueError,
-    ArithmeticError,
-)
-"""Raised by pint for malformed products such as `N(` or `m**/s`."""
-
 
 class UnitError(SceneError, ValueError):
     """A text that is not a number with a known unit of the expected dimension."""
@@ -108,7 +97,9 @@ class UnknownUnitError(UnitError):
 
 @cache
 def registry() -> "pint.UnitRegistry[float]":
-    """The pint registry (built once, in a few milliseconds)."""
+    """The pint registry, built once in a few milliseconds; the import of pint takes longer, so it waits until here."""
+    import pint
+
     units: pint.UnitRegistry[float] = pint.UnitRegistry(None)
     units.load_definitions(DEFINITIONS.strip().splitlines())
     return units
@@ -131,7 +122,16 @@ def si_factor(unit: str) -> tuple[float, Dimensionality]:
     try:
         quantity = registry().Quantity(1.0) * (registry().parse_expression(text) if text else 1.0)
         base = quantity.to_root_units()
-    except _PINT_ERRORS:
+    except (  # raised by pint for malformed products such as `N(` or `m**/s`
+        ArithmeticError,
+        AssertionError,
+        AttributeError,
+        IndexError,
+        SyntaxError,
+        TokenError,
+        TypeError,
+        ValueError,
+    ):
         raise UnitError(f'"{" ".join(unit.split())}" is not a unit') from None
     return tidy(float(base.magnitude)), tuple(sorted(base.dimensionality.items()))
 

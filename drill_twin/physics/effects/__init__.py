@@ -7,11 +7,12 @@ value the module (``my_effect = my_package.my_effect``).
 """
 
 import warnings
-from importlib import import_module, metadata
+from importlib import import_module
 from pkgutil import iter_modules
 from types import ModuleType
 from typing import Any, NamedTuple, Self
 
+from drill_twin.core.companions import entries
 from drill_twin.core.errors import RunError
 from drill_twin.physics.effects.config import HOOKS, EffectConfig, uncalled
 
@@ -34,7 +35,7 @@ def _find() -> dict[str, tuple[ModuleType, type[EffectConfig]]]:
         module = import_module(f"{__name__}.{file.name}")
         if (config := _config_of(file.name, module)) is not None:
             found[file.name] = module, config
-    for entry in sorted(metadata.entry_points(group=GROUP), key=lambda entry: entry.name):
+    for entry in sorted(entries(GROUP), key=lambda entry: entry.name):
         trouble = ""
         try:
             module = import_module(entry.value)

@@ -2,11 +2,11 @@
 """The `rig:` part of a scene: weight on bit and rotation over time, top drive, recorded table."""
 
 from collections.abc import Iterator
-from importlib import metadata
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
 
 from pydantic import Field, model_validator
 
+from drill_twin.core.companions import entries
 from drill_twin.core.units import AngularSpeed, Force, Length, Speed, Stiffness, Time, Torque, Within
 from drill_twin.scene.blocks.part import Part, Problem, refuse_all
 from drill_twin.scene.blocks.top_drive import TopDrive
@@ -16,7 +16,7 @@ GROUP = "drill_twin.schedules"
 (``saw = my_package.shapes:saw``) from a set-point to its value over time."""
 BUILT_IN = ("constant", "step", "ramp", "table")
 """Shapes of this package; another package cannot replace them."""
-ADDED = {entry.name: entry for entry in metadata.entry_points(group=GROUP) if entry.name not in BUILT_IN}
+ADDED = {entry.name: entry for entry in entries(GROUP) if entry.name not in BUILT_IN}
 """Entry points of the shapes of other packages, by name."""
 SHAPES = (*BUILT_IN, *sorted(ADDED))
 """Names of all shapes."""

@@ -5,6 +5,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from companion_parts import part
 
 from drill_twin.core.compile.jit import as_python
 from drill_twin.io.messages.cdr import PoseArrayTemplate
@@ -26,7 +27,8 @@ from drill_twin.physics.model.wellbore import (
 )
 from drill_twin.report.string_curve import along_hole
 from drill_twin.scene import load_scene, parse_scene
-from drill_twin_dashboard.live.page_state import PageState
+
+PAGE = part("drill_twin_dashboard.live.page_state")
 
 FACTOR = 20.0
 DEPTHS = np.array([0.0, 30.0, 60.0, 90.0, 120.0, 150.0, 180.0])
@@ -123,7 +125,7 @@ hole:
 
 
 def test_the_page_of_watch_has_the_string_along_the_hole_and_the_hole_as_it_is_drilled():
-    page = PageState()
+    page = PAGE.PageState()
     scene = parse_scene(CURVED, name="curved")
     page.update(TWIN_SCENE, encode_string(scene.to_yaml()))
     line = survey(np.array([0.0, 5.0]), np.radians([0.0, 20.0]), np.zeros(2))

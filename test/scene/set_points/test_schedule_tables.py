@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from companion_parts import part
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.io import savemat
@@ -18,8 +19,8 @@ from drill_twin.scene.blocks.rig import Column
 from drill_twin.scene.set_points import Schedule, extremes, read_table
 from drill_twin.scene.set_points.tables import find_spikes
 from drill_twin.scene.well_plan.table import read_table as read_well_table
-from drill_twin_rig.gateway.drillbotics import check_timeseries
-from drill_twin_rig.gateway.signals import read_signals
+
+DRILLBOTICS, SIGNALS = (part(f"drill_twin_rig.gateway.{name}") for name in ("drillbotics", "signals"))
 
 RPM = math.pi / 30.0
 Write = Callable[..., Path]
@@ -238,11 +239,11 @@ def test_a_file_that_is_no_table_is_told(tmp_path: Path, name, content, words):
     ("name", "read"),
     [
         ("t.csv", read_table),
-        ("t.csv", lambda file: tuple(check_timeseries(file))),
+        ("t.csv", lambda file: tuple(DRILLBOTICS.check_timeseries(file))),
         ("t.csv", lambda file: read_well_table(file, {}, (), "si")),
         ("t.las", read_table),
         ("t.yaml", load_scene),
-        ("t.yaml", read_signals),
+        ("t.yaml", SIGNALS.read_signals),
     ],
 )
 def test_a_text_in_another_encoding_is_told(tmp_path: Path, name, read):
