@@ -160,7 +160,8 @@ def inertia_torques(rod: Rod, acceleration: Array) -> Array:
     """Torques at the nodes [N m] for an angular acceleration [rad/s2]; both shape (n + 1,)."""
     lower, upper = acceleration[:-1], acceleration[1:]
     of_lower, of_upper = rod.spin_mass * (NEAR * lower + FAR * upper), rod.spin_mass * (FAR * lower + NEAR * upper)
-    return np.append(of_lower, 0.0) + np.append(0.0, of_upper)
+    torques: Array = np.append(of_lower, 0.0) + np.append(0.0, of_upper)
+    return torques
 
 
 def twist_under(rod: Rod, torque: Array) -> Array:
