@@ -115,8 +115,8 @@ def _rewritten(path, target, change):
 @pytest.mark.parametrize(
     ("change", "words"),
     [
-        (lambda head, _: head.update(version="0.0.1"), "found one of 0.0.1"),
-        (lambda head, _: head.update(format=99), "found one of"),
+        (lambda head, _: head.update(version="0.0.1"), "found a checkpoint of 0.0.1"),
+        (lambda head, _: head.update(format=99), "found a checkpoint of"),
         (lambda head, _: head.pop("scene"), "KeyError"),
         (lambda head, _: head.update(time="soon"), "whole checkpoint"),
         (lambda head, _: head.update(time=float("nan")), "finite numbers"),
