@@ -157,9 +157,9 @@ class Checkpoint:
         pairs = zip(wanted + [""] * (length - len(wanted)), found + [""] * (length - len(found)), strict=True)
         number, (mine, theirs) = next((n, pair) for n, pair in enumerate(pairs, 1) if pair[0] != pair[1])
         raise CheckpointError(
-            f"expected a checkpoint of this scene, {scene.name}, found a checkpoint of another: line {number} of the "
-            f'resolved scene is "{theirs.strip()}" there and "{mine.strip()}" here; load that scene, or start the run '
-            "afresh"
+            f"expected a checkpoint of this scene, {scene.name}, found a checkpoint of another scene: line {number} of "
+            f'the resolved scene is "{theirs.strip()}" there and "{mine.strip()}" here; load that scene, or start the '
+            "run afresh"
         )
 
 
