@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
 """Static equilibrium of the loaded string, and the initial state of `rig.start: equilibrium` from it.
 
-The string is straight, buckled or on the wall. It is found by pseudo-transient continuation (Kelley and Keyes 1998):
-backward Euler steps, each from rest, so that nothing oscillates. From rest a step of h moves by ``(M / h^2 + K)^-1``
-times the residual force: small steps descend in energy, away from unstable equilibria, long ones are Newton's method.
-Steps grow as the residual decreases. An equilibrium that a perturbation leaves (a straight string above its buckling
-load) is unstable, and the search continues from there.
+The string is straight, buckled or on the wall. Pseudo-transient continuation (Kelley and Keyes 1998) finds the
+equilibrium: backward Euler steps, each from rest, so that nothing oscillates. From rest a step of h moves by
+``(M / h^2 + K)^-1`` times the residual force: small steps descend in energy, away from unstable equilibria; long steps
+are Newton's method. Steps grow as the residual decreases. An equilibrium that a perturbation leaves (a straight string
+above its buckling load) is unstable, and the search continues from there.
 
 Friction, torque of the rock and excitation are left out of the search for the shape; the torques on the string rotating
 in this shape then twist it. A rotating buckled string in a straight vertical hole has no equilibrium: its transition to
@@ -83,7 +83,7 @@ def find_equilibrium(string: Dynamics, growth: float, load: float, seed: int) ->
         RunError: No equilibrium was found.
     """
     random = np.random.default_rng(seed)
-    first = 2.0 * min(FIRST_STEP * growth, LARGEST_FIRST_STEP)  # twice that of backward Euler
+    first = 2.0 * min(FIRST_STEP * growth, LARGEST_FIRST_STEP)  # twice the step of backward Euler
     radius = float(string.rod.outer_radius.min())
     steps = 0
     _perturb(string, PERTURBATION * radius, random)
@@ -203,7 +203,7 @@ def start_in_equilibrium(dynamics: Dynamics, make: Callable[[Scene, Rod], Dynami
 
     Args:
         dynamics: Dynamics at the first instant.
-        make: Constructor of the dynamics of a scene with a mesh: that of `dynamics`, whatever the set-points.
+        make: Constructor of the dynamics of a scene with the mesh of `dynamics`, whatever the set-points.
 
     Raises:
         RunError: No equilibrium was found.

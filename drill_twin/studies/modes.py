@@ -208,7 +208,7 @@ def campbell_figure(diagram: Campbell, name: str, units: UnitSystem) -> Figure:
 
 
 def growth_figure(growth: GrowthMap, name: str, units: UnitSystem) -> Figure:
-    """Largest growth rate over weight on bit and speed, with its zero line; beside it that of torsion."""
+    """Largest growth rate over weight on bit and speed, with its zero line; beside it the growth of torsion."""
     maps = [(growth.lateral, "lateral: onset of whirl")]
     if growth.torsional is not None:
         maps.append((growth.torsional, "torsion: onset of stick-slip"))

@@ -31,7 +31,7 @@ COLUMNS = {
 DEPTHS = ("depth", "bit depth", "md", "dept", "dbtm")
 """Names of the column of the depth of the bit."""
 LARGEST = 5.0
-"""Largest coefficient of friction [-], that of `new`."""
+"""Largest coefficient of friction [-], as for `drill_twin scene new --friction`."""
 MOST = 20
 """Most coefficients."""
 ON_BOTTOM = 5e3
@@ -78,7 +78,7 @@ def read_measured(path: Path) -> dict[str, Points]:
     if not depth or not any(named.values()):
         known = "; ".join(f"{load}: {', '.join(names)}" for load, names in {"depth": DEPTHS, **COLUMNS}.items())
         raise TableError(
-            f"{path}: expected a column of depth and one of a load, found {columns.listed}; known names: {known}"
+            f"{path}: expected a column of depth and a column of a load, found {columns.listed}; known names: {known}"
         )
     found = {}
     places = columns.si(depth, columns.unit(depth, LENGTH), LENGTH, "depth")

@@ -180,7 +180,7 @@ def set_initial_state(state: State, model: DiscreteModel, scene: Scene, weight_o
 def _balanced(rod: Rod, tension: Array, weight: Array) -> tuple[Array, Array]:
     """Strain at the nodes and elongation of the elements [m] for which the samples of stretch are in balance.
 
-    In the elements at a change of section these are not those of the continuous string, whose strain jumps there.
+    In the elements at a change of section both values differ from the continuous string's, whose strain jumps there.
 
     Args:
         rod: The string.

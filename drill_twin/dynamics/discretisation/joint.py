@@ -26,16 +26,16 @@ from drill_twin.scene import Scene
 from drill_twin.scene.set_points import Command, extremes
 
 STIFFER = 3.0
-"""Bending stiffness of a section of the assembly over that of the most flexible pipe of the string."""
+"""Bending stiffness of a section of the assembly over the stiffness of the most flexible pipe of the string."""
 WAVES = 3.0
 """Length above assembly and buckled pipe, in bending waves of pipe without tension at the frequency of rotation."""
 LEAST_WAVE, LONGEST_WAVE = 10.0, 100.0
-"""Bounds of such a wave [m]."""
+"""Bounds of such a bending wave [m]."""
 LONGEST_ABOVE = 30.0
 """Longest element above the joint [m]: a stand, a sixth of the torsional wave of 17 Hz."""
 WHIRLS, OVER = 0.5, 2.0
-"""Sideways speed at the joint over that of the surface there, from which the string is said to whirl, rms over a time
-[s]: calm wells of 1,000 m had 0.04 to 0.32, and wells whose hookload or torque was off 0.57 to 1.3."""
+"""Sideways speed at the joint over the speed of the surface there, from which the string is said to whirl, rms over a
+time [s]: calm wells of 1,000 m had 0.04 to 0.32, and wells whose hookload or torque was off 0.57 to 1.3."""
 SAMPLES = 400
 """Elements of the mesh by length on which the compression is evaluated."""
 
@@ -91,7 +91,7 @@ def buckled_up_to(scene: Scene) -> float:
 
 
 def cut(tubes: list[Tube], at: float) -> tuple[list[Tube], list[Tube]]:
-    """Cut the pieces of a string at a distance from the bit [m]: those below it and those above."""
+    """Cut the pieces of a string at a distance from the bit [m]: pieces below the cut, and pieces above."""
     below, above, start = [], [], 0.0
     for tube in tubes:
         inside = min(max(at - start, 0.0), tube.length)
@@ -102,7 +102,7 @@ def cut(tubes: list[Tube], at: float) -> tuple[list[Tube], list[Tube]]:
 
 
 def counts_above(above: list[Tube], finer: float = 1.0) -> list[int]:
-    """Elements of each piece above the joint, so many times those of `LONGEST_ABOVE`."""
+    """Elements of each piece above the joint; `finer` times the number of elements as long as `LONGEST_ABOVE`."""
     return [math.ceil(finer * tube.length / LONGEST_ABOVE - 1e-9) for tube in above]
 
 
@@ -175,6 +175,6 @@ class JointMotion:
         told = (
             f"at {time[-1]:.3f} s the string whirled where its lateral motion ends, at {self._depth} "
             f"(`numerics.lateral_from`): it moved sideways at {speed:.2g} m/s, its surface turns at {surface:.2g} "
-            "m/s; hookload, torque and onset may not be those of the whole string: give a smaller depth, or 0 m"
+            "m/s; hookload, torque and onset may differ from the whole string's: give a smaller depth, or 0 m"
         )
         return [told]

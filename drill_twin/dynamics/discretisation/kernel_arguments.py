@@ -102,7 +102,7 @@ class KernelArguments:
 
         Args:
             scene: The scene.
-            rod: The meshed string; by default that of the scene, whose nodes depend on its largest set-points.
+            rod: The meshed string; by default the scene's mesh, whose nodes depend on the scene's largest set-points.
 
         Raises:
             SceneError: The scene asks for an accuracy instead of elements and a step.

@@ -160,7 +160,7 @@ def _rolling(scene: Scene) -> Iterator[str]:
             f"{FRAMES_IN_ORBIT * worst:.3g} Hz"
         )
     if not followed.all():
-        lacks.append(f"a step of {1e3 / steps:.3g} ms, this needs one of {1e3 / STEPS_IN_ORBIT / worst:.3g} ms")
+        lacks.append(f"a step of {1e3 / steps:.3g} ms, this needs a step of {1e3 / STEPS_IN_ORBIT / worst:.3g} ms")
     yield (
         f"backward whirl may be missed: rolling along the wall, {pieces[fastest].section.name or 'the string'}, "
         f"{units.text(middle[fastest], 'length')} from the bit, whirls at -{ratio[fastest]:.3g} times the rotation "

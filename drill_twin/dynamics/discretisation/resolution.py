@@ -123,7 +123,7 @@ def wanted_elements(scene: Scene, compression: float) -> int:
     """Elements for eight per pitch of the buckling helix of each section, without an upper limit.
 
     The pitch 2 pi sqrt(2 EI / F) (Lubinski, Althouse and Logan 1962) is the shortest wave caused by the load. In a long
-    string that load is the local one, and the mesh is graded (`elements_needed`).
+    string the local load counts, and the mesh is graded (`elements_needed`).
 
     Args:
         scene: The scene.
@@ -155,8 +155,8 @@ def step_of_motion(scene: Scene) -> float:
 def stick_slip_step(scene: Scene) -> float:
     """Time step that resolves stick-slip, a `IN_TORSION`th of the period of torsion [s]; infinite without such a law.
 
-    The period is that of the bit's inertia J on the string's stiffness k with the top held, 2 pi sqrt(J / k), in which
-    the string moves as if twisted by a couple at the bit (Rayleigh). The midpoint rule makes the period of a wave of
+    The bit's inertia J on the string's stiffness k with the top held has the period 2 pi sqrt(J / k), in which the
+    string moves as if twisted by a couple at the bit (Rayleigh). The midpoint rule makes the period of a wave of
     frequency w too long by (w h)^2 / 12: of the 27th harmonic, a wave in a 27th of the string, by 1 %.
     """
     if not any("torsion" in scene.effects.blocks[law].requires for law in scene.effects.providing("torque")):

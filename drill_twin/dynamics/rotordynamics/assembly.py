@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """Bottom-hole assembly of a long string in balance on the low side, with its equations linearised there.
 
-The balance is that of the whole string. Of its equations there, those of the nodes below a cut are kept; a damping that
-rises from the top of the assembly to the cut takes away the waves that run up the pipe, as if it had no end. So a mode
-of the assembly has the damping of what it radiates into the pipe, and modes of the pipe are damped.
+The balance is found for the whole string. Of the equations linearised there, the equations of the nodes below a cut are
+kept. A damping that rises from the top of the assembly to the cut takes away the waves that run up the pipe, as if the
+pipe had no end. So a mode of the assembly is damped by the waves that it radiates into the pipe, and modes of the pipe
+are damped.
 """
 
 from __future__ import annotations
@@ -106,7 +107,7 @@ class Assembly:
 
     @cached_property
     def part(self) -> Numbers:
-        """Numbers of the m unknowns: those of the nodes below the cut but for the spin, which the drive holds."""
+        """Numbers of the m unknowns, of the nodes below the cut but for the spin, which the drive holds."""
         equations, top = self.equations, self.equations.scene.length
         below = equations.model.rod.arc < (self.extent.cut - 1e-6 if self.extent.cut < top else math.inf)
         return np.flatnonzero((below[:, None] & (equations.columns != SPIN))[equations.free])
@@ -123,8 +124,8 @@ class Assembly:
     def linearised(self, rotation: float) -> Linearised:
         """Equations of the whole string in its balance, turning at a speed [rad/s].
 
-        The spin is counted from a frame that turns about the string where that moves sideways in an inclined hole. Here
-        it is that of the material: a spin that is held leaves the string without twist.
+        The spin is counted from a frame that turns about the string where the string moves sideways in an inclined
+        hole. Here the spin is the material's: a spin that is held leaves the string without twist.
         """
         v = np.zeros_like(self.u)
         v[:, SPIN] = rotation

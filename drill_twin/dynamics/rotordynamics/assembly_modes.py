@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Lateral modes of the bottom-hole assembly of a long string about its balance on the low side.
 
-A mode that is one of the assembly stays where it is when the cut is moved; one that moves belongs to the pipe and is
-left out. Torsional and axial modes are those of the whole string.
+A mode of the assembly stays where it is when the cut is moved; a mode that moves belongs to the pipe and is left out.
+Torsional and axial modes are modes of the whole string.
 """
 
 from __future__ import annotations
@@ -70,9 +70,9 @@ def _along_axis(pencil: Pencil, low: float, high: float) -> list[tuple[complex, 
 def assembly_modes(
     scene: Scene, command: Command, fastest: float, resting: FindBalance
 ) -> tuple[Assembly, Assembly, list[Mode]]:
-    """Assembly on two meshes, and its lateral modes on the finer one that stay where they are when the cut is moved.
+    """Assembly on two meshes, and the lateral modes on the finer mesh that do not move with the cut.
 
-    Each has its changes on a mesh half as fine, and there with the cut moved from `ABOVE` to `MOVED`.
+    Each mode has its changes on a mesh half as fine, and on that mesh with the cut moved from `ABOVE` to `MOVED`.
 
     Raises:
         RunError: There is no balance.
@@ -103,14 +103,14 @@ def critical_ranges(table: ModeTable) -> list[list[float]]:
 
 
 def table_of(scene: Scene, command: Command, fastest: float, resting: FindBalance, count: int) -> ModeTable:
-    """Lateral modes of the assembly of a long string, torsional and axial ones of the whole of it.
+    """Lateral modes of the assembly of a long string, and torsional and axial modes of the whole string.
 
     Args:
         scene: The scene.
         command: Weight on bit and rotation.
         fastest: Rotation up to whose frequency lateral modes are sought [rad/s].
         resting: Balance of a string.
-        count: Torsional modes and axial modes; of lateral ones all are given.
+        count: Number of torsional modes, and of axial modes; all lateral modes are given.
 
     Raises:
         RunError: There is no balance, or no rotation.

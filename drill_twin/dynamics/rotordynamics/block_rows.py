@@ -32,7 +32,7 @@ class BlockRows:
     """
 
     def __init__(self, free: Mask, columns: Places) -> None:
-        """Number the free unknowns; `columns` are those of a node's unknowns in its row of seven."""
+        """Number the free unknowns; `columns` are the places of a node's unknowns in its row of seven."""
         self.free, self.unknowns = free, int(free.sum())
         self._x, self._y = (np.flatnonzero(np.isin(columns, pair)) for pair in ((0, 3), (1, 4)))
         nodes, width = free.shape
@@ -110,7 +110,7 @@ class BlockRows:
 def solve_banded(
     store: Array, half: int, right: Array, held: Sequence[int] = (), instead: Sequence[Array] = ()
 ) -> Array:
-    """Solution of a banded system, some columns of which dense ones replace; not finite where there is none.
+    """Solution of a banded system in which dense columns replace some columns; not finite where there is no solution.
 
     Args:
         store: The matrix in LAPACK's band storage, transposed, shape (m, 3 half + 1); overwritten.
@@ -119,7 +119,7 @@ def solve_banded(
         held: Numbers of the columns that are replaced.
         instead: The dense columns, shape (m,) each.
     """
-    # with unit vectors as those columns the matrix stays banded; one more solution for each makes up for it
+    # with unit vectors as these columns the matrix stays banded; one more solution for each makes up for the change
     for column in held:
         store[column], store[column, 2 * half] = 0.0, 1.0
     rights = np.asfortranarray(np.column_stack([right, *instead]))

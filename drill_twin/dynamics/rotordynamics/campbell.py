@@ -29,7 +29,7 @@ from drill_twin.dynamics.rotordynamics.turning_frame import TurningFrame
 from drill_twin.scene.set_points.command import Command
 
 SPARE = 6
-"""Modes computed beyond those asked for, so that none is lost where their order changes."""
+"""Modes computed beyond the number asked for, so that no mode is lost where the order of modes changes."""
 
 
 class Campbell(NamedTuple):
@@ -42,7 +42,7 @@ class Campbell(NamedTuple):
     eigenvalues: ComplexArray
     """Growth [1/s] and frequency [rad/s], positive in the sense of rotation, shape (p, m)."""
     critical: tuple[tuple[int, float], ...]
-    """Mode and speed [rad/s] at which its frequency is that of the rotation."""
+    """Mode, and speed of rotation [rad/s] that the mode's frequency equals."""
 
 
 def mac(first: ComplexArray, second: ComplexArray) -> Array:
@@ -95,7 +95,7 @@ def campbell(
 
 
 def critical_speeds(speeds: Array, eigenvalues: ComplexArray) -> tuple[tuple[int, float], ...]:
-    """Speeds at which the frequency of a mode equals that of the rotation, by linear interpolation."""
+    """Speeds of rotation that the frequency of a mode equals, by linear interpolation."""
     found: list[tuple[int, float]] = []
     ahead = eigenvalues.imag - speeds[:, None]
     for k, mode in zip(*np.nonzero(ahead[:-1] * ahead[1:] <= 0.0), strict=True):

@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Eigenvalues of M s^2 + C s + K: all of them, those nearest to zero, or on a basis of undamped modes.
+"""Eigenvalues of M s^2 + C s + K: all, the nearest to zero, or on a basis of undamped modes.
 
-With one delayed force, that of regenerative cutting, they are those of M s^2 + C s + K - exp(-s T) b c^T. The delay
-makes the equation transcendental. Its force depends on a single number, y = c.q, so only y is carried over the delay:
-by Chebyshev collocation of y(t - x), 0 <= x <= T, as a transport equation (Breda, Maset and Vermiglio 2005), which
-makes an ordinary eigenvalue problem of it.
+The one delayed force of regenerative cutting makes them eigenvalues of M s^2 + C s + K - exp(-s T) b c^T. The delay
+makes the equation transcendental. The delayed force depends on a single number, y = c.q, so only y is carried over the
+delay: by Chebyshev collocation of y(t - x), 0 <= x <= T, as a transport equation (Breda, Maset and Vermiglio 2005),
+which makes the equation an ordinary eigenvalue problem.
 """
 
 from __future__ import annotations
@@ -89,10 +89,11 @@ def _first_order(pencil: Pencil) -> NDArray[Any]:
 
 
 def damped_modes(pencil: Pencil) -> tuple[ComplexArray, ComplexArray]:
-    """As `eigenvalues`; of a large problem those nearest to zero.
+    """Eigenvalues and modes as in `eigenvalues`; of a large problem, the eigenvalues nearest to zero.
 
-    No basis of undamped modes will do for it: friction on the wall couples the stiff motion into the wall with the soft
-    one along it, and the symmetric part of such a stiffness has a large negative eigenvalue at each point of contact.
+    No basis of undamped modes will do for a large problem: friction on the wall couples the stiff motion into the wall
+    with the soft motion along it. The symmetric part of such a stiffness has a large negative eigenvalue at each point
+    of contact.
 
     Raises:
         RunError: The iteration does not converge.
@@ -177,7 +178,7 @@ def differentiation(points: int) -> Array:
 
 
 def delayed_modes(pencil: Pencil, delay: Delay, points: int = POINTS) -> tuple[ComplexArray, ComplexArray]:
-    """Eigenvalues [rad/s] and their shapes as columns, shape (m, k), without the neutral one; few of a large problem.
+    """Eigenvalues [rad/s] and shapes as columns, shape (m, k), none of them neutral; of a large problem few.
 
     Args:
         pencil: Real matrices, full or sparse; the stiffness includes b c^T.

@@ -84,7 +84,7 @@ def without(scene: Scene, effects: Sequence[str]) -> Scene:
     """The scene without some of its effects.
 
     Raises:
-        SceneError: One of them is not listed by the scene, or one that stays needs it.
+        SceneError: The scene does not list one of the effects, or an effect that stays needs it.
     """
     for key in effects:
         if key not in scene.effect_names:
@@ -156,7 +156,7 @@ class EquationsOfMotion(KernelArguments):
 
         Args:
             scene: The scene.
-            rod: Mesh of its string; None: that of the scene.
+            rod: Mesh of its string; None: the scene's mesh.
 
         Raises:
             SceneError: An effect depends on time, or the scene asks for an accuracy instead of elements.
@@ -185,7 +185,7 @@ class EquationsOfMotion(KernelArguments):
         self.set_imperfections(0.0)
 
     def set_imperfections(self, share: float) -> None:
-        """Set bow and eccentricity to a share of those of the scene."""
+        """Set bow and eccentricity to a share of the scene's bow and eccentricity."""
         for array, own in self._imperfections:
             array[:] = share * own
 
@@ -248,7 +248,7 @@ class EquationsOfMotion(KernelArguments):
 
         Returns:
             Residual, shape (n + 1, k), and mass, damping and stiffness as block rows [lower, own, upper], shape
-            (3, n + 1, k, 3 k), with k unknowns a node; those of the bit are in its frame (`bit_frame`).
+            (3, n + 1, k, 3 k), with k unknowns a node; the unknowns of the bit are in its frame (`bit_frame`).
         """
         self.evaluations += 1
         self._work.command[:] = command.values
@@ -256,7 +256,7 @@ class EquationsOfMotion(KernelArguments):
         drive.memory[LAG] = -u[-1, SPIN]  # the angle that the drive's controller has integrated
         drive.bit.now[WEIGHT] = drive.bit.now[INITIAL] = self._bit_weight(command)
         if (rock := getattr(self.parameters, "bit_regenerative", None)) is not None:
-            rock.memory[READY] = 0.0  # the surface is that of steady drilling to this position
+            rock.memory[READY] = 0.0  # the surface is as steady drilling to this position leaves it
         arguments = (
             self.parameters, self.rod, self._work, constrained, self._state, u, v, a, self._residual, self._tangents,
         )  # fmt: skip

@@ -116,12 +116,12 @@ class ModeTable(NamedTuple):
     on_axis: bool
     """True if the string is on the axis of the hole, so that frequencies of lateral modes have a sense."""
     modes: tuple[Mode, ...]
-    """Lateral, then torsional, then axial; each the lowest by the size of the eigenvalue, and the one that grows
-    fastest; in a large string fewer of some kind."""
+    """Lateral, then torsional, then axial modes. Each kind has the modes of the smallest eigenvalues, and the mode that
+    grows fastest; in a large string fewer of some kind."""
     growing: dict[str, int]
     """Number of modes that grow, by kind."""
     creeping: dict[str, float]
-    """Decay [1/s] of the slowest motion without oscillation, by kind, where there are some. They are no modes."""
+    """Decay [1/s] of the slowest motion without oscillation, by kind, where there is such a motion; it is no mode."""
     reach: float
     """Size of the eigenvalues up to which all are computed [rad/s]; less than infinity in a large string."""
     assembly: Assembly | None = None
@@ -196,7 +196,7 @@ def modes(
         equations: Of the scene.
         command: Weight on bit and rotation.
         resting: As in `balance`.
-        count: Modes of each kind, those of the smallest eigenvalues.
+        count: Modes of each kind, with the smallest eigenvalues.
 
     Raises:
         RunError: There is no balance.
@@ -238,7 +238,7 @@ def listed(all_modes: list[Mode], count: int) -> tuple[tuple[Mode, ...], dict[st
 
 
 def compared(table: ModeTable, finer: ModeTable) -> ModeTable:
-    """The table with the change of each eigenvalue to the nearest one of its kind on a finer mesh."""
+    """The table with the change of each eigenvalue to the nearest eigenvalue of its kind on a finer mesh."""
     kept: list[Mode] = []
     for kind in (LATERAL, TORSIONAL, AXIAL):
         own, others = table.of(kind), finer.of(kind)
@@ -250,7 +250,7 @@ def compared(table: ModeTable, finer: ModeTable) -> ModeTable:
 
 
 def _reach(found: list[Mode], size: int) -> float:
-    """Size of the largest eigenvalue where only those nearest to zero are computed [rad/s]; else infinity."""
+    """Size of the largest eigenvalue where only the eigenvalues nearest to zero are computed [rad/s]; else infinity."""
     return max(abs(mode.eigenvalue) for mode in found) if size > MOST_UNKNOWNS else math.inf
 
 
@@ -263,7 +263,7 @@ def _lateral(equations: EquationsOfMotion, frame: TurningFrame, pencil: Pencil) 
 
 
 def coupled_modes(equations: EquationsOfMotion, part: Numbers, pencil: Pencil, delay: Delay | None) -> list[Mode]:
-    """Modes of real equations, one of each conjugate pair, classed by their kinetic energy."""
+    """Modes of real equations, one of each conjugate pair, classed by the modes' kinetic energy."""
     values, vectors = damped_modes(pencil) if delay is None else delayed_modes(pencil, delay)
     keep = np.flatnonzero(values.imag >= 0.0)
     frame = HoleFrame.of(equations)

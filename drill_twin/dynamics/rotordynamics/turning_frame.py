@@ -124,7 +124,7 @@ class HoleFrame(NamedTuple):
         return result
 
     def forces(self, size: ComplexArray) -> ComplexArray:
-        """Forces that turn with the string, low - i side, at the nodes, that of the bit in its frame; (n + 1, 3)."""
+        """Forces that turn with the string, low - i side, at the nodes, at the bit in the bit's frame; (n + 1, 3)."""
         vectors: ComplexArray = size[:, None] * (self.low - 1j * self.side)
         vectors[0] = self.bit @ vectors[0]
         return vectors

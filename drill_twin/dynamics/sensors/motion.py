@@ -115,8 +115,8 @@ def true_readings(places: SubPlaces, before: SubMotion, after: SubMotion, second
 def instantaneous(radius: Array, force: Array, tangent: Array, spin: Array, rate: Array, turned: Array) -> Array:
     """Readings of perfect sensors at an instant, shape (..., s, 6): specific force [m/s^2], rates [rad/s].
 
-    The acceleration of a point that is fixed in the sub is that of the centre line, alpha x rho + omega x (omega x rho)
-    with rho = (r, 0, 0) added.
+    The acceleration of a point that is fixed in the sub is the acceleration of the centre line, plus alpha x rho +
+    omega x (omega x rho) with rho = (r, 0, 0).
 
     Args:
         radius: Distance of the sensors from the axis of the collar [m], shape (s,).

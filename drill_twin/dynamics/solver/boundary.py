@@ -89,7 +89,7 @@ def rig_end_load(drive: Drive, command: Array, half_step: float, u: Array, v: Ar
 
 @kernel
 def hoist(drive: Drive, command: Array, half_step: float, u: Array, v: Array, ends: Array) -> None:
-    """Add the pull of the lines; the bit carries no weight but that of the rock."""
+    """Add the pull of the lines; the rock alone puts weight on the bit."""
     memory, last = drive.memory, u.shape[0] - 1
     memory[START_PLACE] = u[last, 2] - half_step * v[last, 2]
     memory[SPEED] = memory[FEED] if drive.rate > 0.0 else command[BLOCK_SPEED]
@@ -113,7 +113,7 @@ def move_block(drive: Drive, step: float, top: float) -> None:
     if drive.rate > 0.0:
         weight = drive.hanging - pull
         error = memory[HELD] - weight
-        if drive.held_torque < np.inf:  # as a weight, by the ratio at present; off bottom by that of the set-points
+        if drive.held_torque < np.inf:  # as a weight, by the ratio at present; off bottom by the set-points' ratio
             torque = abs(memory[TURNING])
             ratio = (max(weight, 0.0) + SHARE * memory[HELD]) / (torque + SHARE * drive.held_torque)
             error = min(error, ratio * (drive.held_torque - torque))

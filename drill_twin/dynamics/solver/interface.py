@@ -32,7 +32,7 @@ class Formulation(NamedTuple):
     predict: Any  # (scratch, constrained, state, half_step): first guess of the mid-step velocity
     build: Any
     """(parameters, rod, scratch, constrained, state, time, half_step, first_iteration, number): fill the system for an
-    iteration; `first_iteration` is true in the first of a step, `number` counts those of the run."""
+    iteration; `first_iteration` is true in the first of a step, `number` counts iterations of the run."""
     solve: Any  # (scratch) -> whether it could be solved
     correct: Any  # (scratch, state, control, half_step) -> size of the Newton step in tolerances, NaN if not finite
     accept: Any  # (scratch, constrained, state, counters, half_step): advance the state by the step

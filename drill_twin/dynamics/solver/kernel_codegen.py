@@ -78,7 +78,7 @@ def import_line(key: str) -> str:
 
 
 def call_of(effect: Effect, hook: str, arguments: str) -> str:
-    """Call of an effect's function for a hook, its parameters cut down to those that it reads; "" where it has none."""
+    """Call of an effect's function for a hook, with only the parameters that it reads; "" without such a function."""
     if not (function := effect.function(hook)):
         return ""
     fields = fields_read(getattr(effect_module(effect.key), function))
@@ -148,7 +148,7 @@ form = {_bind(form)}'''
 
 
 def _bind(form: str, *, audit: bool = False) -> str:
-    """The binding of a form; the joined one takes what acts on a string that follows the hole, too."""
+    """The binding of a form; the joined form also takes functions that act on a string that follows the hole."""
     bound = "audited" if audit else "effects"
     if form != "joined":
         return f"formulation.bind({bound})"
@@ -191,7 +191,7 @@ loop = midpoint.bind(form, effects, audit_step, {close})"""
 
 
 def _function(hook: str, effects: Sequence[Effect], *, audit: bool = False, above: bool = False) -> str:
-    """A function that calls those of the effects in turn; above a joint those that do not act across the hole only."""
+    """A function that calls the effects' functions in turn; above a joint, none of an effect across the hole."""
     lines = [_RIG[hook]] if hook in _RIG else []
     lines += [_BEGIN[hook]] if audit and hook in _BEGIN else []
     damping = hook == "axial_damping"
@@ -218,7 +218,7 @@ def {"audited_" if audit else ""}{"above_" if above else ""}{hook}({HOOKS[hook]}
 
 
 def _comes_later(hook: str, effect: Effect) -> bool:
-    """True for an effect that is called after the one that finds the weight on bit, which laws of torque read."""
+    """True for an effect that is called after the weight on bit is found, which laws of torque read."""
     return hook == "end_load" and "weight" not in effect.config.provides
 
 
@@ -233,8 +233,8 @@ def build_kernel(
 
     Args:
         effects: In the order of the registry.
-        form: "spatial", "joined" for a string that moves laterally from a depth on, or "lateral" for one that neither
-            stretches nor twists.
+        form: "spatial", "joined" for a string that moves laterally from a depth on, or "lateral" for a string that
+            neither stretches nor twists.
         hole: "straight" or "curved": it decides the types of the arguments, and a module holds the kernel for one.
         audit: Include the energy audit.
     """

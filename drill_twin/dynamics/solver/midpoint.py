@@ -7,8 +7,8 @@ and an undamped rod's energy without drift (Hairer, Lubich and Wanner 2006, ch. 
 and velocity alone, so the step may change at any time: where Newton's method fails it is halved and counted, and it
 doubles after each success up to the nominal one.
 
-The unknowns of a node are those of a formulation, `drill_twin.dynamics.solver.spatial` or
-`drill_twin.dynamics.solver.lateral`.
+A formulation, `drill_twin.dynamics.solver.spatial` or `drill_twin.dynamics.solver.lateral`, decides the unknowns of a
+node.
 """
 
 from collections.abc import Callable
@@ -47,7 +47,7 @@ CONVERGENCE_SAFETY = 0.1  # a next change foreseen below this share of the toler
 # Where a contact point sticks and slips in turn from one iteration to the next, the iteration does not converge: the
 # changes stay small, of the order of the tolerance. Such a step is accepted, and counted as loose.
 MIN_ITERATIONS_FOR_STALL, STALL_RATIO, LOOSE_FACTOR = 3, 0.25, 10.0
-LARGEST_MISS = 0.01  # of dry friction at the bit: periods of stick-slip are within 2e-4 of those at 1e-3
+LARGEST_MISS = 0.01  # of dry friction at the bit: periods of stick-slip are within 2e-4 of the periods at 1e-3
 ROUNDING = 2.0 * np.finfo(float).eps  # of a time, relative
 LARGEST_FACTOR = 1e6  # of the convergence estimate that is carried on
 SMALLEST_SHARE = 1.0 / 4096.0  # of the nominal step; below, the step has failed

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Records of those parameters that one function of an effect reads.
+"""Records of the parameters that one function of an effect reads.
 
 The parameters of all effects of a scene are one named tuple, so each set of effects has a type of its own. A function
 that is passed only the fields that it reads is the same for every set, and compiled once for all.

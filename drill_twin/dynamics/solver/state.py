@@ -68,7 +68,7 @@ def extrapolation_weights(clock: Array, step: float) -> Triple:
 
 @kernel
 def record_step(clock: Array, step: float) -> None:
-    """Shift the history of steps by one that was taken [s]."""
+    """Shift the history of steps by a step that was taken [s]."""
     clock[STEP_BEFORE], clock[LAST_STEP] = clock[LAST_STEP], step
     clock[KNOWN] = min(clock[KNOWN] + 1.0, 2.0)
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Arguments of the compiled frame loop besides those of the time loop: marks, bounds, sources, memories.
+"""Arguments of the compiled frame loop that the time loop does not take: marks, bounds, sources, memories.
 
 The bounds of a plausible state are wide, to detect a failed computation, not an inaccurate one. The last states are
 kept in a ring, to which compiled code adds without allocation, and are saved on failure.
@@ -82,9 +82,9 @@ def memories(
 
 LARGEST_TILT, LARGEST_LATERAL_TILT = 1.99, 0.8
 """Largest 1 - t_z: in the spatial formulation at 172 degrees, as twist is undefined in a string folded back; and in the
-lateral one, which is for small slopes."""
+lateral formulation, which is for small slopes."""
 LARGEST_STRAIN = 0.5
-"""Largest strain in size [-]; ten times that of the elastic law's validity."""
+"""Largest strain in size [-]; ten times the largest strain for which the elastic law is valid."""
 LEAST_SPEED = 1000.0
 """Smallest bound of the speed [m/s]."""
 

@@ -2,8 +2,8 @@
 """Checkpoint file of a run, from which it is resumed bit for bit.
 
 The file is an `.npz` of plain arrays without pickles: the resolved scene, the version, and all arrays of the twin's
-state. It replaces the previous one atomically. When a run fails, one is saved of the last good frame, with the last
-second of states and the error.
+state. A new file replaces the previous file atomically. When a run fails, a checkpoint of the last good frame is
+saved, with the last second of states and the error.
 """
 
 from __future__ import annotations
@@ -96,7 +96,7 @@ class Checkpoint:
         """Read a file.
 
         Raises:
-            CheckpointError: No such file, a damaged one, or one of another version.
+            CheckpointError: No such file, a damaged file, or a file of another version.
         """
         try:
             with _FILE.open(path) as stream, zipfile.ZipFile(stream) as archive:
@@ -104,7 +104,8 @@ class Checkpoint:
             head = _head(members.pop(_HEADER))
             if head["format"] != _FORMAT or head["version"] != __version__:
                 raise CheckpointError(
-                    f"{path}: expected a checkpoint of drill_twin {__version__}, found one of {head['version']}; "
+                    f"{path}: expected a checkpoint of drill_twin {__version__}, found a checkpoint of "
+                    f"{head['version']}; "
                     "start the run afresh, or go on with that version"
                 )
             time, command = float(head["time"]), Command(*map(float, head["set_points"]))
@@ -156,8 +157,9 @@ class Checkpoint:
         pairs = zip(wanted + [""] * (length - len(wanted)), found + [""] * (length - len(found)), strict=True)
         number, (mine, theirs) = next((n, pair) for n, pair in enumerate(pairs, 1) if pair[0] != pair[1])
         raise CheckpointError(
-            f"expected a checkpoint of this scene, {scene.name}, found one of another: line {number} of the resolved "
-            f'scene is "{theirs.strip()}" there and "{mine.strip()}" here; load that scene, or start the run afresh'
+            f"expected a checkpoint of this scene, {scene.name}, found a checkpoint of another scene: line {number} of "
+            f'the resolved scene is "{theirs.strip()}" there and "{mine.strip()}" here; load that scene, or start the '
+            "run afresh"
         )
 
 
@@ -222,8 +224,8 @@ def save_failure(folder: str | Path, twin: Twin, command: Command, error: Stoppe
         error: The reason of the stop.
 
     Returns:
-        A sentence that names the folder, or the error if the files could not be written; it never raises for those, so
-        that the reason of the stop is not hidden.
+        A sentence that names the folder, or the error if the files could not be written; files that cannot be
+        written never raise, so that the reason of the stop is not hidden.
     """
     target = Path(folder)
     try:

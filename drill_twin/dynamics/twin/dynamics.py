@@ -60,7 +60,7 @@ class Dynamics(KernelArguments):
 
         Args:
             scene: The scene.
-            rod: The meshed string; by default that of the scene, whose nodes depend on its largest set-points.
+            rod: The meshed string; by default the scene's mesh, whose nodes depend on the scene's largest set-points.
 
         Raises:
             SceneError: The scene asks for an accuracy instead of elements and a step.
@@ -224,7 +224,7 @@ class Dynamics(KernelArguments):
             False if Newton's method fails at the smallest step, or the step is halved too often.
         """
         iterations = slices.iterations_of(self.rod.length.size)
-        slices.call_check()  # between the many short ones of a search for an equilibrium
+        slices.call_check()  # between the many short slices of a search for an equilibrium
         self.bound.course[:] = 0
         step = self.step if step is None else step
         return self.run(target.reshape(1, -1), seconds, step, np.zeros((0, 0)), lambda: iterations) == state.CONVERGED

@@ -22,7 +22,7 @@ class MarkStates(NamedTuple):
     """State of the marks, in the order of the scene; m marks."""
 
     position: Array
-    """Positions of the marked points [m], shape (m, 3); those on the wall rotate with the spin."""
+    """Positions of the marked points [m], shape (m, 3); a point on the surface of the string rotates with the spin."""
     velocity: Array
     """Velocities of the marked points [m/s], shape (m, 3)."""
     spin: Array
@@ -203,7 +203,7 @@ class Frames(NamedTuple):
         )  # fmt: skip
 
     def part(self, rows: slice | Sequence[int]) -> Frames:
-        """Some of the frames; numerical effort and interventions are those of all."""
+        """Select some of the frames; numerical effort and interventions stay the sums over all frames."""
         fields: dict[str, Any] = self._asdict()
         arrays = {name: value[rows] for name, value in fields.items() if isinstance(value, np.ndarray)}
         return Frames(**(fields | arrays | {"marks": MarkStates(*(array[rows] for array in self.marks))}))

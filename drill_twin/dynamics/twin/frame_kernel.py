@@ -93,7 +93,7 @@ class BoundTwin(NamedTuple):
     memory: NDArray[np.int64]  # of the state, and its copy at the start of the frame
     saved: NDArray[np.int64]
     bounds: Bounds
-    now: Array  # extremes of the state, and those at the start of the frame
+    now: Array  # extremes of the state, and the extremes at the start of the frame
     before: Array
     verdict: Array
     guard: Array  # (2,) see FRACTION
@@ -191,7 +191,7 @@ def record_nodes(seen: Observation, u: Array, v: Array, stress: Array, row: Arra
 
 @kernel
 def keep_state(past: Past, time: float, u: Array, v: Array) -> None:
-    """Add a state to the ring of the last ones."""
+    """Add a state to the ring of the last states."""
     k = past.next[0] % past.time.size
     past.next[0] += 1
     past.time[k] = time

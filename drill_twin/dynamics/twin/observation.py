@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
 """Observation of the string: tangents, wall forces, marks and penetration at one instant, in one compiled call.
 
-In plain numpy a published frame takes as long as the motion between two of them. The force of the wall is evaluated
-with the function of the solver (`drill_twin.physics.effects.wall.contact_force`).
+In plain numpy a published frame takes as long as the motion between two published frames. The force of the wall is
+evaluated with the function of the solver (`drill_twin.physics.effects.wall.contact_force`).
 
 Marks are in the frame of the hole at their depth, so that orbits are around the axis in a curved hole too: x and y from
-the hole's axis, z along the hole (minus the measured depth). These x and y are those of the frame `hole`, turned by the
-smallest rotation of z onto the axis, as in the definition of the spin.
+the hole's axis, z along the hole (minus the measured depth). The directions x and y of the frame `hole` are
+turned by the smallest rotation of z onto the axis, as in the definition of the spin.
 """
 
 from collections.abc import Callable

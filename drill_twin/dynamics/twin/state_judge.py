@@ -22,13 +22,13 @@ KIND, NODE, FOUND, ALLOWED = range(4)
 VERDICT = 4
 
 DEPTH_MARGIN = 10.0
-"""Largest penetration over that of the contact law for the current speed and load."""
+"""Largest plausible penetration over the penetration by the contact law at the current speed and load."""
 
 
 class Bounds(NamedTuple):
     """Bounds of a plausible state, and what the largest penetration follows from."""
 
-    speed: float  # largest: that of sound in the string, at least `LEAST_SPEED` [m/s]
+    speed: float  # largest: the speed of sound in the string, at least `LEAST_SPEED` [m/s]
     tilt: float  # largest 1 - t_z
     strain: float  # largest in size; infinite in the lateral formulation
     lateral: bool
@@ -57,8 +57,8 @@ def static_depth(bounds: Bounds, load: float) -> float:
 def largest_depth(bounds: Bounds, speed: float, load: float, step: float) -> float:
     """Largest plausible penetration into the wall [m].
 
-    `DEPTH_MARGIN` times the sum of that of an impact, K d^(p+1) / (p+1) = m v^2 / 2 per length, and that under the
-    load; plus the distance moved in a step, as contact is evaluated at its ends only.
+    `DEPTH_MARGIN` times the sum of two depths: of an impact, K d^(p+1) / (p+1) = m v^2 / 2 per length, and under the
+    load; plus the distance moved in a step, as contact is evaluated at the ends of a step only.
 
     Args:
         bounds: Bounds of the scene.
@@ -112,9 +112,9 @@ def judge(bounds: Bounds, now: Array, before: Array, deepest: Array, load: float
     Args:
         bounds: Bounds of the scene.
         now: Extremes of the state.
-        before: Those at the start of the frame.
+        before: Extremes at the start of the frame.
         deepest: Largest penetration into the wall [m], and its Gauss point.
-        load: Weight on bit, the larger of those at start and end of the frame [N].
+        load: Weight on bit, the larger of the two at start and end of the frame [N].
         step: Time step [s].
         verdict: Takes the verdict, see `KIND`.
     """

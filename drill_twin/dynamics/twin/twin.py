@@ -188,7 +188,7 @@ class Twin:
         return self._energy
 
     def _follow(self, record: Record, commands: Array, seconds: float) -> None:
-        """Advance by frames in compiled code; Python takes over for one that is rejected."""
+        """Advance by frames in compiled code; Python takes over for a frame that is rejected."""
         loop, count = self._loop, len(commands)
         if commands.shape[1:] != (3,) or count > len(record.table):  # compiled code checks no bounds
             raise ArgumentError(

@@ -57,7 +57,7 @@ def _find() -> dict[str, tuple[ModuleType, type[EffectConfig]]]:
 
 _FOUND = _find()
 EFFECTS: dict[str, type[EffectConfig]] = {key: config for key, (_, config) in _FOUND.items()}
-"""Key in a scene file -> its config: those of this package by name, then those of other packages."""
+"""Key in a scene file -> its config: effects of this package by name, then effects of other packages."""
 
 
 class Effect(NamedTuple):
@@ -66,7 +66,7 @@ class Effect(NamedTuple):
     key: str
     """Its key in the scene."""
     variant: str = ""
-    """Suffix of those of its functions that have one of their own for the block of the scene; "" for none."""
+    """Suffix of the functions that serve one variant of the block only, here the scene's variant; "" for none."""
 
     @classmethod
     def of(cls, key: str, block: EffectConfig) -> Self:
@@ -88,7 +88,7 @@ class Effect(NamedTuple):
         return _FOUND[self.key][1]
 
     def function(self, hook: str) -> str:
-        """Name of its function for a hook, that of the variant where there is one; "" for none."""
+        """Name of its function for a hook, the variant's function where there is one; "" for no function."""
         names = (f"{hook}_{self.variant}", hook)
         return next((name for name in names if hasattr(effect_module(self.key), name)), "")
 

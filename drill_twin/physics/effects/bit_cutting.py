@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Drilling bit: rate of penetration and torque by weight and speed, mean law or one draw of a random one.
+"""Drilling bit: rate of penetration and torque by weight and speed, mean law or one draw of a random law.
 
 The law gives weight and torque of cutting by rate of penetration and speed; the rate is solved for.
 """
@@ -118,8 +118,9 @@ def cutting_law(rock: Parameters, rate: float, speed: float) -> CuttingForces:
     """Evaluate the law at a rate of penetration x [m/s] and a speed w [rad/s].
 
     Mean law, with q = w^2 + e^2: weight x q / (a2 w^2) + (a1 - a3 sqrt(q)) / a2, not below the first term, and torque
-    x a4 w / q + a5 w / sqrt(q) (Ritto, Soize and Sampaio 2009). It is a diagonal matrix A times (x, w); the random law
-    is A^1/2 G A^1/2 with the random matrix G, which is dissipative. Without torque A is singular, and its mean is used.
+    x a4 w / q + a5 w / sqrt(q) (Ritto, Soize and Sampaio 2009). The mean law is a diagonal matrix A times (x, w);
+    the random law is A^1/2 G A^1/2 with the random matrix G, which is dissipative. Without torque A is singular: only
+    the diagonal of G acts.
     """
     w = speed if abs(speed) > SLOWEST else SLOWEST
     q = w * w + rock.regular * rock.regular

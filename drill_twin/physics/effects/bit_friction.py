@@ -29,10 +29,10 @@ class BitFriction(EffectConfig):
     coefficient: Annotated[Dimensionless, Within(at_least="0", at_most="5")]
     """Friction coefficient of bit on rock [-]."""
     radius: Annotated[Length, Within(above="0 m", at_most="2 m")]
-    """Effective radius of friction [m]; at most that of the hole."""
+    """Effective radius of friction [m]; at most the hole's radius."""
 
     def check_against(self, scene: Any) -> Iterator[Incompatibility]:
-        """Yield friction of a bit that cannot slide, or a radius above that of the hole."""
+        """Yield friction of a bit that cannot slide, or a radius above the hole's radius."""
         if self.coefficient > 0.0 and scene.string.bit_end not in SLIDING:
             yield Incompatibility(
                 (),
@@ -92,7 +92,7 @@ def end_load(
 
 @kernel
 def missed(parameters: Any, v: Array) -> float:
-    """Share of the friction around the string by which that of the next iteration will differ."""
+    """Share of the friction around the string by which it will change in the next iteration."""
     return float(sign_missed(parameters.bit_friction.memory, parameters.bit_friction.radius * v[0, SPIN]))
 
 

@@ -38,7 +38,7 @@ def _blades(value: Any) -> int:
 class BitRegenerative(EffectConfig):
     """Cutting and friction of a drag bit, with T = a/2 (eps a d + mu gamma Wf) and W = zeta eps a d + Wf.
 
-    The laws are those of Detournay and Defourny (1992). The depth of cut d of n blades is regenerative (Richard, Germay
+    The laws follow Detournay and Defourny (1992). The depth of cut d of n blades is regenerative (Richard, Germay
     and Detournay 2007): n times the depth of the bit below the surface that it left 2 pi / n of rotation before. A bit
     that turns backwards does not cut: the surface stays, and the same torque is against the rotation.
     """
@@ -245,7 +245,7 @@ def end_load(
 
 @kernel
 def missed(parameters: Any, v: Array) -> float:
-    """Share of the torque by which that of the next iteration will differ."""
+    """Share of the torque by which it will change in the next iteration."""
     return float(sign_missed(parameters.bit_regenerative.turn_iterate, v[0, SPIN]))
 
 

@@ -88,7 +88,7 @@ class Contact(NamedTuple):
 def contact(law: Parameters, x: float, y: float, vx: float, vy: float, half_step: float) -> Contact:
     """Normal force N = max(0, K d + C d_dot) over a step with its middle at (x, y); zero off the wall.
 
-    The elastic part is a discrete gradient between the ends of the step, as that of the wall
+    The elastic part is a discrete gradient between the ends of the step, as the force of the wall is
     (`wall.contact_force`): evaluated at mid-step, a stiff contact adds energy in each impact. The damper works in the
     part of the step in contact: a jump of its force at first contact would leave the step without a solution.
     """

@@ -55,7 +55,7 @@ class BitTorqueStribeck(EffectConfig):
 
     @property
     def variant(self) -> str:
-        """The law, by what it adds to the default one."""
+        """The law, by the names of its additions to the default law."""
         return "" if self.exponent is None else "exponent"
 
 
@@ -88,7 +88,7 @@ def parameters(block: BitTorqueStribeck, model: DiscreteModel) -> Parameters:
 def dual_of_step(memory: Array, time: float, half_step: float, speed: float, size: float) -> float:
     """Dual variable of a speed: share of the friction limit, -1 to 1, from the last iterate (`friction_dual`).
 
-    An iterate is the last one of the same step, or of the same instant, which has time 0.
+    The last iterate counts where it is of the same step, or, at time 0, of the same instant.
     """
     same = memory[6] == time and (memory[7] == half_step or time == 0.0)
     share, _ = dual_variable(memory, not same, memory[5] + 1.0, speed, 0.0, size, 1.0)
@@ -106,7 +106,7 @@ def sign_missed(memory: Array, speed: float) -> float:
 
 @kernel
 def missed(parameters: Any, v: Array) -> float:
-    """Share of the friction by which that of the next iteration will differ."""
+    """Share of the friction by which it will change in the next iteration."""
     return float(sign_missed(parameters.bit_torque_stribeck.memory, v[0, SPIN]))
 
 

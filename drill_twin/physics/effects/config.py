@@ -89,9 +89,9 @@ class EffectConfig(BaseModel):
 
     @property
     def variant(self) -> str:
-        """Suffix of the compiled functions this block calls for, where there are several; "" for the default ones.
+        """Suffix of the compiled functions this block calls for, where there are several; "" for the default functions.
 
-        The choice is made when the kernel is generated, so that the others cost nothing.
+        The choice is made when the kernel is generated, so that the other functions cost nothing.
         """
         return ""
 
@@ -105,9 +105,9 @@ class EffectConfig(BaseModel):
 
 
 def misspelled(module: ModuleType, config: type[EffectConfig]) -> str:
-    """Words for the first public function of an effect, or method of its block, that misses the name of one called.
+    """Words for the first public function of an effect, or method of its block, whose name nearly is a called name.
 
-    A name that nothing calls is that of a helper, which may have any other name.
+    A function that nothing calls by name is a helper, and may have any name that is not nearly a called name.
     """
     functions = [name for name, value in vars(module).items() if callable(value)]
     methods = [name for name in vars(config) if name not in config.model_fields]

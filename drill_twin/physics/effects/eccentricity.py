@@ -65,7 +65,7 @@ class Eccentricity(EffectConfig):
         return self
 
     def check_against(self, scene: Any) -> Iterator[Incompatibility]:
-        """Yield a mass centre outside the string, or a number of items other than that of the sections."""
+        """Yield a mass centre outside the string, or a number of items other than the number of sections."""
         sections = scene.string.sections
         if self.sections and len(self.sections) != len(sections):
             yield Incompatibility(

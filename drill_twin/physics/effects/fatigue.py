@@ -80,7 +80,7 @@ class SNLine(EffectConfig):
 FIBRES = 16
 """Fibres round the circumference: a direction of bending is at most pi / 16 off one, 2 % of its stress."""
 SMALLEST = 0.01
-"""Smallest range that is counted, over that of the curve at its knee."""
+"""Smallest range that is counted, over the range of the curve at its knee."""
 _SHEET = 1e-12  # relative length by which a section may lie beyond the string
 if TYPE_CHECKING:
     Curve = str
@@ -97,7 +97,7 @@ class Fatigue(EffectConfig):
     sections: Annotated[tuple[FatigueSection, ...], Field(min_length=1, max_length=100)]
     """Cross-sections, in any order."""
     curve: Curve = "dnv_high_strength"
-    """S-N curve: one of DNV-RP-C203, as `dnv_b1`, or `api_rp_7g`."""
+    """S-N curve: `api_rp_7g`, or a curve of DNV-RP-C203, such as `dnv_b1`."""
     line: SNLine | None = None
     """An S-N curve of your own, in place of `curve`."""
     mean_stress: Literal["goodman", "none"] = "goodman"

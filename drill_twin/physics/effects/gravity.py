@@ -16,13 +16,13 @@ from drill_twin.physics.model import DiscreteModel, Point, Rod
 class Gravity(EffectConfig):
     """Weight of the string, buoyant if `mud` is listed: (m - rho A) g with the cross-section A that displaces mud.
 
-    Axial forces and hookload are then the effective ones (Sparks 1984), which include the pressure of the mud.
+    Axial forces and hookload are then effective forces (Sparks 1984), which include the pressure of the mud.
     """
 
     energy_class = "kept"
 
     magnitude: Annotated[
-        Acceleration, Within(at_least="0 m/s^2", at_most="1000 m/s^2", reason="a hundred times that of the Earth")
+        Acceleration, Within(at_least="0 m/s^2", at_most="1000 m/s^2", reason="a hundred times the Earth's")
     ] = 9.81
     """Acceleration of free fall, downwards [m/s^2]."""
 

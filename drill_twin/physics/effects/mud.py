@@ -18,7 +18,7 @@ class Mud(EffectConfig):
         Density, Within(above="0 kg/m^3", at_most="4000 kg/m^3", reason="the heaviest muds have 2700; air has 1.2")
     ]
     """Density [kg/m^3]."""
-    viscosity: Annotated[Viscosity, Within(at_least="0 Pa s", at_most="10 Pa s", reason="that of honey")] = 0.0
+    viscosity: Annotated[Viscosity, Within(at_least="0 Pa s", at_most="10 Pa s", reason="honey has 10")] = 0.0
     """Dynamic viscosity, taken as Newtonian [Pa s]; `rotation_drag` needs it."""
     inside: Literal["mud", "air"] = "mud"
     """Content of the pipe: `mud`, which follows its lateral motion, or `air`, without mass."""

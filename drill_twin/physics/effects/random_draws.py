@@ -4,7 +4,7 @@
 ``z(x) = sum_j exp(i (k_j x + phi_j)) / sqrt(N)`` with uniform phases and k_j from the normal distribution of width
 1 / l is, for many harmonics, a Gaussian process in the complex plane (two random components, no direction preferred)
 of mean square one and correlation exp(-(x / l)^2 / 2) (Shinozuka and Deodatis 1991). The k_j are drawn one from each of
-N equally likely strata, so that few harmonics follow the spectrum closely. The matrices are those of the nonparametric
+N equally likely strata, so that few harmonics follow the spectrum closely. The matrices follow the nonparametric
 probabilistic approach: positive definite with mean identity.
 """
 

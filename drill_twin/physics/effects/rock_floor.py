@@ -44,7 +44,7 @@ class Parameters(NamedTuple):
 
 
 def parameters(block: RockFloor, model: DiscreteModel) -> Parameters:
-    """Parameters of the block; the height of the rock is set at the first step from that of the bit."""
+    """Parameters of the block; the height of the rock is set at the first step from the height of the bit."""
     return Parameters(block.stiffness, block.damping, np.zeros(2))
 
 

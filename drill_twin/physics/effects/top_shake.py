@@ -18,7 +18,7 @@ HARMONICS = 64
 
 
 class TopShake(EffectConfig):
-    """Lateral motion A sin(2 pi f t) of the top clamp, or a random one of the same mean square around f."""
+    """Lateral motion A sin(2 pi f t) of the top clamp, or a random motion of the same mean square around f."""
 
     disabled_for_static = ("amplitude",)
     seed_is_of = "bandwidth"
@@ -52,7 +52,7 @@ class Parameters(NamedTuple):
 
 
 def parameters(block: TopShake, model: DiscreteModel) -> Parameters:
-    """Compute one harmonic, or draw those of a random motion."""
+    """Compute one harmonic, or draw the harmonics of a random motion."""
     hertz, phase, amplitude = np.full(1, block.frequency), np.zeros(1), block.amplitude
     if block.bandwidth > 0.0:
         random = generator(model, block.seed, "top_shake")

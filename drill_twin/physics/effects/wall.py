@@ -16,7 +16,7 @@ SMALLEST = 1e-12  # distance from the axis at which a normal still has a directi
 
 
 class Wall(EffectConfig):
-    """Elastic wall with the damping of Hunt and Crossley (1975); the exponent 1.5 is that of the paper's Eq. 11.
+    """Elastic wall with the damping of Hunt and Crossley (1975), and the exponent 1.5 of the paper's Eq. 11.
 
     Give `stiffness` (Hertz, K d^1.5) or `linear_stiffness` (K d), both per metre of string.
     """
@@ -109,7 +109,7 @@ def mean_force(stiffness: float, linear: float, before: float, after: float) -> 
         stiffness: K [N/m^2.5], or [N/m^2] of a linear wall.
         linear: 1 for the linear wall, else 0.
         before: Depth at the start of the step [m], negative off the wall.
-        after: Depth at its end [m]; one of the two is positive.
+        after: Depth at the end of the step [m]; one of the two depths is positive.
     """
     q, p = max(before, 0.0), max(after, 0.0)
     a, b = np.sqrt(q), np.sqrt(p)

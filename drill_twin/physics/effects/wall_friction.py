@@ -113,14 +113,14 @@ class WallFriction(EffectConfig):
 
     @property
     def variant(self) -> str:
-        """The law, by what it adds to the default one."""
+        """The law, by the names of its additions to the default law."""
         falls = ("stribeck",) if self.exponent is not None else ("sliding",) if self.sliding > 0.0 else ()
         if self.static_speed is not None:
             return "step"
         return "_".join((("arctan",) if self.sign == "arctan" else ()) + falls)
 
     def scale_at(self, depth: Array) -> Array:
-        """Friction at measured depths over that of the law [-], shape (p,); where two intervals meet, the lower's."""
+        """Friction at measured depths over the law's [-], shape (p,); the lower interval counts where two meet."""
         scale = np.ones(np.shape(depth))
         if self.coefficient > 0.0:  # friction left out: scales do not matter
             for interval in self.intervals:
@@ -141,7 +141,7 @@ class Parameters(NamedTuple):
     )
     sliding: float
     exponent: float
-    scale: Array  # friction at the Gauss points over that of the law [-]; shape (2 n,)
+    scale: Array  # friction at the Gauss points over the law's friction [-]; shape (2 n,)
     low: float  # slip speed of static friction [m/s]
     high: float  # and of dynamic friction
 
@@ -174,8 +174,7 @@ def unit_friction(
 ) -> Friction:
     """Friction for a normal force of 1 N/m at the slip of a point around the hole and along it [m/s].
 
-    The last four arguments choose the law. They are constants where this is called, so the other laws leave no machine
-    code.
+    The last four arguments choose the law. Callers pass constants, so the other laws leave no machine code.
     """
     slip, steep, falling = np.sqrt(around * around + along * along), 0.0, 1.0
     if step:

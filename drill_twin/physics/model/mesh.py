@@ -132,8 +132,8 @@ def stretch_samples(stiffness: Array, counts: list[int]) -> tuple[Array, Array]:
 
     Simpson's rule, but in an element whose one end is a change of axial stiffness: there the strain jumps, and the
     end, which shares r' with the other section, has the weight 1 / 6 n, with n the elements of the piece. The inner
-    sample lies where the rule is still exact for a quadratic strain; with n its place goes to that of Radau's rule, 2/3
-    off the other end, and the error of the elongation falls as 1 / n^2 (`drill_twin.physics.model.strain`).
+    sample lies where the rule is still exact for a quadratic strain; with n its place goes to the place of Radau's
+    rule, 2/3 off the other end, and the error of the elongation falls as 1 / n^2 (`drill_twin.physics.model.strain`).
 
     Args:
         stiffness: EA of each uniform piece [N], shape (pieces,).
@@ -196,7 +196,7 @@ def rod_of(tubes: list[Tube], counts: list[int]) -> Rod:
 
 
 def part_of(rod: Rod, first: int, last: int) -> Rod:
-    """The elements `first` to `last` - 1 of a mesh; views, its arc lengths are those of the whole."""
+    """The elements `first` to `last` - 1 of a mesh; arrays are views, and arc lengths count along the whole mesh."""
     return Rod(*(field if field is rod.spin_shape else field[first : last + (field is rod.arc)] for field in rod))
 
 

@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
 """Streaming rainflow count of one stress (ASTM E1049-85, 5.4.4), with the damage of each cycle (Miner 1945).
 
-A sample that turns back by less than the smallest range is no turning point. Of the turning points those are kept whose
-ranges have not been closed yet: their ranges decrease from the first one on. As the standard says, a range is one cycle
-when a range at least as large follows it, half a cycle if it contains the first point; at the end those that are left
-count half. The kept ones are bounded by `DEPTH`: where more would be needed, as after a long decay, the largest of them
-counts half at once, which it does at the end too unless a larger one follows.
+A sample that turns back by less than the smallest range is no turning point. Turning points are kept until their ranges
+are closed; the kept ranges decrease from the first range on. As the standard says, a range is one cycle when a range at
+least as large follows it, and half a cycle if it contains the first point; ranges left at the end count half. At most
+`DEPTH` turning points are kept. Where more would be needed, as after a long decay, the largest kept range counts half
+at once, as it would at the end unless a larger range follows.
 """
 
 from typing import NamedTuple
@@ -105,7 +105,7 @@ def add_stress(
 
 @kernel
 def total_damage(memory: Array, halves: Array) -> float:
-    """Damage so far, those half cycles included that may still become whole ones."""
+    """Damage so far, including half cycles that may still become whole cycles."""
     n = int(memory[POINTS])
     return float(memory[CLOSED] + (halves[n - 1] if n > 0 else 0.0))
 

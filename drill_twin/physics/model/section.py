@@ -21,7 +21,7 @@ RESULTANTS = 7
 
 @kernel
 def elastic_resultants(bending: float, torsion: float, s: Strain, half_step: float, out: Array) -> None:
-    """Set the resultants to those of the elastic law: M = EI q, TORQUE = GJ tau."""
+    """Set the resultants by the elastic law: M = EI q, TORQUE = GJ tau."""
     out[MX], out[MY], out[MZ] = bending * s.qx, bending * s.qy, bending * s.qz
     out[TORQUE] = torsion * s.tau
     out[COUPLE] = 0.0

@@ -43,7 +43,7 @@ def out_of_frame(frame: Array, x: float, y: float, z: float) -> Triple:
 
 @kernel
 def combine(w: Array, lower: Triple, slope: Triple, upper: Array) -> Triple:
-    """Combination of r and r' of the lower node, given, and the upper one, a row."""
+    """Combination of r and r' of the lower node, given, and the upper node, a row."""
     return (
         w[0] * lower[0] + w[1] * slope[0] + w[2] * upper[0] + w[3] * upper[3],
         w[0] * lower[1] + w[1] * slope[1] + w[2] * upper[1] + w[3] * upper[4],

@@ -34,10 +34,10 @@ _SAME = 5e-3  # relative difference of two yield strengths of the same steel
 
 
 def steel_of(yield_strength: float | None) -> Steel:
-    """Steel with a yield strength [Pa]: one of those above, else with no more tensile strength than that.
+    """Steel with a yield strength [Pa]: a known steel, else a steel whose tensile strength is its yield strength.
 
     Args:
-        yield_strength: Where None, that of `DEFAULT_GRADE`.
+        yield_strength: Where None, the yield strength of `DEFAULT_GRADE`.
     """
     if yield_strength is None:
         return GRADES[DEFAULT_GRADE]

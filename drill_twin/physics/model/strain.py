@@ -16,10 +16,10 @@ Stretch is sampled at the nodes and at mid-element and integrated by Simpson's r
 free of axial strain everywhere; three sampling points, two of them shared with the neighbours, avoid locking (the
 minimally constrained strains of Meier, Popp and Wall 2015). Two Gauss points would leave a stretching mode without
 energy. In the two elements at a change of section, where the strain jumps, the node between them has little weight
-(`drill_twin.physics.model.mesh.stretch_samples`). The axial force is the mean of those at both ends of the step, along
-the chord between them, which conserves the energy of stretch exactly (Simo and Tarnow 1992, Zeitschrift fuer angewandte
-Mathematik und Physik 43). With the force at mid-step, fast axial waves coupled to lateral motion could gain energy from
-the error.
+(`drill_twin.physics.model.mesh.stretch_samples`). The axial force is the mean of the forces at both ends of the step,
+along the chord between the ends, which conserves the energy of stretch exactly (Simo and Tarnow 1992, Zeitschrift fuer
+angewandte Mathematik und Physik 43). With the force at mid-step, fast axial waves coupled to lateral motion could gain
+energy from the error.
 """
 
 from typing import NamedTuple
@@ -31,7 +31,7 @@ from drill_twin.core.compile.jit import kernel
 
 
 class Strain(NamedTuple):
-    """Kinematics of the section at a Gauss point; scalar fields, so that the compiler drops those not used."""
+    """Kinematics of the section at a Gauss point; scalar fields, so that the compiler drops unused fields."""
 
     element: int
     place: int  # number of the Gauss point along the string, 2 element + (0 or 1)

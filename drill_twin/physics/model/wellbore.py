@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """Position of a point of the string in the hole: offset from the axis, and direction of the axis.
 
-A straight hole is along z. In a curved one, each point of the string has the circular arc at its depth
+A straight hole is along z. In a curved hole, each point of the string has the circular arc at its depth
 (`drill_twin.physics.model.survey`), whose nearest point is known in closed form. The type of `Wellbore.axis` selects
-one of the two at compile time: numba drops the other branch. For pictures, whole arrays are converted between the frame
-`hole` and coordinates along the hole.
+straight or curved at compile time: numba drops the other branch. For pictures, whole arrays are converted between the
+frame `hole` and coordinates along the hole.
 """
 
 from typing import NamedTuple

@@ -26,7 +26,7 @@ class Change:
     """Change of results and cost without a group of effects."""
 
     left_out: tuple[str, ...]
-    """Keys of the effects that were left out: one, and those that require it."""
+    """Keys of the effects that were left out: one effect, and the effects that require it."""
     quantities: dict[str, AblationQuantity] = field(default_factory=dict)
     """Results with and without, by name; empty if the run failed."""
     cost_share: float | None = None
@@ -95,7 +95,7 @@ def ablate(
     workers: int = 2,
     progress: Callable[[str], None] = lambda _: None,
 ) -> Ablation:
-    """Run a scene with all its effects, without each of them, and with only those it needs.
+    """Run a scene with all its effects, without each effect, and with only the effects that the scene needs.
 
     Args:
         scene: Name or file of the scene.
@@ -164,7 +164,7 @@ def _saved(before: tuple[Trial, ...], after: tuple[Trial, ...], name: str) -> fl
 
 
 def _without(effects: tuple[str, ...], wanted: set[str]) -> tuple[str, ...]:
-    """Effects less those that are wanted and all that these require."""
+    """Effects that are neither wanted nor required by a wanted effect."""
     wanted |= set(TOGETHER) if wanted & set(TOGETHER) else set()
     while more := {need for key in wanted for need in EFFECTS[key].requires} - wanted:
         wanted |= more

@@ -18,13 +18,13 @@ from drill_twin.studies.accuracy.motion_run import Motion, cached_run
 from drill_twin.studies.pool import run_jobs
 
 ELEMENTS = (0.375, 0.5, 0.75, 1.0, 1.5, 2.0, 3.0)
-"""Elements over those that `auto` chooses."""
+"""Elements over the number that `auto` chooses."""
 STEPS = (2.0, 1.0, 0.5, 0.25, 0.125)
-"""Time steps over the one that `auto` chooses; none is longer than a frame."""
+"""Time steps over the step that `auto` chooses; no step is longer than a frame."""
 TOLERANCES = (1e-3, 1e-4, 1e-6)
 """Tolerances of Newton's method to try besides the scene's own, at the resolution that `auto` chooses."""
 FINER = 2.0
-"""Elements of the converged run over those of the finest resolution; its time step is shorter by the same factor."""
+"""Elements of the converged run over the elements of the finest resolution; its time step is as much shorter."""
 MIN_ELEMENTS = 4
 SPATIAL, LATERAL = "spatial", "lateral"
 
@@ -37,7 +37,7 @@ class Resolution:
     elements: int
     step: float
     tolerance: float | None = None
-    """Tolerance of Newton's method; None: that of the scene."""
+    """Tolerance of Newton's method; None: the scene's tolerance."""
 
     @property
     def text(self) -> str:

@@ -36,9 +36,9 @@ MARGIN = 2.0
 REFERENCE_SHARE = 1.0 / 3.0
 """Error of the converged run over the smallest error measured against it: second order, half the step."""
 OVERHEAD = 3.0
-"""Time of an iteration that does not depend on the elements, over that of an element."""
+"""Time of an iteration that does not depend on the elements, over the time of an element."""
 COARSER = 1.5
-"""Least elements and steps of the converged run over those of a resolution that is compared with it."""
+"""Least ratio of elements, and of steps, between the converged run and a resolution that is compared with it."""
 FOLDER = "accuracy"
 
 _Elements = Annotated[int, Field(gt=0, le=100_000)]
@@ -120,7 +120,7 @@ class ErrorModel:
 
     @property
     def judged(self) -> list[MeasuredPoint]:
-        """Resolutions well below that of the converged run, which alone shows the error of mesh and step."""
+        """Resolutions so coarse that comparison with the converged run shows their error of mesh and step."""
         return [
             point
             for point in self.points
@@ -178,7 +178,7 @@ def from_motions(
         scene: The scene.
         reference: The converged run.
         motions: Runs at other resolutions.
-        later: Newton iterations per second after the onset over those in the part of it which these runs cover.
+        later: Newton iterations per second after the onset, over their number in the part which these runs cover.
         ended: End of the measurement.
     """
     onset = number_or_none(reference.onset)

@@ -96,7 +96,7 @@ def path_error(motion: Motion, reference: Motion) -> float | None:
 
 
 def largest_distance(path: ComplexArray, true: ComplexArray) -> float:
-    """Largest distance between paths x + i y, shape (T, m), over the largest deflection of the true ones [-]."""
+    """Largest distance between paths x + i y, shape (T, m), over the largest deflection of the true paths [-]."""
     largest = float(np.abs(true).max()) if true.size else 0.0
     return float(np.abs(path - true).max()) / largest if largest > 0.0 else 0.0
 
@@ -177,7 +177,7 @@ class AblationQuantity:
     tolerances: float
     """The difference in tolerances; infinite if only one of the two exists."""
     matters: bool
-    """True if the difference is beyond the tolerance and statistically significant, or that of the counts is."""
+    """True if the difference is beyond the tolerance and statistically significant, or the counts' difference is."""
     known: bool
     """False if so few runs could not have shown a difference."""
 
@@ -198,7 +198,7 @@ def differences(before: Sequence[Trial], after: Sequence[Trial], tolerance: floa
 
 
 def worst(quantities: Mapping[str, AblationQuantity]) -> float:
-    """Largest difference in tolerances, of the significant ones if there are any."""
+    """Largest difference in tolerances, of the significant differences if there are any."""
     sure = [quantity.tolerances for quantity in quantities.values() if quantity.matters]
     return max(sure or [quantity.tolerances for quantity in quantities.values()] or [0.0])
 

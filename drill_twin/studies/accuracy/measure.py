@@ -2,7 +2,7 @@
 """Measurement of an error model: runs of a scene at several resolutions, within a budget of processor time.
 
 Runs of ever finer resolution are compared, each with the next, until one is accurate enough and the finest is at least
-as fine as `auto`; then coarser ones are tried against the finest. Each run ends shortly after its onset.
+as fine as `auto`; then coarser resolutions are tried against the finest. Each run ends shortly after its onset.
 """
 
 from __future__ import annotations
@@ -23,15 +23,15 @@ COARSEST, AUTO, FINEST = -3, 0, 2
 FEWEST = 4
 """Fewest elements of a string of one piece."""
 FEWER = math.sqrt(2.0)
-"""Elements over those of the next coarser resolution."""
+"""Elements over the elements of the next coarser resolution."""
 HOPELESS = 0.5
 """Error at which no coarser resolution is tried [-]."""
 LOOSE, TIGHT = 1e-4, 1e-6
-"""Newton's tolerance of the resolutions to choose from, and of those that they are compared with."""
+"""Newton's tolerance of the resolutions to choose from, and of the resolutions that they are compared with."""
 AFTER_ONSET = 2.0
 """Simulated time after the onset at which runs end [s]."""
 BUDGET, RUNS = 60.0, 10.0
-"""Most processor time of a measurement: this [s], or so many times that of the run, whichever is more."""
+"""Most processor time of a measurement: `BUDGET` [s], or `RUNS` times the run's time, whichever is more."""
 
 KNOWN_FROM = 0.1
 """Share done from which the time left is told: before, the rate misleads (289 s were told where 0.7 s were left)."""
@@ -145,7 +145,7 @@ class Measurement:
             steps *= 2
 
     def _later(self, model: ErrorModel) -> float:
-        """Iterations per second after the onset over those of the part of it which the runs cover."""
+        """Iterations per second after the onset over their number in the part which the runs cover."""
         point = model.cheapest(self._accuracy)
         if point is None or model.onset_s is None or model.covered_s >= self._duration:
             return 1.0

@@ -82,7 +82,7 @@ class Motion:
     """Tolerance of Newton's method."""
 
     def until(self, end: float) -> Motion:
-        """The motion up to a time [s]; onset and frequency are those of the whole run."""
+        """The motion up to a time [s]; onset and frequency stay the whole run's."""
         taken = self.time <= end
         names = ("time", "centre", "contact", "hookload", "torque", "iterations")
         return replace(self, **{name: getattr(self, name)[taken] for name in names})
@@ -138,7 +138,7 @@ def run_motion(
     commands, period = planned(scene, min(scene.rig.duration, until))
     for whole in parts_of(twin, commands, period, TIMED):
         spent = np.full_like(whole.rows.time, whole.seconds / whole.rows.time.size)
-        count = int(np.count_nonzero(np.concatenate(([now], whole.rows.time[:-1])) < end))  # those that begin before it
+        count = int(np.count_nonzero(np.concatenate(([now], whole.rows.time[:-1])) < end))  # frames begun before `end`
         rows, rig, _, _ = whole.first(count)
         counted = rows.counted[:, ITERATIONS]
         part = (rows.time, rows.centre[..., :2], rows.string[:, 2], rig.hookload, rig.top_drive_torque, counted)

@@ -143,7 +143,7 @@ def expected_seconds(scene: Scene, iterations: float, duration: float) -> float:
     """Processor time of computing the motion of a run on this machine now [s].
 
     The beginning of the run is computed, in turn without and with what a recorded run keeps of each frame. The first
-    gives the time of a Newton iteration, the second that of a frame besides.
+    gives the time of a Newton iteration, the second the time of a frame besides.
 
     Args:
         scene: The scene at the resolution of the run.

@@ -82,7 +82,7 @@ def test_rolling_that_frames_or_steps_cannot_show_is_told():
         "near-bit stabiliser, 1.5 m from the bit, whirls at -97 times the rotation (radius over clearance), 194 Hz"
         in note
     )
-    assert "this needs 485 Hz; a step of 5 ms, this needs one of 0.258 ms; so for 4 m of the string" in note
+    assert "this needs 485 Hz; a step of 5 ms, this needs a step of 0.258 ms; so for 4 m of the string" in note
     wide = {"string.sections[1].blade_diameter": "280 mm", "string.sections[3].blade_diameter": "280 mm"}
     fine = {"numerics.frame_rate": "200 Hz", "numerics.step": "2 ms"}
     assert notes_on(load_scene("wells/vertical_3000", overrides=wide | fine)) == []

@@ -70,5 +70,5 @@ def test_what_is_no_range_and_no_record_over_depth_is_refused(tmp_path):
             coefficients(text)
     file = tmp_path / "rig.csv"
     file.write_text("time [s],RPM [rpm]\n0,1\n1,2\n")
-    with pytest.raises(TableError, match="expected a column of depth and one of a load"):
+    with pytest.raises(TableError, match="expected a column of depth and a column of a load"):
         read_measured(file)

@@ -96,7 +96,7 @@ def test_no_state_is_forgotten(kept, schedule):
 def test_a_checkpoint_of_another_scene_is_refused_with_the_line_that_differs(kept, bench_scene):
     other = load_scene("pa6_bench", overrides={"wob": "60 N"})
     twin = Twin(other)
-    with pytest.raises(CheckpointError, match=r"one of another: line \d+ of the resolved scene is \"duration: 1.0 s"):
+    with pytest.raises(CheckpointError, match=r"of another scene: line \d+ of the resolved scene is \"duration: 1.0 s"):
         Checkpoint.load(kept[0]).restore(twin)
     assert twin.time == 0.0
 
@@ -115,8 +115,8 @@ def _rewritten(path, target, change):
 @pytest.mark.parametrize(
     ("change", "words"),
     [
-        (lambda head, _: head.update(version="0.0.1"), "found one of 0.0.1"),
-        (lambda head, _: head.update(format=99), "found one of"),
+        (lambda head, _: head.update(version="0.0.1"), "found a checkpoint of 0.0.1"),
+        (lambda head, _: head.update(format=99), "found a checkpoint of"),
         (lambda head, _: head.pop("scene"), "KeyError"),
         (lambda head, _: head.update(time="soon"), "whole checkpoint"),
         (lambda head, _: head.update(time=float("nan")), "finite numbers"),

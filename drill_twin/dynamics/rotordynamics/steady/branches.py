@@ -24,7 +24,7 @@ from drill_twin.scene.set_points.command import Command
 FIRST_STEP, LARGEST_STEP, SMALLEST_STEP = 0.02, 0.1, 1e-5
 """Steps along the branch, in clearances, rotations and ranges of the parameter together."""
 CORRECTIONS, EASY = 8, 4
-"""Most iterations of a corrector, and those up to which the next step grows."""
+"""Most iterations of a corrector, and the number of iterations up to which the next step grows."""
 GROWTH, TOLERANCE, DIFFERENCE = 1.4, 1e-8, 1e-6
 MOST_POINTS = 400
 SAME_RATIO, SAME_RADIUS = 3e-3, 0.02
@@ -114,7 +114,7 @@ class _Follower:
         return residual, np.column_stack([matrix, by_value]) * self.scale
 
     def tangent(self, matrix: Array, last: Array) -> Array:
-        """Unit tangent in the sense of the last one."""
+        """Unit tangent in the sense of the last tangent."""
         whole = np.vstack([matrix, last])
         right = np.zeros(last.size)
         right[-1] = 1.0

@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Bow and eccentricity: modulation of a steady whirl by them, and states locked to the rotation.
+"""Bow and eccentricity: the modulation of a steady whirl that they cause, and states locked to the rotation.
 
-They turn with the string. In the frame of a whirl omega their force is periodic at Omega - omega, and to first order
-the string answers with a motion w(t) = Re(W exp(i (Omega - omega) t)) about the state: a linear solve in that frame. A
-motion that turns with the rotation itself (ratio 1) is an equilibrium in the frame of the string, with the
-imperfections in it.
+Bow and eccentricity turn with the string. In the frame of a whirl omega their force is periodic at Omega - omega,
+and to first order the string answers with a motion w(t) = Re(W exp(i (Omega - omega) t)) about the state: a linear
+solve in that frame. A motion that turns with the rotation itself (ratio 1) is an equilibrium in the frame of the
+string, with the imperfections in it.
 """
 
 from __future__ import annotations
@@ -109,7 +109,7 @@ def locked_states(turning: TurningEquations, command: Command) -> tuple[WhirlSta
 
 
 def locked_near(turning: TurningEquations, whirl: SteadyWhirl) -> WhirlState | None:
-    """State locked to the rotation near a shape, such as one of another mesh; None if there is none."""
+    """State locked to the rotation near a shape, such as a shape of another mesh; None if there is no such state."""
     with imperfect(turning.equations):
         found = _relaxed(turning, whirl, FIRST_STEP)
         return None if found is None else state_of(turning, found, is_locked=True)

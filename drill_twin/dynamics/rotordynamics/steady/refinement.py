@@ -51,14 +51,14 @@ def on_mesh(equations: EquationsOfMotion, whirl: SteadyWhirl, arc: Array) -> Ste
 
 
 def refined(scene: Scene, state: WhirlState) -> WhirlState:
-    """A state on meshes twice as fine each, until two of them change its growth by at most 3 %.
+    """A state on meshes twice as fine each, until two meshes in turn change its growth by at most 3 %.
 
     Convergence is not monotone: parts of the string come to touch the wall, or leave it, as the mesh moves its points.
     So the larger of the last two changes is kept.
 
     Args:
         scene: Scene of the state; `numerics.elements` may differ.
-        state: A steady whirl, or one that is locked to the rotation.
+        state: A steady whirl, or a state that is locked to the rotation.
 
     Returns:
         The state on the finest mesh, with `growth_change`; with `lost_at` where it was not found again.

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """First guesses of steady whirls: shapes in balance at a whirl speed, and the speeds at which nothing drives them.
 
-At a whirl speed omega that is not one of the string's own, an extra force tau M J u along the path keeps the shape in
+At a whirl speed omega that is not the string's own, an extra force tau M J u along the path keeps the shape in
 whirl. The shape and tau follow by pseudo-transient continuation (Kelley and Keyes 1998), whose short first steps
 descend in energy as in `drill_twin.dynamics.equilibrium`, so that it ends on the wall and not on the
 axis. Where tau(omega) changes its sign, a steady whirl is near. Each shape is the first guess of the next speed.
@@ -88,7 +88,7 @@ class ShapeSearch:
         self._lowest = float(np.einsum("ik,ij,jk->k", self._modes, pencil.stiffness, self._modes).min())
 
     def starts(self, seed: int, random: int) -> Iterator[Array]:
-        """First shapes: random ones, then the lowest modes in one plane."""
+        """First shapes: random shapes, then the lowest modes in one plane."""
         equations, size = self.turning.equations, START_SIZE * self.turning.clearance
         generator = np.random.default_rng(seed)
         for _ in range(random):
@@ -109,7 +109,7 @@ class ShapeSearch:
         return np.asarray(self.axis + self.turning.equations.rows(moved))
 
     def family(self, start: Array) -> list[Shape]:
-        """Shapes over whirl speeds, from the fastest forward whirl down; each begins from the one before."""
+        """Shapes over whirl speeds, from the fastest forward whirl down; each begins from the shape before."""
         fastest = RANGE * max(abs(self.command.rotation), 1e-3)
         model = self.turning.equations.model
         rolling = max(1.0, float((model.contact_radius / model.wellbore.clearance).max()))

@@ -67,7 +67,7 @@ class SteadyWhirl:
 
 
 StepFactor = Callable[[SteadyWhirl, Array, float], float]
-"""Factor on a Newton step, from the whirl, the step of the free unknowns, and that of omega."""
+"""Factor on a Newton step, from the whirl, the step of the free unknowns, and the step of omega."""
 
 
 class TurningEquations:
@@ -133,7 +133,7 @@ class TurningEquations:
         return None
 
     def spectrum(self, whirl: SteadyWhirl, *, is_locked: bool = False) -> ComplexArray:
-        """Eigenvalues in the turning frame [rad/s], fastest growth first; without the zero one, if there is one."""
+        """Eigenvalues in the turning frame [rad/s], fastest growth first; an eigenvalue of zero is left out."""
         system = self.at(whirl)
         gyroscopic = system.damping + 2.0 * whirl.omega * self.frame.times_j(system.mass)
         stiffness = system.rows.dense(self.stiffness(system, whirl.omega))

@@ -28,7 +28,7 @@ class WhirlState:
     touching: float
     """Share of the string's length that touches the wall [-]."""
     growth_change: float = math.nan
-    """Change of `growth` on the last meshes, each twice as fine as the one before [1/s]; NaN: not known."""
+    """Change of `growth` on the last meshes, each twice as fine as the mesh before [1/s]; NaN: not known."""
     lost_at: int = 0
     """Elements of the finer mesh on which the state was not found again; 0: none."""
 
@@ -71,7 +71,7 @@ class WhirlState:
     def verdict(self) -> str:
         """`stable` or `unstable`; `not determined` where finer meshes leave the sign of the growth open.
 
-        They do where they have changed the growth by more than its size, or where one of them has lost the state.
+        The sign is open where meshes have changed the growth by more than its size, or where a mesh has lost the state.
         """
         if self.lost_at or not abs(self.growth) > self.growth_change:
             return "not determined"

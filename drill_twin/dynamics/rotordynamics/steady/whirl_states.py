@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Steady whirl states under one command: all that the search finds, each with its stability.
+"""Steady whirl states under one command: all states that the search finds, each with its stability.
 
-One of them is the initial state of `rig.start: whirl-state`.
+One of the states is the initial state of `rig.start: whirl-state`.
 """
 
 from __future__ import annotations
@@ -101,8 +101,8 @@ def search(
 ) -> StateSearch:
     """Steady whirl states on the mesh of the equations.
 
-    Those of a string that stretches and twists are found from those of its lateral form, which Newton's method reaches
-    from far more first guesses, and in a tenth of the time.
+    States of a string that stretches and twists are found from states of its lateral form, which Newton's method
+    reaches from far more first guesses, and in a tenth of the time.
 
     Args:
         equations: Of a scene with a wall in a straight vertical hole.
@@ -198,7 +198,7 @@ def rolling_ratios(model: DiscreteModel) -> tuple[float, ...]:
 
 
 def _guesses(search: ShapeSearch, seed: int, random_starts: int) -> Iterator[SteadyWhirl]:
-    """First guesses: of fast whirls from shapes over whirl speeds, then of slow ones from helices."""
+    """First guesses: of fast whirls from shapes over whirl speeds, then of slow whirls from helices."""
     for start in search.starts(seed, random_starts):
         yield from search.crossings(search.family(start))
     yield from slow_whirls(search)

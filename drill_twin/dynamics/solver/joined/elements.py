@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
 """Elements above the joint: residual and tangent of a string that follows the hole.
 
-Unknown are the coordinate z along the hole (minus the measured depth), z' by arc length, and the spin psi; the shape
-functions, samples of stretch and inertia are those of the string in space. The tangent is that of the hole, so the
-strain is z' - 1 and the twist psi' less that of the untwisted string. Across the hole the forces are in balance: what
-the effects load the string with there, and the tension times the curvature, press it to the wall (Johancsik and others
-1984), and friction follows from that.
+Unknown are the coordinate z along the hole (minus the measured depth), z' by arc length, and the spin psi. Shape
+functions, samples of stretch and inertia are as for the string in space. The tangent is the hole's tangent, so the
+strain is z' - 1 and the twist psi' less the psi' of the untwisted string. Across the hole the forces are in balance:
+the loads of the effects there, and the tension times the curvature, press the string to the wall (Johancsik and others
+1984). Friction follows from the force on the wall.
 """
 
 from collections.abc import Callable
@@ -91,7 +91,7 @@ def scatter(scratch: Workspace, j: int) -> None:
 
 
 def bind(effects: Effects, section_stress: Any, distributed_load: Any, friction: Any) -> Callable[..., None]:
-    """The assembly for a set of effects, and for those of their functions that a string along the hole needs."""
+    """The assembly for a set of effects, and for their functions that a string along the hole needs."""
     axial_damping = effects.axial_damping
 
     @kernel

@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
 """The string in space up to a joint, and above it along the hole.
 
-Below the joint a node has seven unknowns, as in `drill_twin.dynamics.solver.spatial`; above it three: its place along
-the hole, the derivative of that by arc length, and its spin. Rows of the state hold r, r' and psi for all nodes; above
-the joint those of the velocities being sought (`trial`, `middle`, `earlier`) and of `place` hold z in the column of
-r_z and z' in that of r'_z. At the joint z is the coordinate along the hole of its r, and z' the part of its r' along
-the hole: the string below is pulled and turned there, and is free to move and tilt across the hole.
+Below the joint a node has seven unknowns, as in `drill_twin.dynamics.solver.spatial`; above it three: its place z along
+the hole, the derivative z' by arc length, and its spin psi. Rows of the state hold r, r' and psi for all nodes. Above
+the joint, rows of the velocities being sought (`trial`, `middle`, `earlier`) and of `place` hold z in the column of
+r_z, and z' in the column of r'_z. At the joint z is the coordinate along the hole of its r, and z' the part of its r'
+along the hole: the string below is pulled and turned there, and is free to move and tilt across the hole.
 """
 
 from typing import Any
@@ -154,7 +154,7 @@ def close_top(scratch: Workspace, constrained: Array) -> None:
 def solve(scratch: Workspace) -> bool:
     """Solve the system: above the joint, below it, and above it again.
 
-    Above the joint a system that has been kept is one whose residual the last Newton step has removed.
+    Where a system above the joint has been kept, the last Newton step has removed its residual.
     """
     below = scratch.below
     if scratch.size[KEPT] > 0.0:
@@ -208,7 +208,7 @@ def accept(scratch: Workspace, constrained: Array, state: State, counters: Array
 
 
 def bind(effects: Effects, section_stress: Any, distributed_load: Any, friction: Any) -> Formulation:
-    """The formulation for a set of effects, and for those of their functions that the string above the joint needs."""
+    """The formulation for a set of effects, and for their functions that the string above the joint needs."""
     assemble, load_ends = assembly.bind(effects), lower.bind_ends(effects.end_load)
     assemble_above = elements.bind(effects, section_stress, distributed_load, friction)
 

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """The block-tridiagonal system above the joint, three unknowns a node, and the workspace of the joined form.
 
-It is eliminated from the top down, which leaves a 3 x 3 system at the joint: for the string below an end condition.
-Once that is solved, the nodes above follow one after another.
+The system is eliminated from the top down, which leaves a 3 x 3 system at the joint: for the string below, an end
+condition. Once the string below is solved, the nodes above follow one after another.
 """
 
 from typing import NamedTuple
@@ -23,7 +23,7 @@ KEPT = 1
 
 
 class Workspace(NamedTuple):
-    """The system below the joint, that of the m elements above it, and the hole there."""
+    """The system below the joint, the system of the m elements above it, and the hole there."""
 
     command: Array  # (3,) set-points, the array of `below`
     below: Below
@@ -47,7 +47,7 @@ class Workspace(NamedTuple):
     top: Array  # (3, 7) rows of the top before its constraints: by itself, by the node below; reaction
     element: Array  # (6, 6) tangent of an element: z_0, z'_0, z_1, z'_1, psi_0, psi_1
     forces: Array  # (6,) its residual
-    size: Array  # (2,) of the last Newton step there in tolerances; 1 where the system is that of the iteration before
+    size: Array  # (2,) of the last Newton step there in tolerances; 1 where the system of the iteration before is kept
 
 
 def make_workspace(
@@ -133,7 +133,7 @@ def add_to_joint(scratch: Workspace) -> None:
 
 @kernel
 def solve_above(scratch: Workspace) -> None:
-    """Fill in the Newton step of the nodes above from that of the joint."""
+    """Fill in the Newton step of the nodes above from the Newton step of the joint."""
     last = scratch.below.diagonal.shape[0] - 1
     own, g, change = scratch.below.diagonal[last], scratch.joint, scratch.change
     for i in range(2):

@@ -2,7 +2,7 @@
 """The string without stretch and torsion: two lateral unknowns per node and their slopes.
 
 The axial force follows from balance at every instant and the spin from the top drive, so neither axial nor torsional
-waves exist. The state keeps its seven columns; those that are not unknowns are filled in at the end of a frame.
+waves exist. The state keeps its seven columns; columns that are not unknowns are filled in at the end of a frame.
 """
 
 from typing import Any
@@ -49,7 +49,7 @@ extrapolate, clear_constrained, move_to_middle, take_step = bind_unknowns(NODE, 
 
 @kernel
 def begin(scratch: Workspace) -> None:
-    """Discard the factors, so that a run resumed between two frames equals one that was not interrupted."""
+    """Discard the factors, so that a run resumed between two frames equals a run that was not interrupted."""
     scratch.reuse[:] = 0.0
 
 

@@ -6,7 +6,7 @@ With D_i the pivot block of node i, L and U its neighbours: keep D_i^-1, D_i^-1 
 product per node. Rows of four doubles fill a vector register.
 
 Without contact the tangent changes slowly: its factors serve many steps, as in codes for stiff equations (Hairer and
-Wanner 1996, IV.8). They are renewed where the step changed or Newton's method slows down.
+Wanner 1996, IV.8). The factors are renewed where the step changed or Newton's method slows down.
 
 Work arrays are allocated once: no kernel allocates.
 """
@@ -140,7 +140,7 @@ def solve_blocks(lower: Array, upper: Array, inverse: Array, right: Array) -> No
 # damping that the effects had added to them [N s/m].
 HALF_STEP, RENEW, RENEW_STEPS, LAST_SIZE, ADDED = 0, 1, 2, 3, 4
 CONTRACTION = 0.1  # the factors are kept while each Newton step is this much smaller than the last
-CHANGE = 0.1  # and while what the effects add to them, mostly the wall, has changed by less than this share
+CHANGE = 0.1  # and while stiffness and damping of the effects, mostly of the wall, have changed by less than this share
 SAME_STEP = 1e-9  # steps of one length differ by rounding
 STEPS_AFTER_CHANGE = 8.0  # steps of renewing at once, after factors that were not good enough
 
