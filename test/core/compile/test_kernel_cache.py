@@ -276,4 +276,4 @@ def test_a_folder_of_root_that_others_can_write_to_is_refused():
     finally:
         place.rmdir()
     assert process.returncode == 1
-    assert "one that others can write to, who could put programs there" in said
+    assert "a folder in which other users could put programs" in said
