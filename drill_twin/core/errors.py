@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Errors for the user: each message names the place, expected, found and remedy; text of unknown origin in them.
+"""Errors for the user: each message names place, expected, found and remedy; text of unknown origin is escaped.
 
 Packages that come with an extra of drill_twin are imported here, with an error that names the extra.
 """
@@ -64,7 +64,7 @@ class DrillTwinError(Exception):
     """Base of all errors that the user can correct; the command line prints it on one line."""
 
     exit_code = 2
-    """Exit code of a command that ends with it: 2 for an input, 1 for a run that stopped."""
+    """Exit code of a command that ends with this error: 2 for an input, 1 for a run that stopped."""
 
     def __init__(self, message: str = "") -> None:
         super().__init__(printable(words_cut(message)))
@@ -115,8 +115,8 @@ class StoppedError(RunError):
     Attributes:
         time: Simulated time of that frame [s].
         kind: Kind of the violation (`drill_twin.dynamics.twin.step_guard.Violation`).
-        node: Node at which it was largest.
-        effect: Key of the effect that caused it; empty if none was identified.
+        node: Node at which the violation was largest.
+        effect: Key of the effect that caused the violation; empty if none was identified.
     """
 
     exit_code = 1
@@ -154,7 +154,7 @@ def import_extra(package: str) -> Any:
         package: `xarray`, `pandas`, `lasio` or `distributed`.
 
     Raises:
-        ArgumentError: It is not installed.
+        ArgumentError: The package is not installed.
     """
     extra, purpose = _EXTRAS[package]
     try:

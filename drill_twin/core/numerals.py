@@ -14,10 +14,10 @@ _MOST_DIGITS = 18  # of a whole number: below 2**63
 
 
 def number(text: str) -> float | None:
-    """Number of a text, infinite where a double cannot hold it; None if it is none."""
+    """Number of a text, infinite where a double cannot hold it; None if the text is no number."""
     return float(text) if _NUMBER.fullmatch(text) else None
 
 
 def whole_number(text: str) -> int | None:
-    """Number of a text of at most 18 digits; None if it is none."""
+    """Number of a text of at most 18 digits; None if the text is no number."""
     return int(text) if text.isascii() and text.isdigit() and len(text) <= _MOST_DIGITS else None

@@ -37,11 +37,11 @@ _SITE = {"site-packages", "dist-packages"}
 
 
 def child_environment(environment: Mapping[str, str] | None = None) -> dict[str, str]:
-    """Environment for a child, by default from that of this process.
+    """Environment for a child, by default made from the environment of this process.
 
     `python -c` and `python -m` import from the working folder first, and so does a relative or an empty entry of
-    PYTHONPATH: a `numpy.py` beside a recording would be run. Both are turned off, and the child imports this copy of
-    the package.
+    PYTHONPATH: a `numpy.py` beside a recording would be run. Such imports are turned off, and the child imports
+    this copy of the package.
     """
     given = dict(os.environ if environment is None else environment)
     entries = [entry for entry in given.get("PYTHONPATH", "").split(os.pathsep) if Path(entry).is_absolute()]
@@ -78,7 +78,7 @@ def use_one_thread_of_blas() -> None:
 
 
 def refuse_too_little_memory() -> None:
-    """Refuse a limit of the address space in which the libraries cannot be loaded: they end in various ways then.
+    """Refuse a limit of the address space in which loading the libraries would end the process in various ways.
 
     Raises:
         RunError: `ulimit -v` is below what a run needs.

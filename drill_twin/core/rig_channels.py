@@ -22,13 +22,13 @@ class RigChannel(NamedTuple):
     dimension: Dimension
     array: str
     joint: str
-    """Its place in `/rig/state` and `/measured/rig/state`."""
+    """Joint of the channel in `/rig/state` and `/measured/rig/state`."""
     heading: str
     """Name in tables and exported files."""
     names: tuple[str, ...] = ()
-    """Other names for it: of set-points and records first, of the gateway last."""
+    """Other names for the channel: of set-points and records first, of the gateway last."""
     mnemonics: tuple[str, ...] = ()
-    """Names of its column in a record, in the order of preference; lower case."""
+    """Names of the channel's column in a record, in the order of preference; lower case."""
 
 
 RIG_CHANNELS: Mapping[str, RigChannel] = {

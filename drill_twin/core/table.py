@@ -21,9 +21,9 @@ class Column(NamedTuple):
     """Column of a table."""
 
     heading: str
-    """Words above it."""
+    """Words above the column."""
     unit: str = ""
-    """Unit of its values; empty where it has none, or where each cell names its own."""
+    """Unit of the values; empty where they have none, or where each cell names its own."""
     right: bool = False
     """Aligned to the right, as numbers are."""
     whole: bool = False

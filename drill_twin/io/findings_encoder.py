@@ -53,7 +53,8 @@ class Motion(NamedTuple):
 class TwinSummary:
     """Collects samples, and encodes their means with the findings of the last one.
 
-    A value of the rig that the first sample does not have is left out of all messages; one that later ones lack stays.
+    A value of the rig that the first sample does not have is left out of all messages; a value that only later
+    samples lack stays.
     """
 
     def __init__(self, marks: Sequence[MarkInfo]) -> None:
@@ -71,7 +72,7 @@ class TwinSummary:
         """Take the real-time factor of the simulator.
 
         Raises:
-            MessageError: It is not finite.
+            MessageError: The factor is not finite.
         """
         self._factor = finite_number(TWIN_SUMMARY, "real-time factor", factor)
 

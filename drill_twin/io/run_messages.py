@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Messages of a run beside those of its frames: what its sensors measure, and the text of `/twin/scene`.
+"""Messages of a run beside the messages of its frames: what its sensors measure, and the text of `/twin/scene`.
 
 By this text a bag tells what was run; the sensors are the subs and surface channels that the scene lists.
 """

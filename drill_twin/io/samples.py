@@ -26,7 +26,7 @@ FASTEST = 1e6
 
 
 class RigSample(NamedTuple):
-    """Values of a `/rig/state` that the analysis takes, NaN for those that it does not have."""
+    """Values of a `/rig/state` that the analysis takes, NaN for values that the message does not have."""
 
     top_speed: float
     """Speed of the top drive [rad/s]."""
@@ -43,7 +43,7 @@ UNKNOWN_RIG = RigSample(math.nan, math.nan)
 
 
 class Sample(NamedTuple):
-    """State of the marks with that of the rig at the same stamp [ns]."""
+    """State of the marks with the state of the rig at the same stamp [ns]."""
 
     stamp: int
     marks: JointState
@@ -78,7 +78,7 @@ class SampleRows(NamedTuple):
 
     @classmethod
     def of(cls, frames: Frames) -> SampleRows:
-        """Samples of frames from `/marks/state` and `/rig/state`; the force is that of its two components."""
+        """Samples of frames from `/marks/state` and `/rig/state`; the force is the size of its two components."""
         push = wall_push(frames.marks.centre, frames.marks.wall_force)
         names = ("top_drive_speed", "bit_speed", "bit_force", "drilled")
         rig = (frames.rig[:, RigState._fields.index(name)] for name in names)
@@ -140,7 +140,7 @@ class MarkReader:
             Positions [m], shape (m, 3), spin [rad], shape (m,), and wall force [N], shape (m,), or None without forces.
 
         Raises:
-            MessageError: The message has no positions, or not those of the marks.
+            MessageError: The message has no positions, or positions of other marks.
         """
         self.check(state)
         values, force = self._chosen(state.position), None

@@ -97,7 +97,7 @@ def select_marks(marks: Sequence[MarkInfo], names: Sequence[str]) -> list[MarkIn
     """Select the marks of these names, in the order of the string; all if there are no names.
 
     Raises:
-        AnalysisError: A name is not that of a mark.
+        AnalysisError: A name is no mark's name.
     """
     known = [mark.name for mark in marks]
     unknown = [name for name in names if name not in known]
@@ -117,7 +117,7 @@ class SceneTexts:
         """Scene of a text; None where the text is the last good one once more.
 
         Raises:
-            DrillTwinError: It is no scene.
+            DrillTwinError: The text is no scene.
         """
         if text == self._text:
             return None
@@ -133,10 +133,10 @@ class SceneTexts:
 
 
 def readings_topic(sub: str) -> str:
-    """Topic of the readings of a sub, `NAME`, or `measured/NAME` for that of a real rig.
+    """Topic of the readings of a sub, `NAME`, or `measured/NAME` for a sub of a real rig.
 
     Raises:
-        AnalysisError: It is no name of a sub.
+        AnalysisError: The name is no name of a sub.
     """
     name = sub.removeprefix(REAL)
     topic = f"/{REAL}{imu_topic(name)[1:]}" if sub.startswith(REAL) else imu_topic(name)
@@ -149,11 +149,11 @@ def sub_analyzer(scene: Scene, sub: str) -> SubAnalyzer:
     """Analysis of the readings of a sub.
 
     Args:
-        scene: The scene that lists it.
-        sub: Its name, `measured/NAME` for that of a real rig.
+        scene: The scene that lists the sub.
+        sub: Name of the sub, `measured/NAME` for a sub of a real rig.
 
     Raises:
-        AnalysisError: The scene does not list it.
+        AnalysisError: The scene does not list the sub.
     """
     listed = subs_by_name(scene)
     found = listed.get(sub.removeprefix(REAL))

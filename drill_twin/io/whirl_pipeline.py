@@ -33,9 +33,9 @@ Message = tuple[str, bytes]
 class WhirlPipeline:
     """Pairs marks and rig by stamp, analyses the samples, and encodes the findings.
 
-    Where a stream has no rig states, `lacks` names them: the rotation is then that of the marks' spin. Where it has no
-    marks, whirl is not observable, and only stick-slip of the bit is found; with the readings of a downhole `sub`, both
-    are those of its section.
+    Where a stream has no rig states, `lacks` names them: the spin of the marks then gives the rotation. Where the
+    stream has no marks, whirl is not observable, and only stick-slip of the bit is found. With the readings of a
+    downhole `sub`, whirl and stick-slip of the sub's section are found.
 
     Attributes:
         scene: The scene of the marks; None until it is known.
@@ -63,7 +63,7 @@ class WhirlPipeline:
             lacks: Topics that the stream does not contain: `/rig/state` or `/marks/state`.
             marks: Names of the marks to analyse; all if empty.
             infos: The marks themselves, for a stream without a scene.
-            sub: Name of a downhole sub whose readings are analysed instead of the marks, `measured/NAME` for that of a
+            sub: Name of a downhole sub whose readings are analysed instead of the marks, `measured/NAME` for a sub of a
                 real rig.
 
         Raises:
@@ -154,8 +154,8 @@ class WhirlPipeline:
         """Analyse n states of marks and rig at once, as `take` would one after the other.
 
         Args:
-            stamps: Their stamps [ns].
-            samples: What is in them.
+            stamps: Stamps of the states [ns].
+            samples: Values of the states.
 
         Returns:
             The findings of each; None where they must be taken one by one.
@@ -265,7 +265,7 @@ class WhirlPipeline:
         return [] if sample is None else list(self._analyse(sample))
 
     def _analyse(self, sample: Sample | ImuReading) -> Iterator[Message]:
-        """Raise MessageError where the message is not one of the marks that are analysed."""
+        """Raise MessageError where the message is not of the marks that are analysed."""
         analyzer = self._analyzer
         if analyzer is None or self._encoder is None:
             self._before_scene.append(sample)

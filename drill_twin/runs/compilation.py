@@ -78,7 +78,7 @@ class CompileShare:
 
     @property
     def before(self) -> str:
-        """Time to expect, before it begins."""
+        """Time that the compilation is expected to take, in words, before it begins."""
         if self._seconds:
             return f"the last such took {self._seconds:.0f} s"
         return f"{'one' if self._course.size else 'ten seconds'} to two minutes on most machines"

@@ -125,7 +125,7 @@ class RunLoop:
         """Go on from a checkpoint.
 
         Raises:
-            CheckpointError: It is of another scene.
+            CheckpointError: The checkpoint is of another scene.
         """
         checkpoint.restore(self.twin)
         self.rejected_steps = RejectedSteps()
@@ -200,7 +200,7 @@ class RunLoop:
             exaggeration: Factor of lateral motion in them; the default where None.
 
         Raises:
-            MessageError: A number in them is not finite.
+            MessageError: A number in a frame is not finite.
         """
         encoder = self._encoder
         regular = {RIG_STATE: encoder.rig_state, MARKS_STATE: encoder.marks, STRING_POSES: encoder.poses}

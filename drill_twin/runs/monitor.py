@@ -200,7 +200,7 @@ class RejectedSteps:
 
     Attributes:
         count: Number of rejected frames.
-        last: Description of the last one; empty if there is none.
+        last: Description of the last rejected frame; empty if no frame was rejected.
         stopped: Reason of the stop; empty unless the run was stopped.
     """
 

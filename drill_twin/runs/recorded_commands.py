@@ -34,7 +34,7 @@ class RecordedCommands:
     commands: list[Command]
     """One for each frame."""
     known_from: float
-    """Simulated time from which the set-points are of the bag [s]; before it they are of the scene."""
+    """Simulated time from which the set-points come from the bag [s]; before it they come from the scene."""
 
 
 def recorded_commands(bag: Bag, planned: Callable[[float], Command], *, block: bool) -> RecordedCommands:
@@ -51,7 +51,7 @@ def recorded_commands(bag: Bag, planned: Callable[[float], Command], *, block: b
             the other set-points, and is left out.
 
     Raises:
-        BagError: It has no rig states.
+        BagError: The bag has no rig states.
     """
     counts = {topic: found.count for topic, found in bag.topics.items()}
     topics = next((found for found in COMMANDS if any(counts.get(topic, 0) for topic in found)), ())
@@ -99,7 +99,7 @@ class _Reading:
         """Take a message.
 
         Raises:
-            MessageError: It cannot be used.
+            MessageError: The message cannot be used.
         """
         if topic == RIG_STATE:
             self._on_state(raw)

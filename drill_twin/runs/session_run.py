@@ -166,7 +166,7 @@ class SessionRun:
         self.command = commands[-1]
 
     def _record(self, topic: str, raw: bytes) -> None:
-        """Record a message, and what the analysis finds in it."""
+        """Record a message, and the findings of the analysis from it."""
         self._recorder.write(topic, self.stamp, raw)
         for found, message in self.pipeline.take(topic, raw):
             self._recorder.write(found, self.stamp, message)

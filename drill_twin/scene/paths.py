@@ -41,8 +41,8 @@ def well_scenes() -> dict[str, Path]:
 def added_scenes(folder: str) -> dict[str, Path]:
     """Names (`folder/...`) and files, sorted, of the scenes of another package.
 
-    It adds them through the entry-point group ``drill_twin.scenes``: the entry's name is the first part of their names,
-    its value a `Path` of their folder (``field = my_package:SCENES``).
+    The package adds its scenes through the entry-point group ``drill_twin.scenes``: the entry's name is the first part
+    of the scenes' names, its value a `Path` of their folder (``field = my_package:SCENES``).
 
     Args:
         folder: First part of the names.

@@ -54,7 +54,7 @@ class Scene(Part):
     string: String
     """The drillstring and its marks."""
     hole: Hole
-    """The hole around it."""
+    """The hole around the drillstring."""
     rig: Rig
     """Set-points and duration."""
     effects: Effects

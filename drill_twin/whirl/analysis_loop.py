@@ -33,7 +33,7 @@ INTERVAL_REV = 4.0 / BINS
 INTERVAL_S = 0.5
 """Longest interval of the estimates of orbit and motion state [s]; both intervals were chosen to save time."""
 FEWEST = 4
-"""Fewest bins for the onset: the noise is that of a third difference, which needs four."""
+"""Fewest bins for the onset: the noise is found from a third difference, which needs four."""
 SAMPLE, BIN, ONSET, ORBIT, STATE, STATISTICS, ADD, NOTE = range(8)
 """Steps of a sample."""
 DONE, CHECK, DECIDE, CROSSED, DESCRIBE, CHANGED = range(6)
@@ -103,7 +103,7 @@ def analyse(words: Integers, kind: Any) -> int:
 
     Args:
         words: The packed `new_state`, and its type (`drill_twin.core.compile.packed_arguments`).
-        kind: The latter.
+        kind: Type of `words`.
     """
     block, samples, clock = field(words, kind, "block"), field(words, kind, "samples"), field(words, kind, "clock")
     bins, full, bit = field(words, kind, "bins"), field(words, kind, "full"), field(words, kind, "bit")

@@ -48,8 +48,8 @@ class Analyzer:
 
         Args:
             marks: Marks on the string.
-            contact_known: Their positions are those about the axis of the hole.
-            top_known: The speed of the top drive is measured by itself, and is not that of the bit.
+            contact_known: The marks' positions are measured from the axis of the hole.
+            top_known: The speed of the top drive is measured by itself, and is not the speed of the bit.
 
         Raises:
             AnalysisError: No mark, or two of one name.

@@ -17,7 +17,7 @@ def columns(name: str, rows: int, /, **first: Any) -> Columns:
     """Make a named tuple of arrays, which declares each of them once, with its value before the first sample.
 
     Args:
-        name: Name of the class. numba tells types by the class, so equal names and fields have the same one.
+        name: Name of the class. numba tells types by the class, so equal names and fields have the same type.
         rows: Length of the arrays.
         first: Value that fills the array of a name; an array, or a tuple of arrays, is taken as it is.
     """

@@ -43,7 +43,7 @@ class MotionState(Enum):
     SYNCHRONOUS_WHIRL = "synchronous whirl"
     """Forced, not self-excited: the part that turns with the string (1x, of unbalance or bow) has grown, by a
     synchronous onset, and there is no asynchronous whirl. Its phase to the string is steady, or turns by half a turn in
-    a critical speed (API 684); that of a self-excited whirl drifts."""
+    a critical speed (API 684); the phase of a self-excited whirl drifts."""
     FORWARD_WHIRL = "forward whirl"
     """Regular, asynchronous whirl in the sense of rotation. In contact it can only slide, never
     roll: the criterion's text then says that it slides along the wall, and for what share of the time."""
@@ -164,8 +164,8 @@ STANDING_RATIO = 1.0 / 144.0
 """Rotation about a fixed axis: whirl ratio of a displaced string below this, 15 degrees in
 `SWEEP_WINDOW`; the string stands, whatever the sign of the rest, if it moves as little as `STANDING_SHARE` says."""
 STANDING_SHARE = 1.0 / 3.0
-"""Rotation about a fixed axis: unevenness and lack of coherence of a string that stands, over those from which a
-motion is irregular. The mean precession of a string that jumps to and fro is about 0 too."""
+"""Rotation about a fixed axis: unevenness and lack of coherence of a string that stands, over the values from which
+a motion is irregular. The mean precession of a string that jumps to and fro is about 0 too."""
 FALLING_TIME = 2.0
 """Onset: duration from the first rotation during which a string in an inclined hole may fall to its low side
 [rev]."""
@@ -242,4 +242,4 @@ LOBE = 0.3
 STATE_MEMORY = 0.5
 """Memory of the shares of the states [rev]."""
 STATE_LEAD = 0.2
-"""A new state needs a share larger than that of the present state by this (hysteresis)."""
+"""A new state needs a share larger than the present state's share by this (hysteresis)."""

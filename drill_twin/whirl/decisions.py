@@ -45,7 +45,7 @@ def criterion_text(found: MotionState, state: Columns, mark: int, *, contact_kno
         found: The motion state to explain.
         state: State of the analysis.
         mark: Index of the mark.
-        contact_known: Whether the distance from the axis of the hole is known; a downhole sub knows it about its mean.
+        contact_known: Whether the distance from the axis of the hole is known; a downhole sub knows it from its mean.
     """
     orbit, shape, row = state.orbit, state.shape, 0 if state.onsets.active[mark] else 1
     ratio = float(orbit.ratio[mark])
@@ -176,7 +176,7 @@ class Decisions:
             fit_anew(self._state.separation, mark, history.position[window, mark], history.phasor[window, mark])
 
     def _record(self, crossings: list[Crossing], *, synchronous: bool) -> None:
-        """Record first crossings of the marks; until the onset is decided, each is a candidate for it."""
+        """Record first crossings of the marks; until the onset is decided, each crossing is a candidate."""
         for crossing in crossings:
             if self.crossed[crossing.mark] is None:
                 self.crossed[crossing.mark] = self.origin + crossing.time

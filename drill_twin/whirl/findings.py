@@ -30,7 +30,7 @@ class Onset:
     detected_s: float
     """Time of detection [s]: about a revolution later, more where a mark crossed before but swept its angle later."""
     criterion: str
-    """The criterion that decided it, as text."""
+    """Criterion that decided the onset, as text."""
     uncertainty_s: float | None = None
     """From a downhole sub: the true onset is so near in nine of ten cases or more [s]; None where not estimated."""
     dated: bool = True
@@ -48,7 +48,7 @@ class MotionPeriod:
     state: MotionState
     """Motion state."""
     criterion: str
-    """The criterion that decided it, as text."""
+    """Criterion that decided the state, as text."""
     confidence: float
     """Mean share of the estimates for the state while it held, 0 to 1."""
 
@@ -62,7 +62,7 @@ class StickSlipPeriod:
     end_s: float
     """End of its last cycle [s]."""
     cycles: int
-    """Cycles in it."""
+    """Cycles in the period."""
     period_s: float
     """Mean length of a cycle [s]."""
     shortest_s: float
@@ -139,13 +139,13 @@ class Findings:
     motion: MotionState
     """Motion state of the string."""
     motion_confidence: float
-    """Share of the recent estimates for it, 0 to 1."""
+    """Share of the recent estimates for the motion state, 0 to 1."""
     motion_criterion: str
-    """The criterion that decided it, as text."""
+    """Criterion that decided the motion state, as text."""
     bit: BitMotion
     """Motion of the bit, by its stick-slip index."""
     bit_criterion: str
-    """The criterion that decided it, as text."""
+    """Criterion that decided the bit's motion, as text."""
     onset: Onset | None
     """The onset, once it is detected; it never changes afterwards."""
     quality: Quality

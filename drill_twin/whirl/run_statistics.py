@@ -3,7 +3,7 @@
 
 Each bin adds (radius / clearance)^2 x its duration to a histogram over the precession ratio, which becomes the power of
 the motion by ratio, in bounded memory. The dominant ratio is the centroid of the cells around the highest peak: a run
-that alternates between forward whirl and backward rolling gets the ratio of the stronger one, not the mean of both.
+that alternates between forward whirl and backward rolling gets the ratio of the stronger motion, not the mean ratio.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ LARGEST_RATIO = 60.0
 EVEN_CELLS = round(EVEN / WIDTH)
 CELLS = 2 * (EVEN_CELLS + math.ceil(EVEN_CELLS * math.log(LARGEST_RATIO / EVEN)))
 PEAK_CELLS = 3
-"""Cells on each side of the peak that belong to it; chosen, not measured."""
+"""Cells on each side of a peak that belong to the peak; chosen, not measured."""
 
 
 def new_statistics(m: int) -> Columns:

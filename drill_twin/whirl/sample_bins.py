@@ -55,7 +55,7 @@ def is_new(clock: Columns, stamp: int) -> bool:
 
 @strict_kernel
 def accept(clock: Columns, stamp: int) -> float:
-    """Accept a new stamp [ns]; return the time since the one before [s], 0 for the first."""
+    """Accept a new stamp [ns]; return the time since the stamp before [s], 0 for the first stamp."""
     if not clock.started[0]:
         clock.started[0], clock.first[0], clock.last[0] = 1, stamp, stamp
         return 0.0

@@ -2,7 +2,7 @@
 """Two-sided spectrum of a whole record of a mark's centre line: forward and backward whirl apart.
 
 Offline, for reports. A complex record z = x + i y has a spectrum with two different sides: a forward orbit is a line
-at a positive frequency, a backward one at a negative (Lee and Lee 1997, directional spectra of rotors).
+at a positive frequency, a backward orbit at a negative frequency (Lee and Lee 1997, directional spectra of rotors).
 
 The precession over a record is its interval over windows, its mean, and the lines of the spectrum. Irregular motion has
 no single frequency: the most frequent precession, the highest line and the mean differ, and each of them depends on the

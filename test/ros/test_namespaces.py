@@ -89,7 +89,7 @@ def _is_replayed(bench, both):
     """`replay` asks for the twin, publishes it under its recorded names; `use_sim_time` follows a renamed `/clock`."""
     refused = bench.command("asked", [sys.executable, "-m", "drill_twin.cli", "replay", str(both)])
     assert refused.wait() == 2
-    assert "found those of the namespaces /left, /right; choose with --namespace" in refused.text
+    assert "found twins of the namespaces /left, /right; choose with --namespace" in refused.text
     states = _received(bench, "/right/marks/state")
     listener = Node(
         "listener",

@@ -192,6 +192,6 @@ def test_the_size_of_the_blocks_does_not_change_a_byte(session, bench_run, tmp_p
 def test_folder_that_exists_is_left_as_it_is(session, tmp_path):
     (tmp_path / "bag_0").mkdir()
     (tmp_path / "bag_0" / "precious.txt").write_text("mine")
-    with pytest.raises(BagError, match="found one that exists"):
+    with pytest.raises(BagError, match="found a folder that exists"):
         session.run(tmp_path / "bag_0")
     assert [path.name for path in (tmp_path / "bag_0").iterdir()] == ["precious.txt"]

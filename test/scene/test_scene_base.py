@@ -51,7 +51,7 @@ def test_a_record_takes_the_place_of_a_set_point_of_the_base(tmp_path):
     for problem in caught.value.problems:  # where the base wrote it, and where it was changed
         assert "pa6_bench.yaml:" in problem
         assert "child.yaml:4)" in problem
-        assert ": ~` takes away that of a base" in problem
+        assert ": ~` takes away the value of the base" in problem
     child = load_scene(written(tmp_path, f"{head}    {{shape: table, value: ~, duration: null}}\n  {table}\n"))
     assert child.rig.weight_on_bit.shape == "table"
     assert child.rig.table.file == str(tmp_path / "record.csv")

@@ -2,9 +2,9 @@
 """Compiler pipelines: of functions that only other kernels call, and of entry points.
 
 numba gives every function a wrapper for Python, another for C, and machine code of its own. A kernel's functions are
-inlined into one entry point, so all three are thrown away: they are typed and lowered as before, and end as bitcode
-that is not optimised, which callers link. LLVM optimises the whole once, in the entry point. `pa6_bench` from an empty
-cache: 57 s of processor time, 99 s with each part optimised too, and the same time a frame.
+inlined into one entry point, so all three are thrown away: the functions are typed and lowered as before, and end as
+bitcode that is not optimised, which callers link. LLVM optimises the whole once, in the entry point. `pa6_bench` from
+an empty cache: 57 s of processor time, 99 s with each part optimised too, and the same time a frame.
 """
 
 import gc
@@ -134,7 +134,7 @@ def restore_inlined(target_context: Any, parts: tuple[Any, ...]) -> Any:
 
 
 def lasting_name(function: Any) -> str:
-    """Name that tells a function from all others in any process; "" for one that is bound to more than constants.
+    """Name that tells a function from all others in any process; "" for a function bound to more than constants.
 
     Functions that one source makes with other constants (`bind` of an effect) have the same name in Python.
     """

@@ -9,7 +9,7 @@
 * numba disables LLVM's superword-level vectoriser by default; the rows of solver and element need it.
 * Kernels release the GIL, so that a node answers services during a step.
 * No function of the time loop allocates, so none counts references (``_nrt``); an effect of another package may.
-* numba is imported once a kernel is needed (`start`): who only reads or checks a scene does not wait for it.
+* numba is imported once a kernel is needed (`start`): a process that only reads or checks a scene does not import it.
 * Nothing is cached here: numba's cache ignores edits in called functions. Only the generated entry points are cached,
   under a name derived from all of their sources (`drill_twin.core.compile.kernel_cache`).
 """

@@ -39,11 +39,11 @@ start()  # numba is imported, so that functions become dispatchers
 _LOG = logging.getLogger(__name__)
 
 ONE_THREAD = RLock()
-"""A module is made by one thread: another must not see it half made, and Python 3.11 loses count in two `ast.parse`."""
+"""One thread makes a module: no other thread may see half a module, and Python 3.11 loses count in two `ast.parse`."""
 
 
 def cache_folder() -> Path:
-    """Folder of compiled kernels: the permanent one, else a temporary one.
+    """Folder of compiled kernels: the permanent folder, else a temporary folder.
 
     Raises:
         RunError: The folder named by ``$DRILL_TWIN_CACHE`` cannot be made, or belongs to another user.
@@ -52,7 +52,7 @@ def cache_folder() -> Path:
 
 
 def cached_file(name: str) -> Path:
-    """A file of the cache: the one that is kept, in a folder that cannot be written to too, else where it can be put.
+    """File of the cache: the kept file, even in a folder that cannot be written to; else the path for a new file.
 
     Raises:
         RunError: As `cache_folder`.
@@ -72,9 +72,9 @@ def permanent_folder() -> Path | None:
 
 
 def _kept_folder() -> Path | None:
-    """``$DRILL_TWIN_CACHE``, else the folder in the user's cache folder; None where there is none to be trusted.
+    """``$DRILL_TWIN_CACHE``, else the folder in the user's cache folder; None where no folder can be trusted.
 
-    Its files are run as programs: only this user may write to it, or only root.
+    Files in the folder are run as programs: only this user, or only root, may write to the folder.
     """
     named = os.environ.get("DRILL_TWIN_CACHE")
     folder = Path(named) if named else Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "drill_twin"
@@ -85,9 +85,9 @@ def _kept_folder() -> Path | None:
                 folder.chmod(folder.stat().st_mode & stat.S_IRWXU)
         found = folder.stat()
         if found.st_uid not in {os.geteuid(), 0}:
-            reason = f"one of user {found.st_uid}, who could put programs there"
+            reason = f"a folder of user {found.st_uid}, who could put programs there"
         elif is_open(found):
-            reason = "one that others can write to, who could put programs there"
+            reason = "a folder in which other users could put programs"
         else:
             return folder
     except OSError as error:
@@ -109,10 +109,10 @@ def load_generated(kind: str, text: str, *more: str, packages: tuple[str, ...] =
     """Import a generated module and its cached machine code, under a name that changes with both.
 
     Args:
-        kind: First part of its name.
-        text: Its source.
+        kind: First part of the module's name.
+        text: Source of the module.
         more: Texts besides the sources on which the machine code depends, such as the types of arguments.
-        packages: Packages besides this one whose source it uses.
+        packages: Packages besides drill_twin whose source the module uses.
     """
     with ONE_THREAD:
         return _load(f"drill_twin_{kind}_{fingerprint(text, *more, packages=packages)}", text, packages)
@@ -131,7 +131,7 @@ def fingerprint(text: str, *more: str, packages: tuple[str, ...] = ()) -> str:
 
 @contextmanager
 def _kept_parsing() -> Iterator[None]:
-    """Context that has the parsed sources of earlier processes, and keeps those that are parsed in it."""
+    """Context that has the parsed sources of earlier processes, and keeps the sources that are parsed in it."""
     folder = permanent_folder()
     if folder is None:
         yield
@@ -149,7 +149,7 @@ def _kept_parsing() -> Iterator[None]:
 def _load(name: str, text: str, packages: tuple[str, ...]) -> ModuleType:
     """The module of this name, with the machine code in the cache folder.
 
-    Its source is kept there for tracebacks and debuggers; it is not run from there.
+    The module's source is kept there for tracebacks and debuggers; the kept file is not run.
     """
     if name in sys.modules:
         return sys.modules[name]
@@ -186,8 +186,8 @@ def _keep_parts(text: str, packages: tuple[str, ...]) -> None:
 def import_array_functions() -> None:
     """Import `numba.np.arraymath` without scipy, which takes a fifth of the start of a short run.
 
-    On import it asks whether scipy's BLAS is there. Only functions that use it need to know, and those ask again when
-    they are compiled.
+    On import, numba asks whether scipy's BLAS is there. Only functions that use BLAS need to know, and such functions
+    ask again when they are compiled.
     """
     linalg: Any = import_module("numba.np.linalg")
     ensure_blas = getattr(linalg, "ensure_blas", _no_question)

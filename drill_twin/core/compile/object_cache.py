@@ -79,7 +79,7 @@ class _Locator(_CACHING._CacheLocator):  # type: ignore[misc]  # noqa: SLF001
         return self._file.stem
 
     def get_disambiguator(self) -> None:
-        """None is needed: the name of the file says it."""
+        """None, as the name of the file changes with its content."""
 
     @classmethod
     def from_function(cls, _function: Any, file: str) -> _Locator:
@@ -102,7 +102,7 @@ class CheckedFiles:
         return self._folder / f"{self._base}.{hashlib.sha256(repr(key).encode()).hexdigest()[:16]}.{self._suffix}"
 
     def load(self, key: Any) -> Any:
-        """Machine code of a signature; None where there is none, or none that can be used."""
+        """Machine code of a signature; None where no file of it can be used."""
         path = self.path(key)
         content = read_own(path)
         if content is None:

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """Nested named tuples of arrays and numbers as memory: packed in one block to save, in words for compiled functions.
 
-Unboxing the two hundred arrays of a twin takes numba longer than several time steps of a short string, and code that is
-compiled for each set of effects. So compiled code is given one array of words of eight bytes, and reads size, address,
-shape and strides of an array where it is used.
+Unboxing the two hundred arrays of a twin takes numba longer than several time steps of a short string, and takes code
+that is compiled for each set of effects. So compiled code is given one array of words of eight bytes, and reads size,
+address, shape and strides of an array where it is used.
 """
 
 from __future__ import annotations
@@ -100,8 +100,8 @@ def pack(value: Any, kind: Any = None) -> Packed:
 
     Args:
         value: The tuple.
-        kind: numba's type of it, where it is known: numba takes longer to find it than to run a second of a short
-            string.
+        kind: numba's type of the tuple, where it is known: numba takes longer to find the type than to run a second
+            of a short string.
     """
     words = [word for _, leaf in leaves(value) for word in _words(leaf)]
     return Packed(np.array(words, np.int64), kind or _TYPEOF(value), value)

@@ -26,7 +26,7 @@ def source_hash(text: str, packages: tuple[str, ...] = ()) -> str:
 
     Args:
         text: Source of the module.
-        packages: Top-level packages to follow besides this one: those that bring effects of their own.
+        packages: Top-level packages to follow besides drill_twin: packages that bring effects of their own.
     """
     digest = hashlib.sha256(_of_text(text, _followed(packages))[0].encode())
     for name, content in sorted(_reached(text, packages).items()):
@@ -123,7 +123,7 @@ def _modules(imports: Iterable[Import], followed: frozenset[str]) -> Iterator[st
 
 
 def _executed(tree: ast.AST) -> Iterator[ast.AST]:
-    """All nodes but those under ``if TYPE_CHECKING:``."""
+    """All nodes but the nodes under ``if TYPE_CHECKING:``."""
     children: Iterable[ast.AST] = ast.iter_child_nodes(tree)
     if isinstance(tree, ast.If) and ast.unparse(tree.test) in {"TYPE_CHECKING", "typing.TYPE_CHECKING"}:
         children = tree.orelse

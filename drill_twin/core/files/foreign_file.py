@@ -45,7 +45,7 @@ class ForeignFile:
         """Open a file; a pipe or a device, which may have no beginning or no end, is refused and not waited for.
 
         Raises:
-            DrillTwinError: Of the type `error`: there is none, it is no regular file, too large or not readable.
+            DrillTwinError: Of the type `error`: no such file, or the file is not regular, too large or not readable.
         """
         try:
             stream = os.fdopen(os.open(path, os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC), "rb")
@@ -84,7 +84,7 @@ class ForeignFile:
         """Read a text in UTF-8, with or without a byte order mark.
 
         Raises:
-            DrillTwinError: As `open`, or it is no such text.
+            DrillTwinError: As `open`, or the file is no such text.
         """
         try:
             return self.read(path).decode("utf-8-sig")
@@ -100,7 +100,7 @@ class ForeignFile:
             latin: Read bytes that are not UTF-8 as Latin-1.
 
         Raises:
-            DrillTwinError: As `text`, or it has a line that is too long, or binary data.
+            DrillTwinError: As `text`, or the file has a line that is too long, or binary data.
         """
         number = 0
         try:

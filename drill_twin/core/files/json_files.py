@@ -19,7 +19,7 @@ from drill_twin.core.errors import ArgumentError, BagError, DrillTwinError
 LARGEST_TEXT = 1_000_000
 """Bytes or characters of a text."""
 ODD_DATA = (LookupError, TypeError, ValueError, AttributeError, OverflowError)
-"""Errors of a reader whose data are JSON, but not what it expects."""
+"""Errors of a reader whose data are JSON, but not what the reader expects."""
 _LONGEST_INTEGER = 300  # digits; a longer integer becomes an infinite float
 
 
@@ -66,14 +66,14 @@ class JsonLines(Generic[T]):
 
         Args:
             file: The file; neither it nor its folder need exist.
-            of: Type of a result, for pydantic: a line with a field that is missing or of another type is a bad one.
+            of: Type of a result, for pydantic: a line with a field that is missing or of another type is a bad line.
             study: Name of what the results are of, which stands in the first line.
             setup: All that the results depend on, in plain types.
-            remedy: What to do about a file of something else, for its message.
+            remedy: What to do about a file of another setup, for the error's message.
 
         Raises:
             ArgumentError: The file is of another setup, or no file of results.
-            BagError: It cannot be read or written, or is no regular file.
+            BagError: The file cannot be read or written, or is no regular file.
         """
         self.file, self.results, self.bad = file, list[T](), 0
         self._type, self._remedy = TypeAdapter(of), remedy

@@ -28,15 +28,15 @@ def write_whole(path: Path, content: bytes | str, mode: int = 0o666) -> None:
 def whole_file(path: Path, mode: int = 0o666) -> Iterator[BinaryIO]:
     """Binary stream whose content takes the place of a file when the block has ended without an error.
 
-    It is written to a temporary file beside it, flushed to the disk, and renamed. A link stays, and leads to the new
-    file.
+    The content is written to a temporary file beside the file, flushed to the disk, and renamed. A link
+    stays, and leads to the new file.
 
     Args:
         path: The file; its folder exists.
         mode: Permissions of the file, less the permissions that the umask takes, or that the replaced file lacks.
 
     Raises:
-        OSError: It cannot be written, or there is a folder, a pipe or a device in its place.
+        OSError: The file cannot be written, or there is a folder, a pipe or a device in its place.
     """
     target = path.resolve()
     if target.exists():
@@ -84,7 +84,7 @@ def check_folder(folder: Path, *, replace: bool) -> bool:
     """True for a folder that is not empty, which `new_folder` would move aside.
 
     Raises:
-        BagError: It would not, as it is not to replace.
+        BagError: The folder is not empty, and `replace` is False.
     """
     taken = folder.exists() and (not folder.is_dir() or any(folder.iterdir()))
     if taken and not replace:

@@ -15,9 +15,9 @@ class Dimension:
     examples: tuple[str, ...] = ()
     """Examples for messages and editors, the best first."""
     also: tuple[str, ...] = ()
-    """Other units accepted for it, such as `N m` for `N m/rad`."""
+    """Other units accepted for the dimension, such as `N m` for `N m/rad`."""
     converted: tuple[tuple[str, float], ...] = ()
-    """SI units of another kind accepted for it, each with the factor that makes it this one."""
+    """SI units of another kind accepted for the dimension, each with its factor to the SI unit."""
 
     @property
     def article(self) -> str:

@@ -165,7 +165,7 @@ def record_factor(unit: str, dimension: Dimension) -> float:
     """SI factor of a unit in a record: as this package writes it, else by the table of spellings.
 
     Raises:
-        UnitError: It is none of the dimension.
+        UnitError: The text is no unit of the dimension.
     """
     try:
         return factor_of(unit, dimension)

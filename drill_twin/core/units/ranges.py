@@ -30,7 +30,7 @@ class Range(NamedTuple):
         return f"{self.low!r} {self.unit}".strip(), f"{self.high!r} {self.unit}".strip()
 
     def points(self, number: int) -> list[float]:
-        """Equally spaced numbers, its own number of them or else this one."""
+        """Equally spaced numbers, as many as the range states, else `number` of them."""
         found: list[float] = np.linspace(self.low, self.high, self.number or number).tolist()
         return found
 
@@ -43,7 +43,7 @@ def parse_range(name: str, text: str) -> Range:
         text: The range.
 
     Raises:
-        ArgumentError: It is none, or its ends are not in order; equal ends are a range of one point.
+        ArgumentError: The text is no range, or its ends are not in order; equal ends are a range of one point.
     """
     counted = _COUNT.search(text)
     low, dots, high = _COUNT.sub("", text).partition("..")

@@ -78,7 +78,7 @@ class FileWriter:
 
     Raises:
         OSError: Raised by the constructor if the file cannot be created.
-        BagError: Raised by the methods if it cannot be written.
+        BagError: Raised by the methods if the file cannot be written.
     """
 
     def __init__(self, path: Path, topics: Iterable[RecordedTopic]) -> None:

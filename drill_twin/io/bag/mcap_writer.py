@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """Parts of mcap's writer that are replaced: messages and indices of a chunk, and the list of chunk indices.
 
-mcap packs each field of a message and of an index by itself; here each record is packed in one piece. It keeps a Python
-object for each chunk until the end of the file, and ten chunks a second are 36 000 an hour, so that a recorder's memory
-grows with the recording; here they are kept as the compressed bytes of their records.
+mcap packs each field of a message and of an index by itself; here each record is packed in one piece. mcap keeps a
+Python object for each chunk until the end of the file, and ten chunks a second are 36 000 an hour, so that a recorder's
+memory grows with the recording; here the indices are kept as the compressed bytes of their records.
 """
 
 from __future__ import annotations

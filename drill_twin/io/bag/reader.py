@@ -52,7 +52,7 @@ def parse_remappings(pairs: Iterable[str], option: str) -> dict[str, str]:
 
 
 def twin_namespaces(topics: Mapping[str, RecordedTopic]) -> list[str]:
-    """Namespaces of the twins in a bag, as "/rig2", or "" for the root: those with states of marks or rig, if any."""
+    """Namespaces of the twins in a bag, as "/rig2", or "" for the root: twins with states of marks or rig, if any."""
     found: dict[str, set[str]] = {}
     for name, topic in topics.items():
         ends = [known for known in ends_of(name) if topic.type_name == TOPICS[known].type_name]
@@ -79,7 +79,7 @@ def choose_namespace(topics: Mapping[str, RecordedTopic], wanted: str | None, wh
         where: Path of the bag, for the error.
 
     Raises:
-        BagError: The bag holds several twins and none was chosen, or not the one that was.
+        BagError: The bag holds several twins and none was chosen, or the bag lacks the chosen twin.
     """
     found = twin_namespaces(topics)
     names = ", ".join(namespace or "/" for namespace in found[:_NAMED])
@@ -87,7 +87,7 @@ def choose_namespace(topics: Mapping[str, RecordedTopic], wanted: str | None, wh
     if wanted is None:
         if len(found) > 1:
             raise BagError(
-                f"{where}: expected one twin, found those of the namespaces {names}; choose with --namespace"
+                f"{where}: expected one twin, found twins of the namespaces {names}; choose with --namespace"
             )
         return found[0] if found else ""
     chosen = f"/{wanted.strip('/')}".removesuffix("/")
@@ -108,7 +108,7 @@ def recorded_names(
         where: Path of the bag, for the error.
 
     Raises:
-        BagError: The bag has no topic of a given name, or already one of the new name.
+        BagError: The bag has no topic of a given name, or already has a topic of the new name.
     """
     for name, wanted in remappings.items():
         if name not in topics:
@@ -137,7 +137,7 @@ class Bag:
 
     Attributes:
         path: Bag folder or file.
-        topics: Topics by name; those of a twin in a namespace have their names without it.
+        topics: Topics by name; topics of a twin in a namespace have their names without the namespace.
         namespace: Namespace of the twin, as "/rig2"; "" for the root.
         start: Earliest time of recording [ns].
         end: Latest time of recording [ns].
@@ -165,8 +165,8 @@ class Bag:
                 and messages outside may be left out. None: all.
 
         Raises:
-            BagError: Nothing is there, it is not a bag, it has no messages, or none on a topic of the contract; it
-                holds several twins and none was chosen; `names` does not fit it; or it is of before release 0.1.0.
+            BagError: The path leads to no bag; the bag has no messages, or none on a topic of the contract; the bag
+                holds several twins and none was chosen, does not fit `names`, or is of before release 0.1.0.
         """
         self.path = Path(path)
         self._files, empty_files = open_files(self.path, window)

@@ -29,7 +29,7 @@ class ImuSeries(Series):
         """Append a message.
 
         Raises:
-            MessageError: It cannot be decoded, or has a number that is not finite.
+            MessageError: The message cannot be decoded, or has a number that is not finite.
         """
         reading = read_imu(raw)
         if not np.isfinite(reading.values).all():
@@ -86,7 +86,7 @@ class Measured:
     """Measurements of the last run in a bag."""
 
     def __init__(self, bag: Bag) -> None:
-        """Read them; a message that cannot be used is left out and counted."""
+        """Read the measurements; a message that cannot be used is left out and counted."""
         self.skipped = 0
         """Messages that could not be used."""
         self._reset()
@@ -105,7 +105,7 @@ class Measured:
 
     def _reset(self) -> None:
         self.subs: dict[str, SubSeries] = {}
-        """Subs by name; those of a real rig as `measured/NAME`."""
+        """Subs by name; subs of a real rig as `measured/NAME`."""
         self.surface = SurfaceSeries()
         """Surface channels of a simulated rig."""
         self.rig = SurfaceSeries()

@@ -46,7 +46,7 @@ class JointSeries(Series):
         """Append a message.
 
         Raises:
-            MessageError: It cannot be decoded, or is not one of the topic.
+            MessageError: The message cannot be decoded, or does not fit the topic.
         """
         state = self._reader.read(raw)
         self.append(state.stamp, *self._row(state))
@@ -216,10 +216,10 @@ class PoseSeries(Series):
         self._every, self.seen = every, 0
 
     def add_message(self, raw: bytes) -> None:
-        """Append a message, if it is one of those that are kept: the first of each `every`.
+        """Append a message if it is the first of each `every`; the others are not kept.
 
         Raises:
-            MessageError: It cannot be decoded, or has a number that is not finite.
+            MessageError: The message cannot be decoded, or has a number that is not finite.
         """
         keep = self.seen % self._every == 0
         self.seen += 1

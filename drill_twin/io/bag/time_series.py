@@ -23,9 +23,9 @@ class _Rows:
     """Rows of one layout so far."""
 
     first: int = 0
-    """Stamp of the first [ns]."""
+    """Stamp of the first row [ns]."""
     count: int = 0
-    """Number of them, those included that are not kept."""
+    """Number of rows, with the rows that are not kept."""
     stamps: list[int] = field(default_factory=list)
     values: list[Array] = field(default_factory=list)
 
@@ -40,13 +40,13 @@ class Rows(NamedTuple):
     names: tuple[str, ...] = ()
     """Names of the parts of a row."""
     kept: Sequence[bool] | None = None
-    """Those that are kept; None: all."""
+    """Rows that are kept; None: all."""
 
 
 class Series:
     """Rows at rising stamps; a row whose stamp does not rise is left out.
 
-    Rows of several layouts (names or shape) may come: the series is that of the layout with most rows.
+    Rows of several layouts (names or shape) may come: the series has the rows of the layout with most rows.
     """
 
     def __init__(self) -> None:
@@ -86,7 +86,7 @@ class Series:
                 rows.values.append(found.values[k] if found.kept is None else found.values[k].copy())
 
     def other_layouts(self) -> Iterator[tuple[int, int, str]]:
-        """First stamp [ns], number and description of the rows of each layout that is not that of the series."""
+        """First stamp [ns], number and description of the rows of each layout other than the layout of the series."""
         main_names, main_shape = self._main_layout
         for (names, shape), rows in self._layouts.items():
             if rows is not self._main:
@@ -127,7 +127,7 @@ class Series:
 
 
 def usable(rows: Rows) -> Rows | None:
-    """The rows, if `append` takes each of them; else None."""
+    """The rows, if `append` takes each row; else None."""
     return None if (np.abs(rows.values) > _LARGEST).any() else rows
 
 

@@ -108,7 +108,7 @@ def is_record(path: Path) -> bool:
 
 
 class RecordBag(Bag):
-    """Bag of the channels of a record; those that it lacks are NaN. Its messages are made as they are read.
+    """Bag of the channels of a record; channels that the record lacks are NaN. Messages are made as they are read.
 
     Attributes:
         read: The columns that were read and their units, for the user.
@@ -119,7 +119,7 @@ class RecordBag(Bag):
         """Read a record; columns are found by their mnemonics.
 
         Raises:
-            TableError: It cannot be read, or has no time or no speed.
+            TableError: The record cannot be read, or has no time or no speed.
         """
         self.path, self.damage = path, list[str]()
         columns = read_columns(path)

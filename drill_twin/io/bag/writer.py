@@ -120,10 +120,10 @@ class BagWriter:
         self.write_all([(topic, stamp, raw)])
 
     def write_all(self, messages: Sequence[tuple[str, int, bytes]]) -> None:
-        """Record messages, each as `write`; a bag may be split before the first of them.
+        """Record messages, each as `write`; a bag may be split before the first message.
 
         Raises:
-            BagError: As `write`; none of them is recorded if the topic or the stamp of one cannot be.
+            BagError: As `write`; no message is recorded if the topic or the stamp of one is refused.
         """
         if self._closed:
             raise BagError(f"{self.folder}: expected an open bag, found it closed; open a new one")
@@ -167,7 +167,7 @@ class BagWriter:
     def flush(self) -> None:
         """Pass all messages so far to the operating system; kill -9 no longer loses them.
 
-        Where another program has cut, replaced or removed the file, the recording goes on in a new one.
+        Where another program has cut, replaced or removed the file, the recording goes on in a new file.
 
         Raises:
             BagError: The file cannot be written.
@@ -185,7 +185,7 @@ class BagWriter:
         """Finish the file and write `metadata.yaml`; a second call has no effect.
 
         Raises:
-            BagError: The file cannot be written, or another program changed one of the bag meanwhile.
+            BagError: The file cannot be written, or another program changed a file of the bag meanwhile.
         """
         if self._closed:
             return
@@ -261,7 +261,7 @@ def _first_file(folder: Path, topics: Iterable[RecordedTopic]) -> FileWriter:
         return FileWriter(folder / f"{name}.mcap", topics)
     except FileExistsError as error:
         raise BagError(
-            f"{folder}: expected a new folder for the bag, found one that exists; choose another or remove it"
+            f"{folder}: expected a new folder for the bag, found a folder that exists; choose another or remove it"
         ) from error
     except OSError as error:
         raise BagError(

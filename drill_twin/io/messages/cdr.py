@@ -80,7 +80,7 @@ class Template:
         """Bytes of n messages at once.
 
         Args:
-            stamps: Their stamps [ns], n of them.
+            stamps: Stamps of the messages [ns], shape (n,).
             blocks: Offset of each block of numbers, and the numbers of each message in it, shape (n, ...).
 
         Raises:
@@ -217,7 +217,7 @@ def finite_number(topic: str, what: str, value: float) -> float:
     """Return a number if it is finite.
 
     Raises:
-        MessageError: It is not finite.
+        MessageError: The number is not finite.
     """
     if not math.isfinite(value):
         raise MessageError(f"{topic}: expected a finite {what}, found {value}; it was not sent")

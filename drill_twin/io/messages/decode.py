@@ -49,7 +49,7 @@ class JointState:
 
     @property
     def has_number(self) -> bool:
-        """True if one of the values at least is finite."""
+        """True if at least one value is finite."""
         return any(bool(np.isfinite(values).any()) for values in (self.velocity, self.effort, self.position))
 
 
@@ -99,7 +99,7 @@ class JointStateReader:
         return state
 
     def read_rows(self, raws: Sequence[bytes]) -> JointStates | None:
-        """Decode messages at once; None where they are not all of the layout that is kept, or it is that of none."""
+        """Decode messages at once; None where no layout is kept, or a message has another layout."""
         if self._length < 0 or any(len(raw) != self._length for raw in raws):
             return None
         table = np.frombuffer(b"".join(raws), np.uint8).reshape(len(raws), self._length)
@@ -215,10 +215,10 @@ def _pose_block(raw: bytes) -> tuple[int, int]:
 def read_pose_rows(raws: Sequence[bytes]) -> tuple[list[int], Array] | None:
     """Header stamps [ns] and poses x y z and quaternion x y z w, shape (n, nodes, 7), of messages of one layout.
 
-    None where they are not, or not little-endian.
+    None where their layouts differ, or a message is not little-endian.
 
     Raises:
-        MessageError: The first is not a PoseArray.
+        MessageError: The first message is not a PoseArray.
     """
     read_pose_array(raws[0])
     length = len(raws[0])

@@ -32,7 +32,7 @@ class _Input:
     good: float | None = None
     intervals: deque[float] = field(default_factory=lambda: deque(maxlen=_INTERVALS))
     bad: Counter[str] = field(default_factory=Counter)
-    since: Counter[str] = field(default_factory=Counter)  # of `bad`, those since the last good one
+    since: Counter[str] = field(default_factory=Counter)  # bad samples since the last good sample
 
     @property
     def stale_after(self) -> float:
@@ -44,8 +44,8 @@ class _Input:
 class GoodSamples:
     """Good and bad samples by input: a topic, or a channel of one.
 
-    An input of which nothing has come is waited for, and no fault. One that falls silent is STALE. One that goes on to
-    come without a good sample is a WARN, and an ERROR once it has lasted three times as long.
+    An input of which nothing has come is waited for, and no fault. An input that falls silent is STALE. An
+    input that goes on to come without a good sample is a WARN, and an ERROR once this lasts three times as long.
     """
 
     def __init__(self, clock: Callable[[], float] = time.monotonic, *, on_change: Collection[str] = ()) -> None:
@@ -64,7 +64,7 @@ class GoodSamples:
         Args:
             name: Input.
             finite: Whether it has a finite number that is used.
-            in_order: Whether its stamp is a new one.
+            in_order: Whether the sample's stamp is later than the stamps before.
         """
         if not (finite and in_order):
             self._bad(name, "out_of_order" if finite else "not_finite")

@@ -70,8 +70,8 @@ def read_command(state: JointState, absent_weight: float | None = None) -> Comma
 
     Args:
         state: The message.
-        absent_weight: Weight on bit [N] where the message has no set-point of it, as none is prescribed: of a scene
-            whose block is moved by its speed. None: the joint `bit_axial` must be there.
+        absent_weight: Weight on bit [N] for a message without a set-point of the weight, as in a scene whose block is
+            moved at a given speed. None: the joint `bit_axial` must be there.
 
     Raises:
         MessageError: A set-point is missing.
@@ -82,7 +82,7 @@ def read_command(state: JointState, absent_weight: float | None = None) -> Comma
         )
     given = BIT_AXIAL in state.names or absent_weight is None
     if not state.velocity.size or (given and not state.effort.size):
-        raise MessageError("expected a /rig/command with velocity and effort, found one of them empty")
+        raise MessageError("expected a /rig/command with velocity and effort, found one of the arrays empty")
     weight = float(state.effort[state.index(BIT_AXIAL)]) if given else math.nan
     block = float(state.velocity[state.index(BLOCK)]) if BLOCK in state.names else math.nan
     return Command(
@@ -96,7 +96,7 @@ def read_measured_state(state: JointState) -> RigState:
     """State of a rig of which not all joints are measured: NaN where the message has nothing.
 
     Raises:
-        MessageError: It has none of the joints.
+        MessageError: The message has none of the joints.
     """
     if not set(state.names) & set(RIG_JOINTS):
         raise MessageError(f"expected joints of {', '.join(RIG_JOINTS)}, found {', '.join(state.names) or 'none'}")
@@ -115,7 +115,7 @@ def read_rig_state(state: JointState) -> RigState:
         MessageError: A joint or an array is missing.
     """
     if not (state.position.size and state.velocity.size and state.effort.size):
-        raise MessageError("expected a /rig/state with position, velocity and effort, found one of them empty")
+        raise MessageError("expected a /rig/state with position, velocity and effort, found one of the arrays empty")
     at = {joint: state.index(joint) for joint in RIG_JOINTS}
     found = {field: getattr(state, channel.array)[at[channel.joint]] for field, channel in RIG_CHANNELS.items()}
     return RigState(**{field: float(value) for field, value in found.items()})

@@ -133,7 +133,7 @@ def read_summary(state: JointState) -> Array:
     """Values of a summary in the order of `SUMMARY`, NaN where there is none.
 
     Raises:
-        MessageError: It has none of the values.
+        MessageError: The message has none of the values.
     """
     known = {name: value for name, value in zip(state.names, state.position, strict=False) if name in SUMMARY}
     if not known:

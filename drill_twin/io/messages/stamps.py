@@ -48,7 +48,7 @@ def seconds(stamp: int) -> float:
 
 
 def within_range(stamp: int) -> int:
-    """The stamp [ns], or the last one that a message can hold where it is later."""
+    """The stamp [ns], or the last stamp that a message can hold where the given stamp is later."""
     return min(stamp, 2**31 * NANOSECONDS - 1)
 
 

@@ -37,8 +37,8 @@ SENSORS: Mapping[str, str] = {
     "wall_force": "N",
     "bending_stress": "Pa",
 }
-"""Virtual sensors of `/estimate/state` and their units: bit and weight on it at the end of the window, largest radius
-of a mark and largest wall force of a node in it, largest bending stress at its end."""
+"""Virtual sensors of `/estimate/state` and their units: bit, and weight on it, at the end of the window; largest radius
+of a mark and largest wall force of a node in the window; largest bending stress at the end of the window."""
 
 _SET_BY_MAP = ("weight_on_bit", "rotation", "duration", "start", "table")
 
@@ -46,7 +46,7 @@ _SET_BY_MAP = ("weight_on_bit", "rotation", "duration", "start", "table")
 def digest_of(scene: Scene) -> str:
     """Key of a scene in `/advice/map`: hash of the numbers of string, hole, top drive and effects.
 
-    Set-points, names and resolution are not in it.
+    Set-points, names and resolution do not enter the key.
     """
     data = scene.model_dump(mode="json", exclude_none=True)
     rig = {name: value for name, value in data["rig"].items() if name not in _SET_BY_MAP}

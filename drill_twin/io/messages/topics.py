@@ -252,7 +252,7 @@ _NAMED = re.compile(r"(?:/measured)?/downhole/([A-Za-z][A-Za-z0-9_]{0,59})/(?:im
 
 
 class _Contract(dict[str, Topic]):
-    """Topics by name. Those of subs are found by name too, but not listed."""
+    """Topics by name. Topics of subs are found by name too, but not listed."""
 
     def __missing__(self, name: str) -> Topic:
         if not (sub := sub_of(name)):
@@ -281,10 +281,10 @@ def summary_topic(sub: str) -> str:
 
 
 TOPICS: dict[str, Topic] = _Contract({row.name: row for row in _ROWS})
-"""Topics of the contract by name; those of subs (`OF_SUBS`) are found, not listed."""
+"""Topics of the contract by name; topics of subs (`OF_SUBS`) are found, not listed."""
 
 OF_EVERY_RUN = tuple(name for name, topic in TOPICS.items() if not topic.optional)
 """Topics that each run has."""
 
 GENERIC = frozenset({DIAGNOSTICS, CLOCK_TOPIC})
-"""Topics of any ROS system; a bag with no others is not one of this package."""
+"""Topics of any ROS system; a bag with no other topics is not of this package."""

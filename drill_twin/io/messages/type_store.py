@@ -30,7 +30,7 @@ def typestore() -> Typestore:
 
 @cache
 def definition(type_name: str) -> str:
-    """Message definition with those it depends on, as an MCAP schema of encoding `ros2msg`."""
+    """Message definition with the definitions that it depends on, as an MCAP schema of encoding `ros2msg`."""
     return typestore().generate_msgdef(type_name, ros_version=2)[0]
 
 

@@ -93,7 +93,7 @@ def read_whirl_state(state: JointState) -> WhirlOfMarks:
     """Findings of a `/whirl/state`.
 
     Raises:
-        MessageError: The names are not those of a `/whirl/state`.
+        MessageError: The names are not the names of a `/whirl/state`.
     """
     marks = tuple(name.removesuffix("/orbit_radius") for name in state.names if name.endswith("/orbit_radius"))
     if state.names != tuple(f"{mark}/{scalar}" for mark in marks for scalar in WHIRL_SCALARS):
@@ -110,7 +110,7 @@ def encode_motion(stamp: int, motions: Sequence[SubjectMotion], frame_id: str = 
 
     Args:
         stamp: Header stamp [ns].
-        motions: Motion states; that of the string is the first.
+        motions: Motion states, the string's first.
         frame_id: Frame of the samples.
         onset: Sentence on the onset, for the string; empty before it.
     """

@@ -100,7 +100,7 @@ def scene_of(base: Scene, member: Member) -> Scene:
     """Scene of a member of a base scene.
 
     Raises:
-        SceneError: A key is none of the scene, or its values do not fit; the message begins with the member.
+        SceneError: A key is not in the scene, or its values do not fit; the message begins with the member.
     """
     overrides = {_key(base, key): value for key, value in member.values.items()}
     try:

@@ -30,7 +30,7 @@ class MemberRun:
     """Outcome of a member.
 
     Attributes:
-        values: Its outputs by name; of a member that failed, of the frames before.
+        values: Outputs by name; of a member that failed, the outputs of the frames before.
         failure: The reason why the member could not be followed to the end; empty if it was.
         simulated: Simulated time [s].
         repeated: Frames that the step guard repeated with a smaller step.
@@ -88,7 +88,7 @@ def on_threads(
     """Call a function with each item on threads.
 
     Args:
-        function: Takes an item, and what it calls with the simulated time [s] now and then: an error there ends it.
+        function: Takes an item, and a callback for the simulated time [s]; an error in the callback ends the function.
         items: Items by key.
         workers: Threads.
 

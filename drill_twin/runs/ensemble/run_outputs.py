@@ -223,7 +223,7 @@ class Settling(Collector):
         self._frames += rows.time.size
 
     def close(self) -> Mapping[str, Variable]:
-        """Radius of the rest of each mark, stick-slip index of bit and top drive, and mean speed of both."""
+        """Radius of the rest of each mark; stick-slip index and mean speed of bit and top drive."""
         rest = np.array([[_rest(gram) for gram in quarter] for quarter in self._gram])
         parts = np.split(self._speed, [max(0, self._speed.shape[1] - self._base)], axis=1)
         index = np.array([[stick_slip_index(place) if place.size else math.nan for place in part] for part in parts])

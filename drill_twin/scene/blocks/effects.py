@@ -10,7 +10,7 @@ from drill_twin.scene.blocks.part import Part
 
 
 class EffectsBase(Part):
-    """Effects of a scene; one that is not listed is not computed."""
+    """Effects of a scene; an effect that is not listed is not computed."""
 
     if TYPE_CHECKING:
 

@@ -61,7 +61,7 @@ class SetPoint(Part):
         changes = ("initial", "start", "duration")
         for key in {"constant": changes, "table": ("value", *changes)}.get(self.shape, ()):
             if getattr(self, key) != 0.0:
-                others = f'shapes "step" and "ramp" take it; `{key}: ~` takes away that of a base'
+                others = f'shapes "step" and "ramp" take it; `{key}: ~` takes away the value of the base'
                 yield (key,), f'expected no `{key}` with shape "{self.shape}", found one; {others}'
 
 
@@ -194,7 +194,7 @@ class Rig(Part):
             (driller is None and any((weight.value, weight.initial, weight.shape == "table")), ("weight_on_bit",),
              "expected no weight without `rig.block.auto_driller`, found one: nothing holds it"),
             (block.off_bottom > 0.0 and weight.initial != 0.0, ("weight_on_bit", "initial"),
-             "expected no weight at the start off bottom, found one; `initial: ~` takes away that of a base"),
+             "expected no weight at the start off bottom, found one; `initial: ~` takes away the value of the base"),
             (driller is not None and driller.torque is not None and self.top_drive.model == "prescribed",
              ("block", "auto_driller", "torque"),
              "expected a top drive with a motor (`rig.top_drive.model`) to hold its torque, found a prescribed speed"),

@@ -105,7 +105,7 @@ class Section(Part):
         if self.adjusted_mass is not None and joints is not None:
             yield ("adjusted_mass",), "expected either `joints` or `adjusted_mass`, found both"
         elif self.adjusted_mass is not None and self.adjusted_mass < (tube := self.density * self.area) * (1.0 - 1e-9):
-            text = f"expected at least that of the tube ({tube:.6g} kg/m), found {self.adjusted_mass:.6g} kg/m"
+            text = f"expected at least the tube's mass ({tube:.6g} kg/m), found {self.adjusted_mass:.6g} kg/m"
             yield ("adjusted_mass",), text
 
     @property

@@ -84,7 +84,7 @@ class Columns(dict[str, Array]):
         for name in (*values, *(texts or {})):
             if len(name) > _LONGEST_HEADING:
                 raise TableError(
-                    f"{file}: expected names of columns of at most {_LONGEST_HEADING} characters, found one of "
+                    f"{file}: expected names of columns of at most {_LONGEST_HEADING} characters, found a name of "
                     f'{len(name)}, "{name[:_LONGEST_NAME]}..."'
                 )
         super().__init__(values)
@@ -124,7 +124,7 @@ class Columns(dict[str, Array]):
             meant: Quantity, for messages.
 
         Raises:
-            TableError: There is no such column, it is no numbers, or the unit is none of the dimension.
+            TableError: There is no such column, its values are no numbers, or the unit is none of the dimension.
         """
         if name in self._texts:
             raise TableError(f'{self.file}: expected numbers in column "{name}" for {meant}, found {self._texts[name]}')

@@ -56,7 +56,7 @@ def read_matlab(path: Path) -> Columns:
     """Read a MAT file by scipy in a separate process: a damaged file can crash scipy or request any amount of memory.
 
     Raises:
-        TableError: It is no such file, or a damaged one.
+        TableError: The file is no MAT file, or is damaged.
     """
     try:
         with MATLAB.open(path) as stream:

@@ -138,7 +138,7 @@ def read_csv(path: Path) -> Columns:
     """Read a CSV file.
 
     Raises:
-        TableError: It is none, or has a cell that is not a number (with its line).
+        TableError: The file is no CSV file, or has a cell that is not a number (with its line).
     """
     lines = used_lines(CSV, path)
     place, header = next(lines, (0, ""))
@@ -160,7 +160,7 @@ def _begin(header: str) -> tuple[list[str], RecordRows]:
     """Names of the columns, and their rows to be filled.
 
     Raises:
-        RowError: The header is none.
+        RowError: The line is no header.
     """
     delimiter = delimiter_of(header)
     names = [cell.strip() for cell in split(header, delimiter)]

@@ -116,7 +116,7 @@ def read_witsml(path: Path) -> Columns:
     """Read a time log; its nullValue and -999.25 are missing values, columns of text are left out.
 
     Raises:
-        TableError: It is none.
+        TableError: The file is no time log.
     """
     reader = _LogReader()
     parser = expat.ParserCreate(namespace_separator=" ")

@@ -103,7 +103,7 @@ class Schedule:
         """Make the schedule of a scene; reads the record if a set-point has shape `table`.
 
         Raises:
-            TableError: No record given, or one that cannot be used.
+            TableError: No record is given, or the record cannot be used.
         """
         rig = scene.rig
         record = record_of(scene) if "table" in (rig.weight_on_bit.shape, rig.rotation.shape) else None
@@ -133,7 +133,7 @@ def record_of(scene: Scene) -> Table:
     """Record of a scene's set-points of shape `table`.
 
     Raises:
-        TableError: No record given, or one that cannot be used.
+        TableError: No record is given, or the record cannot be used.
     """
     source = scene.rig.table
     if source is None or not source.file:

@@ -46,7 +46,7 @@ class Table:
         """Values of `weight_on_bit` or `rotation`, shape (rows,).
 
         Raises:
-            TableError: The record was read without it.
+            TableError: The record was read without these values.
         """
         values: Array | None = getattr(self, name)
         if values is None:
@@ -185,11 +185,11 @@ class Cleaning:
     spikes: int = 0
     """Number of spikes removed."""
     spike_samples: int = 0
-    """Samples in them."""
+    """Samples in the spikes."""
     gaps: int = 0
     """Number of gaps interpolated."""
     gap_samples: int = 0
-    """Samples missing in them, at the record's median spacing."""
+    """Samples missing in the gaps, at the record's median spacing."""
     longest_gap: float = 0.0
     """Longest gap interpolated [s]."""
 

@@ -85,7 +85,7 @@ def heavy_weight(outer_diameter: float) -> Pipe | None:
 
 
 def casing_size(diameter: float) -> str:
-    """Size of API 5CT casing of which a diameter [m] is the outer one, as `9 5/8`; empty if there is none."""
+    """Size of API 5CT casing with an outer diameter [m], as `9 5/8`; empty if no size has it."""
     sizes = (size for size in _CASING if _same(parse(f"{size} in", LENGTH), diameter, SAME))
     return next(sizes, "")
 

@@ -83,9 +83,7 @@ def _station(row: Row) -> dict[str, float]:
 def _follows(row: Row, above: dict[str, float], here: dict[str, float]) -> None:
     run, depth = here["depth"] - above["depth"], row.length_text("md", here["depth"])
     if run == 0.0:
-        raise SceneError(
-            f"{row.place}: expected a depth below the row above, found {depth} again; take one of them out"
-        )
+        raise SceneError(f"{row.place}: expected a depth below the row above, found {depth} again; take either row out")
     if run < 0.0:
         raise SceneError(
             f"{row.place}: expected a depth below the row above ({row.length_text('md', above['depth'])}), "

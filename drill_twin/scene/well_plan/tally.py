@@ -82,8 +82,8 @@ def read_tally(file: Path, system: str, bottom: float) -> list[TallyPiece]:
     total = math.fsum(length for length in lengths if not math.isnan(length))
     if not rows or len(open_rows) > 1:
         raise SceneError(
-            f"{open_rows[1].place if open_rows else file}: expected rows from the bit up, one of them with the length "
-            f'"{REST}" at most, found {len(open_rows)} of {len(rows)}'
+            f"{open_rows[1].place if open_rows else file}: expected rows from the bit up, at most one with the length "
+            f'"{REST}", found {len(open_rows)} of {len(rows)}'
         )
     if total > bottom * (1.0 + 1e-9) or (open_rows and total >= bottom):
         last = (open_rows or rows)[-1]

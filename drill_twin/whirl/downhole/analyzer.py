@@ -29,7 +29,7 @@ WAITING = f"no {CALIBRATION:g} revolutions at a steady speed so far"
 class SubAnalyzer:
     """Finds whirl in the readings of a sub.
 
-    Stick-slip is that of the section of the sub, from its gyroscope.
+    Stick-slip is found for the section of the sub, from the sub's gyroscope.
     """
 
     def __init__(self, mark: MarkInfo, radius: float, noise: ToolNoise) -> None:

@@ -2,19 +2,19 @@
 """Time of the onset of a whirl from the readings of a sub, found backwards once the whirl is detected.
 
 A causal high pass turns and shortens slow orbits. Looking back, the position is instead the acceleration integrated
-twice less the most probable drift, from the revolutions before the onset and those after it together: Gaussian
-regression (Rasmussen and Williams 2006, chapter 2) with
+twice less the most probable drift, from the revolutions before and after the onset together: Gaussian regression
+(Rasmussen and Williams 2006, chapter 2) with
 
 * a drift: position, velocity and mean acceleration at the start (in an inclined hole its rate too), what is constant in
   the frame of the string, and the integrals of the white noise of accelerometers and gyroscopes;
 * a motion whose radius varies with time and is found by iteration, and which is a line in its spectrum, as a mode that
-  grows or decays, and for a small part without a frequency, as a string that moves aside. The line is that of a few
-  frequencies under which the readings are most probable.
+  grows or decays, and for a small part without a frequency, as a string that moves aside. The line has whichever of a
+  few frequencies makes the readings most probable.
 
-The bounds of the time are those of the radius with its error: standard deviations of the position, and an error of the
+The bounds of the time follow from the bounds of the radius: standard deviations of the position, and an error of the
 model of the motion. A section that creeps aside before it whirls moves less than the drift of a sub. So the motion may
 be as large as the threshold at the onset, less by a factor e in every two revolutions before it, even where the
-readings show none: where they do not rule it out, the bounds hold it.
+readings show no motion: where the readings do not rule such a motion out, the bounds allow for it.
 """
 
 from __future__ import annotations
@@ -55,10 +55,10 @@ LEANING = 0.1
 WITHIN = 1.0
 """An onset is dated where its time is known within this [rev]."""
 DEVIATIONS, RADIUS_ERROR, TIME_ERROR = 1.5, 0.2, 0.25
-"""Error of the radius in standard deviations and as a share, and what is added to that of the time [rev]."""
+"""Error of the radius in standard deviations and as a share, and what is added to the error of the time [rev]."""
 WIDER = 1.8
-"""The bounds that follow are so many times wider. Chosen with the three numbers above on 250 random runs and 350 random
-motions, as those of `make sub-onsets`, which judges them on others."""
+"""Factor by which the bounds that follow are widened. Chosen with the three numbers above on 250 random runs and 350
+random motions, made as in `make sub-onsets`, which judges the numbers on other runs and motions."""
 SHORTER, LONGER = 0.5, 2.0
 """Earliest and latest time: the radius stays above its threshold for so long [rev]."""
 AS_PROBABLE = 3.0
@@ -74,9 +74,9 @@ class Date(NamedTuple):
     latest_s: float
     """Bounds: in nine of ten cases or more the true onset is no farther off than the farther one [s]."""
     dated: bool
-    """True if both are within a revolution of it."""
+    """True if both bounds are within a revolution of the time."""
     first: bool
-    """True if it is in the first revolution of what was looked at: the onset may be before."""
+    """True if the time is in the first revolution of the record: the onset may be before."""
 
 
 class _Motion(NamedTuple):
@@ -132,7 +132,7 @@ def _probable_motions(
     noise: ToolNoise,
     begun: float,
 ) -> list[_Motion]:
-    """Motions with lines under which the readings of some rows are probable, at samples of them; the best one first."""
+    """Motions with lines under which the readings of some rows are probable, at samples of the rows; best first."""
     acceleration = record.acceleration[rows]
     interval = float(np.mean(np.diff(record.stamp[rows])))
     integral, along = (_twice(part)[at] * interval**2 / limit for part in (acceleration, record.turn[rows]))
@@ -185,7 +185,8 @@ def _regress(integral: ComplexArray, columns: ComplexArray, drift: Array, motion
 def _drift(time: Array, interval: float, noise: ToolNoise) -> Array:
     """Covariance of the position on an axis by the noise since the start [m^2].
 
-    The second integral of the noise of the accelerometers, the third of that of the gyroscopes times gravity.
+    The covariance adds the second integral of the accelerometers' noise, and the third integral of the gyroscopes'
+    noise times gravity.
     """
     low, high = np.minimum.outer(time, time), np.maximum.outer(time, time)
     force = low**2 * (3.0 * high - low) / 6.0

@@ -4,7 +4,8 @@
 The drift is the fourth integral of white noise, the motion that remains is white noise about zero; a Kalman filter
 separates them. Once its gain has settled, it is a Butterworth high pass of fourth order: with q and r the densities of
 the two, the corner is (q / r)^(1/8). It begins without any knowledge of position, velocity and mean acceleration, as of
-a string that moves already, so that what it does not know yet appears as too small a motion, never as a large one.
+a string that moves already, so that what the filter does not know yet appears as too small a
+motion, never as too large a motion.
 """
 
 from __future__ import annotations
@@ -19,7 +20,7 @@ from drill_twin.whirl import criteria
 GRAVITY = 9.81
 """Gravity that tilt turns into lateral force, in the estimate of the noise [m/s^2]."""
 UNKNOWN = 1e8
-"""Variance of the state before the first interval, over that of the motion."""
+"""Variance of the state before the first interval, over the variance of the motion."""
 SETTLED = 1e-12
 """Largest relative change of a gain that has settled."""
 _NOISE_GAIN = 1.0 / (8.0 * math.sin(3.0 * math.pi / 8.0))  # of x^4 / (1 + x^8) over all x, by 2 pi

@@ -80,7 +80,7 @@ class MotionRecord(NamedTuple):
     revolutions: Array
     """[rev]"""
     whole: bool
-    """True if they go back to the first of the analysis."""
+    """True if the readings go back to the first reading of the analysis."""
 
 
 class SubMotion:
@@ -122,9 +122,9 @@ class SubMotion:
         return self._interval * 1e-9
 
     def push(self, stamp: int, values: list[float]) -> list[Place]:
-        """Add a reading, later than those before; return the places that it completes.
+        """Add a reading, later than the readings before; return the places that it completes.
 
-        The lever arm needs the acceleration of the spin: a place is that of the reading before.
+        The lever arm needs the acceleration of the spin: a place is the place of the reading before.
 
         Args:
             stamp: Middle of the reading [ns].

@@ -2,8 +2,9 @@
 """Impacts on the wall, and stick-slip, of the section of a sub, reading by reading.
 
 An impact changes the velocity within a small part of a revolution; an orbit turns it slowly. The change over 1/32
-revolution, at least a reading, is compared with the mean of those before and after: an impact begins where they differ
-by more than a share of the clearance times the rotation, or than by noise. It ends after 1/16 revolution without.
+revolution, at least a reading, is compared with the mean of the changes before and after: an impact begins where change
+and mean differ by more than a share of the clearance times the rotation, and by more than noise. It ends after 1/16
+revolution without such a difference.
 
 The gyroscope gives the speed, and so the share of the time at rest. What it means for the radial accelerometer,
 r Omega^2, tells whether radius and scale are right: the regression of the radial acceleration on the square of the
@@ -40,9 +41,9 @@ class ImpactCounter:
         self.count = 0
         """Impacts so far."""
         self.times: list[float] = []
-        """Their times [s]."""
+        """Times of the impacts [s]."""
         self.peaks: list[float] = []
-        """Largest lateral acceleration of each, over its readings [m/s^2]."""
+        """Largest lateral acceleration of each impact, over its readings [m/s^2]."""
         self.seconds = 0.0
         """Time observed [s]."""
 
@@ -56,10 +57,10 @@ class ImpactCounter:
         """Add a reading.
 
         Args:
-            time: Its end [s].
+            time: End of the reading [s].
             acceleration: Lateral acceleration in the frame of the hole [m/s^2].
             speed: Speed of rotation [rad/s].
-            interval: Its length [s].
+            interval: Length of the reading [s].
         """
         self.seconds += interval
         velocity = self._velocity

@@ -178,7 +178,7 @@ def _start(motion: Columns, subject: int, lag: float, time: float) -> float:
     held, estimate = motion.hysteresis.held[subject], motion.hysteresis.estimate[subject]
     mark, began = motion.mark[subject], motion.began[subject]
     if not is_whirl(held):
-        # A whirl goes on after the string stood for a while; its begin is that of its first period.
+        # A whirl goes on after the string stood for a while; it began with its first period.
         return began if is_whirl(estimate) and began != motion.dated[subject] else math.nan
     if estimate == IRREGULAR:
         return float(max(motion.irregularity.rose[mark], time - LONGEST_DELAY * lag) - lag)
@@ -245,7 +245,7 @@ def _of_mark(motion: Columns, orbit: Columns, onsets: Columns, k: int, synchrono
 
 @strict_kernel
 def _of_string(motion: Columns, reference: int) -> int:
-    """Estimated state of the string, from that of its reference mark."""
+    """Estimated state of the string, from the state of its reference mark."""
     if not is_whirl(reference) or reference == IRREGULAR:
         return reference
     if motion.helical[0]:

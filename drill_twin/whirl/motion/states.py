@@ -28,7 +28,7 @@ NO_WHIRL = frozenset(
 
 OPEN, DURATION, WEIGHTED_SHARE, ENTERED, DESCRIBED = range(5)
 """Columns of the present periods: 1 where there is one; its duration and the integral of its share [rev]; revolutions
-at which it was entered [rev]; 1 after its criterion was that of the settled state."""
+at which it was entered [rev]; 1 once its criterion is described for the settled state."""
 
 
 @dataclass
@@ -200,5 +200,5 @@ def update_states(hysteresis: Columns, lag: float, time: float, revolutions: flo
 
 @strict_kernel
 def is_whirl(state: int) -> bool:
-    """Check that a state, by its index, is one of a string that whirls."""
+    """Check that a state, by its index, is the state of a string that whirls."""
     return state not in (HIDDEN, AT_REST, FIXED_AXIS, SWING)

@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
 """Motion of the bit and its stick-slip, detected on the stream from the speeds of bit and top drive.
 
-The motion is that of the stick-slip index (`stick_slip_index`). Cycles date it: the speed, low-passed at 15 Hz by two
-equal poles, oscillates about its own slow mean. A cycle runs from one crossing of the mean plus a quarter to the next,
-once the speed has been below the mean less a quarter in between; crossings are interpolated. Its severity is the same
-index, over the cycle. Two cycles in a row with a severity of 1 start a period of stick-slip; two others in a row, or
-three periods without a cycle, end it. The start-up has no cycles.
+The stick-slip index gives the motion (`stick_slip_index`). Cycles date the motion: the speed, low-passed at 15 Hz by
+two equal poles, oscillates about its own slow mean. A cycle runs from one crossing of the mean plus a quarter to the
+next, once the speed has been below the mean less a quarter in between; crossings are interpolated. Its severity is the
+same index, over the cycle. Two cycles in a row with a severity of 1 start a period of stick-slip; two others in a row,
+or three periods without a cycle, end it. The start-up has no cycles.
 """
 
 from __future__ import annotations
@@ -55,7 +55,7 @@ _MOTIONS = (
 NOTHING, JUDGED, COMPLETED, STOPPED = range(4)
 """Outcome of a sample: nothing to decide, the motion has changed, a cycle is complete, there have been no cycles."""
 PRESENT, COMPLETE = range(2)
-"""Rows of `cycle`: the present one, and the one that was completed last."""
+"""Rows of `cycle`: the present cycle, and the cycle that was completed last."""
 
 
 def new_bit_speed(*, top_known: bool) -> Columns:
@@ -72,7 +72,7 @@ def new_bit_speed(*, top_known: bool) -> Columns:
         period=math.nan,  # length of the last cycle [s], nan without one
         samples=0,
         in_cycle=False,
-        no_top=not top_known,  # the speed of the top drive is that of the bit
+        no_top=not top_known,  # the speed of the top drive is the bit's
         # times [s]; speeds [rad/s]; 1 after a fall below the band; integral of the speed [rad] over a time [s]
         cycle=columns("Cycle", 2, **dict.fromkeys(names, 0.0)),
         window=new_window(),
@@ -110,7 +110,7 @@ def add_bit_speed(bit: Columns, time: float, bit_speed: float, top_speed: float)
             # The slow mean begins at the speed that the bit follows.
             bit.first[0], bit.period[0], bit.in_cycle[0] = time - MEAN_MEMORY, math.nan, False
             bit.mean[0] = bit_speed if bit.no_top[0] or not math.isfinite(top_speed) else top_speed
-        # Until a cycle is complete, the mean is that of all samples; afterwards it fades over several cycles.
+        # Until a cycle is complete, the mean is over all samples; afterwards it fades over several cycles.
         period = bit.period[0] if math.isfinite(bit.period[0]) else LONGEST_MEMORY
         memory = max(min(max(MEAN_MEMORY, CYCLES * period), LONGEST_MEMORY, time - bit.first[0]), step)
         bit.mean[0] += (bit_speed - bit.mean[0]) * (1.0 - math.exp(-step / memory))
@@ -158,7 +158,7 @@ class StickSlip:
         self.motion = BitMotion.UNKNOWN
         """Present motion of the bit."""
         self.criterion = "no speed of the bit so far"
-        """The criterion that decided it, as text."""
+        """Criterion that decided the motion, as text."""
         self.periods: list[StickSlipPeriod] = []
         """Periods of stick-slip so far; the last one grows while it lasts."""
         self._sticks = self._lasts = False  # the last cycle; a period

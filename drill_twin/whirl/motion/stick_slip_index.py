@@ -5,9 +5,9 @@ The index is (fastest - slowest) / (2 mean) of the bit's speed in a sliding wind
 28324). A swing about its mean that just reaches standstill has the index 1; half of it has 0.5. Vendors' windows and
 classes differ; these two bounds follow from the definition alone.
 
-Rotation from rest winds the string up first: the bit stands, breaks loose and catches up. That is no stick-slip. It
-lasts until the top drive no longer gains 2 % in a second and the bit has been as fast as it, and the index is known
-when the window then holds 10 s or two cycles.
+Rotation from rest winds the string up first: the bit stands, breaks loose and catches up. This start-up is
+no stick-slip. It lasts until the top drive no longer gains 2 % in a second and the bit has been as fast as the top
+drive. The index is known when the window then holds 10 s or two cycles.
 """
 
 from __future__ import annotations
@@ -84,7 +84,7 @@ def restart(window: Columns) -> None:
 
 @strict_kernel
 def add_speeds(window: Columns, time: float, bit: float, top: float) -> bool:
-    """Add the speeds of bit and top drive [rad/s], nan for an unknown one of the top drive, at a time [s].
+    """Add the speeds of bit and top drive [rad/s] at a time [s]; an unknown speed of the top drive is nan.
 
     Returns:
         Whether the motion has changed.

@@ -2,18 +2,18 @@
 """Detection of the onset of asynchronous whirl on the stream.
 
 A mark whirls if the radius of its asynchronous part stays above its threshold for one revolution and sweeps at least
-30 degrees meanwhile, in the frames of hole and string. In a hole known to be inclined, or where it precesses at less
-than 1/24 of the rotation, it must sweep 90 degrees: a string that settles at another place, as one that friction pushes
-up the low side, sweeps less. The threshold is 5 % of the clearance, or 4.5 times the noise that is left after averaging
-over at most half a revolution, if that is larger. The reported time is that at which the radius first crossed 5 %,
-found backwards (`threshold_crossing`).
+30 degrees meanwhile, in the frames of hole and string. In a hole known to be inclined, or where the mark precesses at
+less than 1/24 of the rotation, the sweep must be 90 degrees: a string that settles at another place, as a string that
+friction pushes up the low side, sweeps less. The threshold is 5 % of the clearance, or 4.5 times the noise that is left
+after averaging over at most half a revolution, if the noise gives more. The reported time is the time at which the
+radius first crossed 5 %, found backwards (`threshold_crossing`).
 
 A radius that has not swept 30 degrees in six revolutions is a changed offset or bow: the separation is restarted, and
 so is the detection. A displaced string that begins to precess within these six revolutions has whirled since it was
-displaced; so has one that stays displaced and sweeps 30 degrees about its former position within 28 revolutions, or
-until another mark is detected. In the first six revolutions the steady position is not known (in an inclined hole the
-string falls to the low side): a radius that crosses then must sweep the angle about the hole's axis, in a hole
-known to be inclined what happens in the first two revolutions is the fall.
+displaced; so has a string that stays displaced and sweeps 30 degrees about its former position within 28 revolutions,
+or until another mark is detected. In the first six revolutions the steady position is not known (in an inclined hole
+the string falls to the low side). A radius that crosses then must sweep the angle about the hole's axis. In a hole
+known to be inclined, motion in the first two revolutions is the fall.
 
 False alarms: white noise of standard deviation s per axis (after averaging) is above 4.5 s with probability
 exp(-4.5^2 / 2) = 4e-5, and must be so in each of the two or more independent averages of a revolution, which gives less
@@ -21,7 +21,7 @@ than 1e-8 per revolution and mark: one in a year for four marks at 2 rev/s. `tes
 in as many revolutions as four marks make in a day, with noise of 5 % of the clearance. Noise that is not white over a
 revolution (slow drift of a camera) is not covered.
 
-The noise is that of the bins: their third difference, demodulated with the precession, suppresses any steady or
+The noise is measured on the bins: their third difference, demodulated with the precession, suppresses any steady or
 growing orbit and amplifies white noise 20 times in power (binomial weights 1, -3, 3, -1). The radius of the
 asynchronous part is averaged as far as the noise requires.
 """
@@ -138,7 +138,7 @@ INTERVAL = 4
 
 
 def new_onsets(inclined: Mask) -> Columns:
-    """What is known of the whirl of m marks, in an inclined hole or not, shape (m,), before the first bin."""
+    """State of the onsets of m marks before the first bin; `inclined`: whether the hole is inclined, shape (m,)."""
     return columns(
         "Onsets",
         inclined.size,
@@ -183,7 +183,7 @@ def watch(onsets: Columns, averaged: Columns, history: Columns) -> bool:
 
 @strict_kernel
 def update_candidate(onsets: Columns, averaged: Columns, history: Columns, k: int) -> bool:
-    """Start or drop the candidate of a mark; return whether it has one that was not dropped."""
+    """Start or drop the candidate of a mark; return whether the mark has a candidate that was not dropped."""
     if not (math.isnan(onsets.time[k]) or averaged.radius[k] < averaged.release[k]):
         return True
     newest = end_of(history) - 1

@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A string that swings on the low side of an inclined hole, told from one that whirls there.
+"""A string that swings on the low side of an inclined hole, told from a string that whirls there.
 
 Both may move far, and neither goes round the hole. The motion of the centre line, without offset, drift and the part
 that turns with the string, is a sum of turns exp(i omega t) with power P+ in one sense and P- in the other. The rotary
 coefficient |P+ - P-| / (P+ + P-) (Gonella 1972) is 1 for a circle, 0 for a swing in a plane, over an arc of the wall,
 or without order, and 2 p q / (p^2 + q^2) for an ellipse of half axes p and q. A motion that stays on the low side, with
 a coefficient below `criteria.ROTARY`, is a swing: an ellipse less than 0.27 as wide as long. Over so few revolutions a
-whirl near the rotation is not told from the part that turns with the string, and is left out with it.
+whirl near the rotation is not told from the part that turns with the string, and is left out too.
 """
 
 from __future__ import annotations

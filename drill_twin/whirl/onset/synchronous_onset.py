@@ -27,7 +27,7 @@ WIDTH = 4
 
 
 def new_synchronous(m: int) -> Columns:
-    """What is known of the synchronous whirl of m marks, before the first bin."""
+    """State of the synchronous whirl of m marks before the first bin."""
     return columns(
         "SynchronousOnsets",
         m,

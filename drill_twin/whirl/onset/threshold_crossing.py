@@ -55,7 +55,7 @@ class Crossing:
     confidence: float
     """0 to 1."""
     criterion: str
-    """The criterion that decided it, as text."""
+    """Criterion that decided the crossing, as text."""
     refit: OrbitRefit | None = None
     """Parts of the motion fitted with the orbit in the model, for an asynchronous crossing."""
 
@@ -81,7 +81,8 @@ class Detection:
     synchronous: complex = 0j
     """Synchronous part that was subtracted [m]."""
     arm: complex | None = None
-    """Arm of the mark [m] if it crossed before its steady position was known: the hole's axis then replaces it."""
+    """Arm of the mark [m] if the mark crossed before its steady position was known; the hole's axis then
+    replaces the position."""
 
 
 def asynchronous_crossing(history: Columns, detection: Detection, rate: float, since: int, valid: int) -> Crossing:
@@ -253,7 +254,7 @@ class SweptAngle:
 
     @property
     def smallest(self) -> float:
-        """Smaller one of the angles swept in the two frames [rad]."""
+        """Smaller angle of the two angles swept in the two frames [rad]."""
         return min(self.in_hole, self.in_string)
 
     @property

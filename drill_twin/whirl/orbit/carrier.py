@@ -8,7 +8,7 @@ rate of an orbit that is faster than the rotation; the samples of a bin are aver
 rate, and what the plain mean has lost of the orbit is given back. An orbit slower than `ENGAGED` is left as it is: a
 bin shortens it by less than 1 %.
 
-A rate is known while two samples are less than 0.4 of a turn apart; beyond, neither its sense nor its pace is.
+A rate is known while two samples are less than 0.4 of a turn apart; farther apart, neither sense nor pace is known.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ shortens the orbit by less than 1 %, 1 - sinc(1.2 / 16)."""
 MEMORY = 2.0
 """Memory of the angle between samples [rev]; chosen, not measured."""
 LEAST_RADIUS = 0.005
-"""Smallest radius of an orbit with a carrier, over the clearance: a tenth of that of an onset; chosen."""
+"""Smallest radius of an orbit with a carrier, over the clearance: a tenth of `criteria.ONSET_RADIUS`; chosen."""
 COHERENCE, CERTAIN, MARGIN = 0.5, 0.9, 4.0
 """Smallest coherence of the angles between n samples: `MARGIN` / sqrt(n), which noise alone exceeds with probability
 exp(-16), between the first two."""
@@ -37,7 +37,7 @@ WITHIN = 7.0
 """Largest difference of the rates from sample to sample and from bin to bin, over the rotation: bins tell the rate but
 for multiples of 16, so half of 16 less a margin."""
 MIXED = 0.7
-"""Share of the orbit left in the plain mean of a bin, below which a slow part is told from it; chosen."""
+"""Share of the orbit left in the plain mean of a bin, below which a slow part is told from the orbit; chosen."""
 
 
 def new_carrier(clearance: Array) -> Columns:
@@ -171,7 +171,7 @@ def _find_orbit(carrier: Columns, k: int, middle: float) -> bool:
 
 @strict_kernel
 def _update_rate(carrier: Columns, k: int, rotation: float, seconds: float) -> None:
-    """Estimate the rate of the orbit of a mark, at a rotation [rad/s], with a bin `seconds` after the one before.
+    """Estimate the rate of the orbit of a mark, at a rotation [rad/s], with a bin `seconds` after the bin before.
 
     The angle between samples tells it within some turns of the string; slow motion beside the orbit makes it too small.
     From bin to bin the orbit is free of slow motion.
@@ -209,7 +209,7 @@ def judge(carrier: Columns, seen: Mask, rotation: float, rolling_ratio: Array) -
 
     Args:
         carrier: The carriers.
-        seen: Marks that were seen, shape (m,); not those with an orbit that is too fast for the samples.
+        seen: Marks that were seen, shape (m,); a mark whose orbit is too fast for the samples is taken out.
         rotation: Rotation [rev/s].
         rolling_ratio: Whirl ratio in pure rolling, shape (m,).
     """

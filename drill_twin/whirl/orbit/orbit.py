@@ -2,15 +2,15 @@
 """Orbit of each mark over the last revolutions: radius, precession, regularity, contact.
 
 Precession is the slope of the unwrapped angle against time (least squares over `criteria.ORBIT_WINDOW` revolutions),
-which depends neither on the sample rate nor on gaps of single bins. It is that of the asynchronous part during whirl,
-otherwise that of the motion about the offset, so that a bow has a ratio of 1.
+which depends neither on the sample rate nor on gaps of single bins. The angle is the asynchronous part's during whirl,
+otherwise the angle of the motion about the offset, so that a bow has a ratio of 1.
 
 The shape of the rotating string, as far as a few marks show it, is in the covariance of the marks' moving parts over
 the last two revolutions, C_ij = sum conj(M_i) M_j, which contains their radii and relative phases, whatever the
 precession. The row of the mark with the largest motion is the shape s (one step of a power iteration, exact when the
 string rotates as one body). Its planarity |sum s^2| / sum |s|^2 is 1 for a curve in one plane through the axis and 0
 for a circle.
-Marks half a helix pitch apart lie in a plane: a helix is detected only where marks are closer than that.
+Marks half a helix pitch apart lie in a plane: a helix is detected only where marks are closer than half a pitch.
 """
 
 from __future__ import annotations
@@ -194,7 +194,7 @@ def new_shape(m: int, levels: Integers) -> Columns:
         planarity=np.full(1, math.nan),  # 1 = in one plane, 0 = a circle
         second_lobe=np.zeros(1),  # smaller over larger of the largest radii on the two sides of the axis, in the plane
         levels=levels,
-        relative=0j,  # work: motion of the marks over that of the reference
+        relative=0j,  # work: motion of the marks over the motion of the reference
     )
 
 

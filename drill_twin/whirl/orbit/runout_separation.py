@@ -13,8 +13,8 @@ The fit is exact for irregular bins and for a rotation that has hardly begun. An
 0.97 at p = -0.1 for N = 6. The fit is held while a mark may have begun to whirl, and fades slowly
 (`criteria.SEPARATION_MEMORY_IN_WHIRL`) while it whirls.
 
-This running fit has no orbit in its model, so that a slow or slowly growing one leaks into the offset, and one near the
-rotation into the synchronous part. Once whirl is detected, the last revolutions are fitted again with
+This running fit has no orbit in its model, so that a slow or slowly growing orbit leaks into the offset, and an orbit
+near the rotation into the synchronous part. Once whirl is detected, the last revolutions are fitted again with
 z = c + S e + A rho(t) exp(i omega t), where radius rho and rate omega come from the residual of the fit before; three
 iterations converge. The residual z - c - S e is the undistorted orbit.
 """
@@ -75,7 +75,7 @@ def new_separation(radius: Array) -> Columns:
 
 
 def correct(separation: Columns, mark: int, refit: OrbitRefit) -> None:
-    """Replace the offset and the synchronous part of a mark by those of a refit."""
+    """Replace the offset and the synchronous part of a mark by the values of a refit."""
     bins = refit.orbit.size
     separation.sums[:, mark] = (bins, bins, 0.0, bins * refit.offset, bins * refit.synchronous)
 
@@ -98,7 +98,7 @@ def start(separation: Columns, spin_given: bool) -> None:
 
 @strict_kernel
 def hold(separation: Columns, candidates: Array, whirling: Mask) -> None:
-    """Hold the fit of marks that may have begun to whirl, slow the fading of those that do.
+    """Hold the fit of marks that may have begun to whirl, slow the fading of marks that whirl.
 
     Args:
         separation: The separation.
@@ -117,7 +117,7 @@ def separate(separation: Columns, full: Columns, left: ComplexArray, shift: Comp
 
     What is `left` of fast orbits in the mean position [m], shape (m,), is taken out for the fit of offset and
     synchronous part, and the whole is given back then, by `shift` [m]: seen once a bin, an orbit of 16 or 15 turns in a
-    revolution would pass for one of them.
+    revolution would pass for an offset or a synchronous part.
     """
     elapsed = full.revolutions[0] - separation.last_revolutions[0]
     elapsed = max(elapsed, SLOWEST * (full.time[0] - separation.last_time[0]))
@@ -159,7 +159,7 @@ def _add_bin(separation: Columns, full: Columns, k: int, fade: float) -> None:
 
 @strict_kernel
 def _fit(separation: Columns, k: int) -> None:
-    """Fit offset and synchronous part of a marked point; before a short arc is turned the latter is the arm."""
+    """Fit offset and synchronous part of a marked point; the arm is the synchronous part until an arc is turned."""
     sums = separation.sums
     count, power = sums[0, k].real + 1e-300, sums[1, k].real
     cross, position, rotated = sums[2, k], sums[3, k], sums[4, k]

@@ -150,7 +150,7 @@ def test_what_another_user_made_is_refused(folder, monkeypatch, tmp_path):
     assert use(folder)[0] == "6.0 compiled"
     os.chown(folder, 12345, -1)
     monkeypatch.setenv("DRILL_TWIN_CACHE", str(folder))
-    with pytest.raises(RunError, match=r"expected a folder of your own .* one of user 12345.* name another"):
+    with pytest.raises(RunError, match=r"expected a folder of your own .* a folder of user 12345.* name another"):
         cache_folder()
     monkeypatch.delenv("DRILL_TWIN_CACHE")
     (tmp_path / "home" / "drill_twin").mkdir(parents=True)
@@ -276,4 +276,4 @@ def test_a_folder_of_root_that_others_can_write_to_is_refused():
     finally:
         place.rmdir()
     assert process.returncode == 1
-    assert "one that others can write to, who could put programs there" in said
+    assert "a folder in which other users could put programs" in said

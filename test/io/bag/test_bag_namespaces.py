@@ -57,7 +57,7 @@ def test_nested_namespaces_and_names_like_ours(write_twins):
 @pytest.mark.parametrize(("spaces", "names"), [(("/left", "/right"), "/left, /right"), (("", "/rig2"), "/, /rig2")])
 def test_two_twins_in_a_bag_are_chosen_by_namespace(write_twins, messages, spaces, names):
     folder = write_twins(*spaces)
-    with pytest.raises(BagError, match=f"found those of the namespaces {names}; choose with --namespace"):
+    with pytest.raises(BagError, match=f"found twins of the namespaces {names}; choose with --namespace"):
         Bag(folder)
     for space in spaces:
         for given in (space or "/", space.strip("/") + "/"):

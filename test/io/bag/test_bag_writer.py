@@ -250,7 +250,7 @@ def test_closing_twice_is_closing(write_bag, tmp_path, messages):
 def test_an_existing_folder_is_left_alone(tmp_path):
     (tmp_path / "run_0").mkdir()
     (tmp_path / "run_0" / "precious").write_text("data")
-    with pytest.raises(BagError, match=r"run_0: expected a new folder for the bag, found one that exists"):
+    with pytest.raises(BagError, match=r"run_0: expected a new folder for the bag, found a folder that exists"):
         BagWriter(tmp_path / "run_0")
     assert [file.name for file in (tmp_path / "run_0").iterdir()] == ["precious"]
 

@@ -142,7 +142,7 @@ def test_what_is_refused_for_its_size_is_told(tmp_path):
         (
             "name.csv",
             f"time,{'x' * 1001}\n0,1\n",
-            "names of columns of at most 1000 characters, found one of 1001",
+            "names of columns of at most 1000 characters, found a name of 1001",
         ),
         ("delimiter.xml", witsml(delimiter="abc"), 'expected a dataDelimiter of one character, found "abc"'),
     ):

@@ -45,16 +45,16 @@ class BagFile(ABC):
 
         Args:
             path: The file.
-            name: Its name in messages, if it was decompressed from another.
+            name: Name of the file in messages, if the file was decompressed from another file.
             compressed_messages: True if rosbag2 compressed each message.
             window: Header stamps [s] between which messages are wanted; others may come with them. None: all.
 
         Raises:
-            BagError: It is no such file, or a damaged one of SQLite.
+            BagError: The file is not of its format, or is a damaged SQLite file.
         """
         self.path, self.title, self._compressed = path, name or path, compressed_messages
         self.topics: dict[str, RecordedTopic] = {}
-        """Topics by name, including those without messages."""
+        """Topics by name, including topics without messages."""
         self.start: int | None = None
         """Earliest time of recording [ns]; None without messages."""
         self.end: int | None = None
@@ -74,7 +74,7 @@ class BagFile(ABC):
         """Topic, time of recording [ns] and CDR of each message on these topics; None: on all.
 
         Raises:
-            BagError: The file cannot be read, or is not one of its format.
+            BagError: The file cannot be read, or is not of its format.
         """
 
     def _message(self, raw: bytes) -> bytes:

@@ -16,7 +16,7 @@ import zstandard
 LARGEST_CHUNK = 128_000_000
 """Most bytes of a chunk, a message or a record; rosbag2 writes chunks of 0.8 MB, this package of 0.3 MB."""
 _BLOCK = 1 << 20
-_LARGEST_WINDOW = 1 << 27  # bytes; that of `zstd --ultra -22`
+_LARGEST_WINDOW = 1 << 27  # bytes; the window of `zstd --ultra -22`
 
 DAMAGED = (zstandard.ZstdError, RuntimeError, ValueError, OverflowError, MemoryError, EOFError)
 """Exceptions on damaged or oversized frames."""

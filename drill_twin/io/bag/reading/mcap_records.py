@@ -76,7 +76,7 @@ def record_blocks(
         note: Called with a sentence on each part that is missing, damaged or left out.
 
     Raises:
-        BagError: It is not an MCAP file.
+        BagError: The stream is not an MCAP file.
     """
     size = bounds.file
     if stream.read(len(MCAP0_MAGIC)) != MCAP0_MAGIC:
@@ -129,8 +129,8 @@ def _content(record: bytes, bounds: Bounds) -> bytes:
     """Records in a chunk.
 
     Raises:
-        _TooLargeError: It would be larger than the bounds.
-        Exceptions of `DAMAGED_RECORD`: It is damaged, or not as large as it says.
+        _TooLargeError: The content would be larger than the bounds.
+        Exceptions of `DAMAGED_RECORD`: The chunk is damaged, or not as large as it says.
     """
     chunk = Chunk.read(ReadDataStream(BytesIO(record)))
     if bounds.too_large(chunk.uncompressed_size):
@@ -174,7 +174,7 @@ class McapIndex:
 
 
 def read_index(stream: BinaryIO) -> McapIndex | None:
-    """Index of an open file; None if it has none or one that does not fit it, as after a kill."""
+    """Index of an open file; None if the file has no index, or an index that does not fit, as after a kill."""
     size = stream.seek(0, SEEK_END)
     place = size - len(MCAP0_MAGIC) - _FOOTER.size
     if place < 0:
@@ -223,7 +223,7 @@ def _parse(summary: bytes, size: int) -> McapIndex | None:
 def chunks_between(
     index: McapIndex, names: Mapping[int, str], begin: float, end: float, stamps_at: Callable[[int], Sequence[int]]
 ) -> list[int] | None:
-    """Places of the chunks with header stamps between two times, and of those with what is said once.
+    """Places of the chunks with header stamps between two times, and of chunks with what is said once.
 
     Args:
         index: The index.
@@ -242,5 +242,5 @@ def chunks_between(
         if name.endswith(LATCHED):
             chosen.update(index.chunks_with(channel)[:MOST_LATCHED])
         elif name.endswith(DIAGNOSTICS):
-            chosen.update(index.chunks_with(channel)[-1:])  # counts are those at the end of the run
+            chosen.update(index.chunks_with(channel)[-1:])  # with the counts at the end of the run
     return [index.chunks[k] for k in sorted(chosen)]

@@ -20,7 +20,7 @@ _LARGEST_DEFINITION = 4000  # characters of the SQL that made a table
 _MOST_TOPICS = 10_000
 _BLOCKS = 1000  # of equal time of recording, in which a window is searched
 _SAMPLES = 16  # messages that tell the stamps of a block
-_LAST_DIAGNOSTICS = 20  # of all nodes; counts are those at the end of the run
+_LAST_DIAGNOSTICS = 20  # of all nodes; the counts at the end of the run are read
 _OF_A_KIND = "typeof(timestamp) = 'integer' AND typeof(data) = 'blob'"  # else damaged: SQLite checks no types
 
 
@@ -144,7 +144,7 @@ def _refuse_computed_tables(database: sqlite3.Connection) -> None:
     """Refuse a database whose tables are views or have computed columns: reading them may take any time.
 
     Raises:
-        ValueError, sqlite3.Error: It is such a one, or no database.
+        ValueError, sqlite3.Error: The database has such tables, or the file is no database.
     """
     marks = ", ".join("?" * len(_TABLES))
     rows = database.execute(

@@ -27,7 +27,8 @@ def orientation(tangents: Array, spin: Array, out: Array) -> Array:
     """Unit quaternions x y z w of sections with these tangents and spins [rad].
 
     With a = (-t_y, t_x, 0, 1 + t_z)/sqrt(2 + 2 t_z), the shortest rotation of z onto t, the result is a times the
-    rotation by the spin about z. A tangent straight down (t_z = -1) has no shortest rotation; the one about y is used.
+    rotation by the spin about z. A tangent straight down (t_z = -1) has no shortest rotation; the rotation about y is
+    used.
 
     Args:
         tangents: Unit tangents, shape (..., 3).
