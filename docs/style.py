@@ -1,7 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Style of the pages: one term for one thing, short sentences, figures with a source. `make docs` warns of faults."""
+"""Style of the pages: one term for one thing, nouns instead of pronouns, short sentences, figures with a source.
 
+`make docs` warns of faults. The rule for pronouns holds in docstrings and comments too.
+"""
+
+import io
 import re
+import tokenize
 from collections.abc import Iterator
 
 INSTEAD = {
@@ -25,6 +30,11 @@ INSTEAD = {
     r"\b(?:lever|price tag|pull in|lab notebook|comes? by mail)\b": "the plain word instead of a metaphor",
 }
 """Pattern of each word that the pages do not use, and what to write instead."""
+PRONOUN = re.compile(
+    r"\b(?:those|that\s+of|that\s+which|ones?\s+(?:that|which|whose)|ones\s+of|the\s+former|the\s+latter|thereof|therein)\b",
+    re.IGNORECASE,
+)
+"""Pronouns that stand for a noun; `one of` passes, as the noun of the set follows it."""
 WRITTEN = "<!-- Written by `drill-twin"
 """Mark of a page that a command writes as a whole."""
 LONGEST = 32
@@ -60,10 +70,29 @@ def words(text: str) -> int:
     return sum(any(sign.isalnum() for sign in word) for word in text.split())
 
 
+def pronouns(text: str) -> Iterator[tuple[int, str]]:
+    """Number of the line of each pronoun that stands for a noun, and what to do, in a text without code."""
+    for found in PRONOUN.finditer(text):
+        yield text.count("\n", 0, found.start()) + 1, f"{' '.join(found[0].split())!r}: name the noun"
+
+
+def commentary(source: str) -> str:
+    """Comments and docstrings of a Python source on the same lines; a full stop stands for a line of code."""
+    lines = ["."] * (source.count("\n") + 1)
+    begins = True
+    for token in tokenize.generate_tokens(io.StringIO(source).readline):
+        if token.type == tokenize.COMMENT or (begins and token.type == tokenize.STRING):
+            lines[token.start[0] - 1 : token.end[0]] = [part.strip("# ") for part in token.string.split("\n")]
+        if token.type not in {tokenize.COMMENT, tokenize.NL}:
+            begins = token.type in {tokenize.NEWLINE, tokenize.INDENT, tokenize.DEDENT}
+    return "\n".join(lines)
+
+
 def faults(page: str) -> Iterator[tuple[int, str]]:
-    """Number of the line and description of each word to avoid, sentence that is too long and figure without source."""
+    """Number of the line and description of each word to avoid, pronoun, long sentence and figure without source."""
     yield from _without_source(page)
     text = prose(page)
+    yield from pronouns(text)
     for pattern, better in INSTEAD.items():
         for found in re.finditer(pattern, text, re.IGNORECASE):
             yield text.count("\n", 0, found.start()) + 1, f"{found[0]!r}: write {better}"

@@ -16,7 +16,7 @@ SECTIONS = {
     "Results": ("drill_twin.api.result",),
     "Analysis": ("drill_twin.api.whirl", "drill_twin.whirl"),
 }
-"""Titles of sections, and where their names are defined; others have that of their module."""
+"""Titles of sections, and where their names are defined; others have the title of their module."""
 _SERIES = [f"drill_twin.io.bag.series.{name}" for name in ("MarkSeries", "PoseSeries", "RigSeries", "CommandSeries")]
 _OPTIONS = {
     "Scene": ("exclude-members: model_config, name, description, provenance",),

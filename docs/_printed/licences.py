@@ -19,7 +19,7 @@ from _printed.markdown import code, table
 
 ROOT = Path(__file__).parents[2]
 EXTRAS = ("", "xarray", "las", "opcua", "dask", "foxglove", "ros")
-"""Extras whose distributions are listed, after those that are always needed; each stands where it is needed first."""
+"""Extras whose distributions are listed after the distributions always needed; each stands where it is needed first."""
 
 
 def licences() -> str:
@@ -45,7 +45,7 @@ def _setup_arguments() -> dict[str, Any]:
 
 
 def _closure(lines: list[str], seen: set[str], extras: frozenset[str] = frozenset({""})) -> set[str]:
-    """Names of the distributions that requirements ask for, with those that these ask for, without those seen."""
+    """Names of the distributions that requirements ask for, directly or through each other, without the seen names."""
     found: set[str] = set()
     for line in lines:
         one = Requirement(line)

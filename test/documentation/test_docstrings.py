@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Docstrings open with a noun or an imperative, not with a question word."""
+"""Docstrings open with a noun or an imperative, and name their nouns, as comments do (docs/style.py)."""
 
 import re
 from pathlib import Path
@@ -24,3 +24,29 @@ def test_no_docstring_opens_with_a_question_word():
 def test_the_question_words_are_seen():
     assert QUESTION.search('def f():\n    """Whether it is so."""')
     assert not QUESTION.search('"""Whatever is given."""')
+
+
+def test_docstrings_and_comments_name_their_nouns(style):
+    found = []
+    for folder in [ROOT / "drill_twin", *ROOT.glob("companions/*/drill_twin_*")]:
+        for path in sorted(folder.rglob("*.py")):
+            source = path.read_text("utf-8")
+            if style.PRONOUN.search(source.replace("#", " ")):
+                faults = style.pronouns(style.commentary(source))
+                found += [f"{path.relative_to(ROOT)}:{line}: {fault}" for line, fault in faults]
+    assert not found, "\n".join(["name the noun", *found])
+
+
+def test_pronouns_are_seen_in_docstrings_and_comments_and_not_in_messages(style):
+    source = '''"""Those of a module."""
+LIMIT = 1.0
+"""Limit, that
+of the scene."""
+# The first is that
+# of the scene, the second
+raise ValueError("those of a message")  # thereof
+f(
+    "those",
+)
+'''
+    assert [line for line, _ in style.pronouns(style.commentary(source))] == [1, 3, 5, 7]
