@@ -55,7 +55,7 @@ def build_page(
 
     Args:
         recording: The run.
-        summary: Its summary.
+        summary: Summary of the recording.
         figures: PNG files by name.
         charts: Those of them that are drawn by plotly, by name (`drill_twin.report.charts`).
     """

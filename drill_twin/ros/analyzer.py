@@ -103,7 +103,7 @@ class Analyzer(TwinNode):
             self.get_logger().info(f"whirl began at {onset.time_s:.2f} s at {onset.mark}: {onset.criterion}")
 
     def _count_samples(self, pipeline: WhirlPipeline) -> None:
-        """Note what became of the sample that the last message has completed, if it has."""
+        """Note what became of the sample that the last message has completed, if it has completed any."""
         quality, before = pipeline.quality, self._counted
         self._counted = quality.accepted, quality.incomplete, quality.late + quality.duplicate
         accepted, incomplete, out_of_order = (now > then for now, then in zip(self._counted, before, strict=True))

@@ -155,7 +155,7 @@ def missing_readers(node: Node, answer: str) -> str:
 
     Args:
         node: The node that asked.
-        answer: Message of the ready node; one that is not from this package may hold any text, and counts as ready.
+        answer: Message of the ready node; a node of another package may send any text, and counts as ready.
     """
     try:
         counts = read_json(answer)

@@ -48,7 +48,7 @@ PARAMETERS = (
         "table",
         "",
         "CSV, MAT, LAS or WITSML file of measured set-points to play in place of the schedule; its columns and units "
-        'are those of rig.table in the scene (or overrides), or are found by their names; "": the scene\'s schedule',
+        'are named by rig.table in the scene (or overrides), or are found by their names; "": the scene\'s schedule',
     ),
     OVERRIDES,
     Parameter(

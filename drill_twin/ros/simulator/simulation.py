@@ -241,7 +241,7 @@ class SimulatorRun:
         """Go on from a checkpoint file.
 
         Raises:
-            CheckpointError: It cannot be read, is of another scene, or of a time at which the run was over.
+            CheckpointError: The file cannot be read, is of another scene, or of a time at which the run was over.
         """
         self.checkpoints.finish()
         checkpoint = Checkpoint.load(path)

@@ -28,7 +28,7 @@ class CheckpointPlaces:
     """
 
     def __init__(self, settings: SimpleNamespace) -> None:
-        """Take the folders of `checkpoint` and `saved_checkpoint`, and make those that are missing.
+        """Take the folders of `checkpoint` and `saved_checkpoint`, and make a folder that is missing.
 
         Raises:
             CheckpointError: One of them is no path of a file, or its folder cannot be made.

@@ -65,7 +65,7 @@ def shown_advice(state: JointState) -> dict[str, Any]:
     """Level of a `/advice/state`, and the set-point that is advised, `wob` [N] and `rps` [rev/s], if there is one.
 
     Raises:
-        MessageError: It has no advice.
+        MessageError: The message has no advice.
     """
     values = dict(zip(state.names, state.position.tolist(), strict=False))
     if "advice" not in values:
@@ -82,7 +82,7 @@ def shown_map(text: str) -> dict[str, Any]:
     """Ranges in N and rev/s, and a digit a node for regime, whirl from rest and whirl that goes on.
 
     Raises:
-        MessageError: It is no map of `/advice/map`.
+        MessageError: The message is no map of `/advice/map`.
     """
     data = read_json(text, largest=4 * (_MOST_STEPS + 1) ** 2)
     try:
@@ -123,7 +123,7 @@ def shown_estimates(state: JointState) -> dict[str, Any]:
     there are no rows.
 
     Raises:
-        MessageError: It has neither trust nor alarm.
+        MessageError: The message has neither trust nor alarm.
     """
     values = dict(zip(state.names, state.position.tolist(), strict=False))
     if not {"trust", "alarm"} <= values.keys():
@@ -264,7 +264,7 @@ its values of a mark."""
 
 
 def without_old_values(picture: dict[str, Any], sources: Sources, starting: str) -> dict[str, Any]:
-    """Add the ages of the sources, and take away the values of those that are gone.
+    """Add the ages of the sources, and take away the values of sources that are gone.
 
     Args:
         picture: State of the page.

@@ -58,7 +58,7 @@ _OF_SIMULATION = {"SimulatedTime", "RealTimeFactor"}
 
 @dataclass(frozen=True, eq=False)
 class DrillingLog:
-    """Signals over time, each the mean over the time before its row; positions are those at the row."""
+    """Signals over time, each the mean over the time before its row; positions hold at the row."""
 
     start: datetime
     """Time of the simulation's zero, UTC."""
@@ -114,7 +114,7 @@ def read_log(bag: Bag, selection: Selection, rate: float, start: datetime | None
         bag: The bag.
         selection: Part of its time.
         rate: Rows per second [Hz].
-        start: Time of the simulation's zero; by default that of the recording, or of the run.
+        start: Time of the simulation's zero; by default the recording's, or the run's.
 
     Raises:
         BagError: The bag has no rig states in this time, or does not say when it was recorded and `start` is missing.
@@ -187,7 +187,7 @@ def check_timeseries(path: Path) -> Iterator[Rule]:
     """Check a `drilling_timeseries.csv`.
 
     Raises:
-        TableError: It cannot be read as CSV.
+        TableError: The file cannot be read as CSV.
     """
     try:
         header, *rows = list(csv.reader(line for _, line in CSV.lines(path))) or [[]]
@@ -239,7 +239,7 @@ def check_log(path: Path) -> Iterator[Rule]:
 
     Raises:
         ArgumentError: lasio is not installed.
-        TableError: It cannot be read as LAS.
+        TableError: The file cannot be read as LAS.
     """
     try:
         las = import_extra("lasio").read(str(path), encoding="utf-8")

@@ -79,7 +79,7 @@ def shares_of(normal: Array, factor: float, places: Array = _ENDS) -> Array:
 
 
 def bands_of(normal: Array, ranges: Ranges, factor: float) -> dict[str, Band]:
-    """Bands of free numbers [SI] by key; a deviation is that of draws within the range, however wide the band.
+    """Bands of free numbers [SI] by key; a deviation is computed from draws within the range, however wide the band.
 
     Args:
         normal: Numbers of the members, as in `shares_of`.

@@ -64,7 +64,7 @@ class Restart(NamedTuple):
     Attributes:
         windows: Windows to go back.
         chosen: Numbers that have changed, shape (d,).
-        centre: Places of all numbers in the prior, from 0 to 1, shape (d,); only those of the chosen ones are new.
+        centre: Places of all numbers in the prior, from 0 to 1, shape (d,); only the chosen numbers' places are new.
         misfit: Rms of measured less computed over the stated error, of the best member.
         normalised: Rms of measured less the mean of the members, over what members and stated error predict, in the
             channel where it is largest.

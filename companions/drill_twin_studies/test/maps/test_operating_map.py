@@ -116,7 +116,7 @@ def test_a_map_belongs_to_the_numbers_of_its_scene(found):
     found.check_scene(same)
     other = dt.load_scene("pa6_bench", {"effects.wall_friction.coefficient": 0.3})
     assert digest_of(other) != digest_of(same)
-    with pytest.raises(ArgumentError, match="expected a map of pa6_bench, found one of pa6_bench with other numbers"):
+    with pytest.raises(ArgumentError, match="expected a map of pa6_bench, found a map of pa6_bench with other numbers"):
         found.check_scene(other)
 
 
