@@ -68,7 +68,7 @@ class Trial(NamedTuple):
     """An effect was taken back, not a set-point."""
     ends_whirl: bool
     """The repeat does not whirl, or not backward where the run does, and would not whirl later: no mode grows, and its
-    lateral motion is small. The same holds at the other speeds at which the run itself whirls."""
+    lateral motion is small. Nor does it whirl at the other speeds at which the run itself whirls."""
     outcome: str
     """Result in words."""
     motion: str

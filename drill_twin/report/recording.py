@@ -78,7 +78,7 @@ class Recording:
         sub: Downhole sub whose readings are analysed instead of marks; empty without.
         summary: Findings of the analysis for the whole run.
         units: Units in which people read it: the selection's, else the scene's, else the record's, else `si`.
-        runs: Number of runs in the bag; this is the last.
+        runs: Number of runs in the bag; the recording is of the last.
         unpaired: Number of states of the marks or the rig without a partner of the same stamp.
     """
 

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Forces along the string, from the recorded poses of its nodes: a bag holds forces at the two ends and at the marks.
 
-They are elastic: what internal damping and the damping of the wall add is not in a pose.
+The forces are elastic: what internal damping and the damping of the wall add is not in a pose.
 """
 
 from __future__ import annotations

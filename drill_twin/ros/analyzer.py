@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Analyzer node: onset and motion states of whirl from the marks and the rig, or from a downhole sub; live or replayed.
 
-It uses the stamps of the messages alone, so a replay gives the findings of the live run.
+The node uses the stamps of the messages alone, so a replay gives the findings of the live run.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Demo: rig driver, simulator, analyzer and recorder in one process on DDS, observed, ended in order, and reported.
 
-Its exit code is 0 only if every node ended well and the bag holds every topic of the contract.
+The demo's exit code is 0 only if every node ended well and the bag holds every topic of the contract.
 """
 
 from __future__ import annotations

@@ -96,7 +96,7 @@ class NodeTopics:
         self._drops = DropCounter()
 
     def advertise(self, topic: str, *, latched: bool | None = None) -> Publisher:
-        """Create the publisher of a topic; it is given bytes."""
+        """Create the publisher of a topic, which is given bytes."""
         row = TOPICS[topic]
         offered = quality(row, depth=row.publisher_depth, latched=latched)
         with _readable_overrides(topic):
@@ -143,7 +143,7 @@ class NodeTopics:
         return self.subscribe_raw(topic, decoded, depth=depth, latched=latched)
 
     def subscribe_scenes(self, received: Callable[[bytes], object]) -> Subscription:
-        """Create the subscription to `/twin/scene`; the callback receives the bytes when the gate lets them pass."""
+        """Create the subscription to `/twin/scene`; the callback gets the bytes that the gate lets pass."""
         gate = SceneGate(received)
         self._gates.append(gate)
         return self.subscribe_raw(TWIN_SCENE, lambda raw, _: gate.take(raw), depth=1)

@@ -3,8 +3,8 @@
 
 Guidelines of the Open Source Drilling Community, repository drillbotics-guidelines, cycle 2025.1 (29 June 2026):
 `docs/tracks/group-a/technical-specs.md`, `docs/tracks/group-b/deliverables.md`, `docs/competition/rules-scoring.md`.
-They suggest the ten columns of `SUGGESTED`; what the twin has beyond them follows by its D-WIS name with its unit.
-The check reads them again as a judge would.
+The guidelines suggest the ten columns of `SUGGESTED`; the twin's further signals follow by D-WIS name with unit.
+The check reads both files again as a judge would.
 """
 
 from __future__ import annotations

@@ -90,7 +90,7 @@ class Estimator:
                 that never come are the scene's.
 
         Raises:
-            ArgumentError: A name of none of them, or what is no number.
+            ArgumentError: A name is no channel and no set-point, or a value is no number.
         """
         if not isinstance(values, Mapping) or not all(isinstance(one, Real) for one in (stamp, *values.values())):
             raise ArgumentError(

@@ -28,7 +28,7 @@ SET_POINTS: Mapping[str, Dimension] = {name: channel_of(name).dimension for name
 """Set-points of a rig, as commanded or indicated, and dimensions: inputs of the estimator."""
 _KNOWN = {**CHANNELS, **SET_POINTS}
 GAP = 2.5
-"""Distance of two samples over the usual one, from which there is a gap between them; not measured."""
+"""Distance of two samples over the usual distance, from which there is a gap between the two; not measured."""
 _OF_BAG = {name: FIELDS[name] for name in _KNOWN if name != "motor_torque"}
 _MNEMONICS = {name: record for name in _KNOWN for record, field in RECORDED.items() if field == FIELDS[name]}
 """Channels, and the names of their columns in records."""

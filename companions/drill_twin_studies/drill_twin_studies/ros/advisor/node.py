@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Advisor node: where the set-point lies in the operating map, and the nearest calmer one. It commands nothing.
+"""Advisor node: where the set-point lies in the operating map, and the nearest calmer set-point; without commands.
 
-Where it is given no map, `drill-twin map` makes a coarse map of the scene on the topics in a child process.
+Where the node is given no map, `drill-twin map` makes a coarse map of the scene on the topics in a child process.
 """
 
 from __future__ import annotations
@@ -116,7 +116,7 @@ class Advisor(TwinNode):
 
     NAME: ClassVar = "advisor"
     PURPOSE: ClassVar = (
-        "Says where the set-point lies in the operating map, and the nearest calmer one; commands nothing."
+        "Says where the set-point lies in the operating map, and the nearest calmer set-point; commands nothing."
     )
     PARAMETERS: ClassVar = (
         Parameter("map", "", 'map.json of `drill-twin map`; "": make a coarse map of the scene on /twin/scene'),
