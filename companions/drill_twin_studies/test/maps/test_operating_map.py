@@ -121,9 +121,9 @@ def test_a_map_belongs_to_the_numbers_of_its_scene(found):
 
 
 def test_a_folder_has_the_runs_of_one_map(place):
-    with pytest.raises(ArgumentError, match="found those of another range of the weight on bit; choose another folder"):
+    with pytest.raises(ArgumentError, match="results of another range of the weight on bit; choose another folder"):
         dt.operating_map("pa6_bench", COARSE, folder=place, **{**ASKED, "wob": "1..50 N"})
-    with pytest.raises(ArgumentError, match="found those of another scene"):
+    with pytest.raises(ArgumentError, match="found results of another scene"):
         dt.operating_map("pa6_bench", {**COARSE, "effects.bow.amplitude": 1e-4}, folder=place, **ASKED)
 
 
