@@ -23,7 +23,7 @@ _ORBITS = 4
 
 
 def animate(result: Any, path: str | Path, begin: float | None, end: float | None, speed: float) -> Path:
-    """Write the moving picture; the arguments are those of `Result.animate`."""
+    """Write the moving picture; the arguments are explained at `Result.animate`."""
     from matplotlib import animation
 
     file = Path(path)

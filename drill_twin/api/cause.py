@@ -61,7 +61,7 @@ def why(result: Result, *, progress: Callable[[str, float, float], None] | None 
         progress: Takes the name of each repeat before it begins, how many are done, and how many there are at most.
 
     Raises:
-        BagError: It is the record of a rig, its scene is not known, or it has no rig states.
+        BagError: The bag is the record of a rig, its scene is not known, or it has no rig states.
     """
     return cause_of(result.recording, result.summary, progress=progress)
 

@@ -142,7 +142,7 @@ def _differ(one: float | str, other: float | str, tolerance: float) -> bool:
 
 
 def quantities(cases: Sequence[Case]) -> list[ComparedQuantity]:
-    """Everything that is compared, those of the balance first; those that no case has are left out."""
+    """All compared quantities, the balance's quantities first; a quantity that no case has is left out."""
     rows = [dict(_of(case)) for case in cases]
     names = dict.fromkeys(key for row in rows for key in row)
     found = []

@@ -51,7 +51,7 @@ class Ensemble:
             scene: The scene, or its name or file.
             vary: Values by key, as in overrides; a key of an effect needs no `effects.`, `seed` is `numerics.seed`.
             zipped: Take the values of all keys together, one after the other, instead of each with each.
-            overrides: Values that replace those of the scene for all members.
+            overrides: Values that replace the scene's values for all members.
 
         Raises:
             ArgumentError: No values, too many members, or members that need another kernel.

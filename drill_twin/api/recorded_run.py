@@ -107,8 +107,8 @@ def rerun(
 
     Args:
         bag: Folder of a run or a bag, or a bag file; or the record of a rig (CSV, MAT, LAS, WITSML).
-        overrides: Values that replace those of the scene, but no set-points: those are the bag's. A weight on bit or a
-            speed takes the place of that of a record.
+        overrides: Values that replace the scene's values, but no set-points, which the bag decides. A weight on bit or
+            a speed takes the place of the record's.
         scene: The scene, where the bag holds none; of a record always.
         namespace: Namespace of the twin, where the bag holds several.
         progress: Called with the simulated time and that at the end [s] after each frame.
@@ -122,13 +122,13 @@ def rerun(
     if record and scene is None:
         raise ArgumentError(
             f"{bag}: expected the scene of the rig beside its record, found none; name it with --scene "
-            "(`drill-twin scene new` makes one of a well plan)"
+            "(`drill-twin scene new` makes a scene of a well plan)"
         )
     for key in () if record else overrides or {}:
         if any(key == fixed or key.startswith(f"{fixed}.") for fixed in _OF_THE_BAG):
             raise ArgumentError(
-                f"{key}: expected a key that the bag does not decide, found one of the set-points, which are those "
-                "of the bag; to change them, run the scene itself"
+                f"{key}: expected a key that the bag does not decide, found one of the set-points, which the "
+                "bag decides; to change them, run the scene itself"
             )
     recorded = read_bag(bag, scene=None if scene is None else as_scene(scene), namespace=namespace)
     described = recorded.scene
@@ -167,14 +167,14 @@ def _of_record(recorded: Result, changes: dict[str, Any]) -> tuple[Scene, Record
     scene = override(recorded.scene, {"rig.duration": length, **changes})
     schedule, period = Schedule.from_scene(scene), round(NANOSECONDS / scene.numerics.frame_rate)
     frames = range(1, round(length * NANOSECONDS / period) + 1)
-    source = f"{path.name}: {' and '.join(told) or 'none'}, without spikes and gaps; the others are those of the scene"
+    source = f"{path.name}: {' and '.join(told) or 'none'}, without spikes and gaps; the others are the scene's"
     if rig.time[0] > 0.0:
         source += f"; time 0 of the run is {rig.time[0]:g} s of the record"
     return scene, RecordedCommands(source, period, [schedule.at(k * period / NANOSECONDS) for k in frames], 0.0)
 
 
 def planned(scene: Scene) -> Callable[[float], Command]:
-    """Set-points of a scene over time; those at its start where it plays a table, which may not be there any more."""
+    """Set-points of a scene over time; where it plays a table, whose file may be gone, its first set-points."""
     if scene.rig.table is not None:
         return lambda _: Command(*scene.rig.first)
     return Schedule.from_scene(scene).at

@@ -68,7 +68,7 @@ class Trial(NamedTuple):
     """An effect was taken back, not a set-point."""
     ends_whirl: bool
     """The repeat does not whirl, or not backward where the run does, and would not whirl later: no mode grows, and its
-    lateral motion is small. The same holds at the other speeds at which the run itself whirls."""
+    lateral motion is small. Nor does it whirl at the other speeds at which the run itself whirls."""
     outcome: str
     """Result in words."""
     motion: str
@@ -106,7 +106,7 @@ class Repeats:
 
     @property
     def steady(self) -> Command:
-        """Weight and speed of the modes: means of `BEFORE` up to the onset, else those at the end."""
+        """Weight and speed of the modes: means of `BEFORE` up to the onset, else the values at the end."""
         if self.onset is None:
             return self.command
         last = min(max(round(self.onset / self.period), 1), len(self.commands))
@@ -196,7 +196,7 @@ class Repeats:
         """Run of a scene under shares of the recorded weight and speed.
 
         Raises:
-            RunError: It stops early.
+            RunError: The run stops early.
         """
         simulation = Simulation(scene)
         simulation.play([Command(weight * one.weight_on_bit, speed * one.rotation, one.block) for one in self.commands])

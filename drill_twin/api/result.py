@@ -35,7 +35,7 @@ class Result(Plots):
 
     Everything is read on first use. T samples, m marks in the order of the scene, n + 1 nodes from the bit (0) to the
     top clamp (n). Positions are in the frame `hole`: origin at the top clamp, z up along the hole, x to the low side.
-    Each group has its own `time`; those of a run of this package are all equal to `Result.time`.
+    Each group has its own `time`; in a run of this package each is equal to `Result.time`.
     """
 
     def __init__(
@@ -224,7 +224,7 @@ class Result(Plots):
     def to_pandas(self) -> pd.DataFrame:
         """The arrays of `to_xarray` as a table over the time [s]: a column a quantity, with its SI unit in the heading.
 
-        Columns are named `hookload [N]`, and those of marks `mark_1/position/x [m]`. Groups with times of their own
+        Columns are named `hookload [N]`, and a mark's columns `mark_1/position/x [m]`. Groups with times of their own
         have rows of their own, empty elsewhere.
 
         Raises:
@@ -283,7 +283,7 @@ def read_bag(
         begin: Samples before this time are left out [s].
         end: Samples after this time are left out [s].
         namespace: Namespace of the twin, as "/rig2", where the bag holds several.
-        sub: Downhole sub whose readings are analysed instead of the marks, `measured/NAME` for that of a real rig.
+        sub: Downhole sub whose readings are analysed instead of the marks, `measured/NAME` for a sub of a real rig.
 
     Raises:
         BagError: Not a bag of this package, nothing in it that could be analysed, or several twins without a choice.

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A result as figures, those of the report, as an xarray dataset and as a pandas table; the cost of its run."""
+"""A result as the figures of the report, as an xarray dataset and as a pandas table; the cost of its run."""
 
 from __future__ import annotations
 

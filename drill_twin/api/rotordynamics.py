@@ -44,7 +44,7 @@ def steady_scene(scene: Scene | str | Path, overrides: Overrides | None, left_ou
     """The scene under its final set-points, without some of its effects.
 
     Raises:
-        SceneError: It plays a record, which has no final set-points, or an effect is not listed.
+        SceneError: The scene plays a record, which has no final set-points, or an effect is not listed.
     """
     own = without(as_scene(scene, overrides), left_out)
     recorded = [key for key in ("weight_on_bit", "rotation") if getattr(own.rig, key).shape == "table"]
@@ -67,7 +67,7 @@ def final_command(scene: Scene) -> Command:
 
 
 def resting_in(equations: EquationsOfMotion) -> Resting:
-    """Function from a command to a balance under it, to start from: that of `rig.start: equilibrium`."""
+    """Function from a command to a balance under it, to start from: the balance of `rig.start: equilibrium`."""
 
     def resting(command: Command) -> Array:
         from drill_twin.dynamics.twin.dynamics import Dynamics
@@ -86,7 +86,7 @@ def held_at(scene: Scene, command: Command, **rig: object) -> Scene:
 
 
 def fastest_of(command: Command) -> float:
-    """Rotation up to which critical speeds and responses are sought: twice that of the scene [rad/s]."""
+    """Rotation up to which critical speeds and responses are sought: twice the scene's rotation [rad/s]."""
     return 2.0 * (abs(command.rotation) or 10.0)
 
 
@@ -96,11 +96,11 @@ def _sliding(equations: EquationsOfMotion, command: Command) -> Array:
 
 
 def forced_response(scene: Scene, table: ModeTable) -> ForcedResponse:
-    """Response to mass unbalance and to a bend over the speed of rotation, up to twice that of the scene.
+    """Response to mass unbalance and to a bend over the speed of rotation, up to twice the scene's speed.
 
     Args:
         scene: A scene of `steady_scene`.
-        table: Its modes.
+        table: Modes of the scene.
     """
     command, whole = table.balance.command, Extent(scene.length, scene.length)
     assembly = table.assembly or Assembly(EquationsOfMotion(scene), command, table.balance.u, whole)
@@ -116,8 +116,8 @@ def modes(
 ) -> ModeTable:
     """Damped modes of the string, turning in balance under the final set-points of a scene.
 
-    Each is computed on a mesh twice as fine too, if that has not too many unknowns: its `change`. Lateral modes of a
-    long string (1,000 m and more, its weight at the bit) are those of its assembly on the low side
+    Each mode is computed on a mesh twice as fine too, unless the fine mesh has too many unknowns: its `change`. Of a
+    long string (1,000 m and more, its weight at the bit) the lateral modes are its assembly's modes on the low side
     (`drill_twin.dynamics.rotordynamics.assembly`).
 
     >>> table = modes("pa6_bench", {"wob": 5, "rpm": 120})
@@ -125,7 +125,7 @@ def modes(
 
     Args:
         scene: The scene, or its name or file.
-        overrides: Values that replace those of the scene.
+        overrides: Values that replace the scene's values.
         without: Effects to leave out.
         count: Modes of each kind.
 
@@ -208,7 +208,7 @@ def whirl_states(
 
     Args:
         scene: The scene, or its name or file.
-        overrides: Values that replace those of the scene.
+        overrides: Values that replace the scene's values.
         without: Effects to leave out.
         random_starts: Random first shapes of the search, besides the lowest modes.
         seed: Of the random shapes.
@@ -229,7 +229,7 @@ def imperfect_states(
 
     Args:
         scene: A scene of `steady_scene`.
-        states: Its steady whirls, on any mesh.
+        states: Steady whirls of the scene, on any mesh.
     """
     locked = locked_states(TurningEquations(EquationsOfMotion(scene)), final_command(scene))
     turning = {n: TurningEquations(EquationsOfMotion(meshed(scene, n))) for n in {one.elements for one in states}}
@@ -250,14 +250,14 @@ def branches(
 
     Args:
         scene: The scene, or its name or file.
-        overrides: Values that replace those of the scene.
+        overrides: Values that replace the scene's values.
         over: `wob`, `rpm`, or the key of a number of the scene, such as `wall_friction.coefficient`.
         span: Range, such as "5..80 N" or "60..480" [rev/min], or both ends in SI.
         without: Effects to leave out.
         random_starts: As in `whirl_states`.
 
     Raises:
-        ArgumentError: It is no range, or the key is not that of a number.
+        ArgumentError: The range is none, or the key names no number.
         SceneError: The scene cannot be loaded, no steady whirl can exist in it, or its value is outside the range.
     """
     own = steady_scene(scene, overrides, without)

@@ -34,7 +34,7 @@ def load_scene(scene: str | Path, overrides: Overrides | None = None) -> Scene:
 
     Args:
         scene: Name or file.
-        overrides: Values that replace those of the file.
+        overrides: Values that replace the file's values.
 
     Raises:
         SceneError: No such file, or not a scene; the message names file, line, key, expected and found.
@@ -109,7 +109,7 @@ def write_scene(scene: Scene, path: str | Path) -> Path:
     """
     file = Path(path)
     if file.exists():
-        raise SceneError(f"{file}: expected a new file, found one that exists; choose another or remove it")
+        raise SceneError(f"{file}: expected a new file, found an existing file; choose another or remove it")
     try:
         write_whole(file, scene.to_yaml())
     except OSError as error:
@@ -123,7 +123,7 @@ def scene_names() -> list[str]:
 
 
 def as_scene(scene: Scene | str | Path, overrides: Overrides | None = None) -> Scene:
-    """The scene itself, or the one of a name or file; with other values where there are any."""
+    """The scene itself, or the scene of a name or file, with its overrides applied."""
     if not isinstance(scene, Scene):
         return load_scene(scene, overrides)
     return override(scene, overrides) if overrides else scene
@@ -139,7 +139,7 @@ def in_si(name: str, value: Quantity, dimension: Dimension, unit: float = 1.0) -
     Args:
         name: Name of the argument, for the message.
         value: The argument.
-        dimension: Its dimension.
+        dimension: Dimension of the argument.
         unit: SI value of the unit that a number is in.
 
     Raises:
@@ -169,7 +169,7 @@ def range_of(scene: Scene, key: str, given: str | tuple[float, float]) -> tuple[
         given: Text such as "0.05..0.5" or "1..300 N", or both ends in SI.
 
     Raises:
-        ArgumentError: It is no range, or the key is not that of a number.
+        ArgumentError: The text is no range, or the key names no number.
         SceneError: An end does not fit the scene.
     """
     place = full_key(key, scene)

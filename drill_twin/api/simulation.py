@@ -116,11 +116,11 @@ class Simulation:
 
         Args:
             scene: The scene, or its name or file.
-            overrides: Values that replace those of the scene.
+            overrides: Values that replace the scene's values.
 
         Raises:
             SceneError: The scene cannot be loaded, or has an accuracy that cannot be reached.
-            RunError: It begins in static equilibrium, and none was found.
+            RunError: The scene begins in static equilibrium, and none was found.
         """
         from drill_twin.io.bag.virtual_bags import MemoryBag
         from drill_twin.runs import SessionRun, compile_kernel
@@ -211,7 +211,7 @@ class Simulation:
         last = self._run.command
         carried = self.scene.rig.block
         if block is not None and (carried is None or carried.auto_driller is not None):
-            found = "none" if carried is None else "one that an auto-driller moves, command wob"
+            found = "none" if carried is None else "a block that an auto-driller moves, command wob"
             raise ArgumentError(f"block: expected a scene with rig.block, found {found} in {self.scene.name}")
         command = Command(
             last.weight_on_bit if wob is None else in_si("wob", wob, FORCE),

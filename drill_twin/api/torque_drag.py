@@ -31,9 +31,9 @@ def statics(
     >>> loads.hookload, loads.along.side_force.max(), loads.margins
 
     Args:
-        scene: The scene, or its name or file; its final weight on bit and rotation are those of sliding and drilling. A
-            weight given at the top is that at the bit less the weight of the string.
-        overrides: Values that replace those of the scene.
+        scene: The scene, or its name or file; sliding and drilling take its final weight on bit and rotation. A weight
+            given at the top is the weight on bit less the weight of the string.
+        overrides: Values that replace the scene's values.
         without: Effects to leave out.
         trip_speed: Speed along the hole when tripping [m/s].
         feed: Rate of penetration when sliding and drilling [m/s].
@@ -63,8 +63,8 @@ def statics_over_depth(
 
     Args:
         scene: The scene, or its name or file.
-        friction: Coefficients on the wall; an interval with a coefficient of its own keeps that.
-        overrides: Values that replace those of the scene.
+        friction: Coefficients on the wall; an interval with a coefficient of its own keeps it.
+        overrides: Values that replace the scene's values.
         without: Effects to leave out.
         depths: Number of depths.
 

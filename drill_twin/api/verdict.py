@@ -26,7 +26,7 @@ COSTS = {
     "margin to the nearest critical speed of the assembly": -1.0, "specific energy": 1.0, "rate of penetration": -1.0,
 }  # fmt: skip
 """Quantities that cost bits and joints, the costliest first: 1 where more is worse, -1 where less is. A name is the end
-of that of a compared quantity."""
+of the name of a compared quantity."""
 NUDGE = 0.01
 """Standard deviation of the speed of another seed, as a share: no rig holds its speed better, and where the string lies
 on the wall friction forgets a push."""
@@ -54,7 +54,7 @@ def again(
     """Run the cases with another seed, which draws a push and a change of the speed; a bag is not run again.
 
     Args:
-        first: Cases in their first runs, whose balance is that of all seeds.
+        first: Cases in their first runs, whose balance holds for all seeds.
         what: Scene or bag of each.
         seed: Number of the seed, from 1.
         progress: Takes the name of a case before its run.
@@ -81,7 +81,7 @@ def again(
 
 
 def costs(runs: Sequence[Sequence[Case]], tolerance: float) -> list[ComparedCost]:
-    """Costs of cases, ranked, those that no run has left out.
+    """Costs of cases, ranked; a cost that no run has is left out.
 
     A difference is shown where the means are further apart than the tolerance, a share of the larger one, and than
     chance explains at 95 % for all costs together (Welch 1947, Bonferroni); a single run a case shows none.
@@ -153,7 +153,7 @@ def _mean_text(size: float, row: Sequence[float]) -> str:
 def verdicts(found: Sequence[ComparedCost], units: UnitSystem) -> list[str]:
     """Sentence on each case but the first."""
     if any(len(row) < 2 for cost in found for row in cost.values):
-        return ["no verdict: one run of a case shows no spread; --seeds 3 repeats those that are scenes"]
+        return ["no verdict: one run of a case shows no spread; --seeds 3 repeats the cases that are scenes"]
     return [_verdict(found, k, units) for k in range(len(found[0].better))] if found else [NONE]
 
 

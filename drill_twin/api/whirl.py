@@ -72,7 +72,7 @@ class Whirl:
 
     @property
     def mark_motion(self) -> dict[str, list[dict[str, Any]]]:
-        """The same for each mark."""
+        """Motion states of each mark in order, by its name, with the keys of `motion`."""
         return {mark: self._timeline(periods) for mark, periods in self.summary.mark_motion.items()}
 
     def _timeline(self, periods: tuple[MotionPeriod, ...]) -> list[dict[str, Any]]:

@@ -70,7 +70,7 @@ def analyze(
 ) -> None:
     """Find whirl in a bag, its onset, frequencies and motion states, and stick-slip of the bit.
 
-    The analysis is that of the analyzer node; findings that the node recorded live are compared byte for byte. A bag
+    The analyzer node computes the same analysis; findings that it recorded live are compared byte for byte. A bag
     whose recorder was killed is read up to its last complete message.
     """
     from drill_twin.api.scenes import in_si

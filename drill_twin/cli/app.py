@@ -76,7 +76,7 @@ _nodes.command(add_help_option=False, context_settings={**ANY_ARGUMENTS, "help_o
 _nodes.command(context_settings={**ANY_ARGUMENTS, "allow_interspersed_args": False})(ros.node)
 _add(_nodes, {"doctor": ros.doctor, "topics": ros.topics})
 
-_study = typer.Typer(cls=StudyGroup, help="Commands of other packages: those of drill_twin_evidence, and of yours.")
+_study = typer.Typer(cls=StudyGroup, help="Commands of other packages: of drill_twin_evidence, and of yours.")
 for _name, _group in (("scene", _scene), ("ros", _nodes), ("study", _study)):
     app.add_typer(_group, name=_name, rich_help_panel="Groups of commands")
 

@@ -49,9 +49,9 @@ def compare(
 ) -> None:
     """Run two or more cases and show the differences that matter to a bit run, in a table and on a page.
 
-    Loads and margins come from the balance of forces (`statics`), the rest from the second half of each run. It ends
-    with a verdict: what costs bits and joints, over runs of several seeds, and what they can show. Writes compare.html,
-    compare.json and compare.png.
+    Loads and margins come from the balance of forces (`statics`), the rest from the second half of each run. The
+    output ends with a verdict: what costs bits and joints, over runs of several seeds, and what the runs can show.
+    Writes compare.html, compare.json and compare.png.
     """
     from drill_twin.api.compare import finish, page, prepare, quantities
     from drill_twin.api.verdict import again, cost_table, costs, verdicts

@@ -75,7 +75,7 @@ def write_files(folder: Path, files: Mapping[str, Any]) -> Sequence[str]:
     """Write files, each as a whole or not at all.
 
     Args:
-        folder: Their folder; made if there is none.
+        folder: Folder of the files; made if there is none.
         files: By name a text, a matplotlib figure, or plain types, which become JSON; or a function that makes one.
 
     Returns:
@@ -108,10 +108,10 @@ def check_new(file: Path, *, replace: bool) -> None:
     """Check that a file may be written.
 
     Raises:
-        BagError: It exists, and `replace` is off or it is no file.
+        BagError: The file exists, and `replace` is off or the path is no file.
     """
     if file.exists() and not (replace and file.is_file()):
-        raise BagError(f"{file}: expected a new file, found one that exists; choose another, or --replace")
+        raise BagError(f"{file}: expected a new file, found an existing file; choose another, or --replace")
 
 
 def write_file(file: Path, text: str) -> None:

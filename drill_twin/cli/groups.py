@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Groups of commands: an unknown one is refused with the one that was meant; commands of other packages.
+"""Groups of commands: an unknown command is refused with the nearest known name; commands of other packages.
 
 Commands of other packages come from the entry-point group ``drill_twin.commands``: the entry's name is the command
 below `drill-twin study`, its value a function whose arguments typer understands
 (``clearance = my_package.clearance:clearance``). Its package is imported when the command is called, and for a list of
 commands, which has its help. A command that cannot be loaded stays in the list and tells why. A name of
 two words (``ros load``) stands in that group, and commands of the companions (`drill_twin.core.companions`) stand
-beside those of the core, installed or not.
+beside the commands of the core, installed or not.
 """
 
 from __future__ import annotations
@@ -35,10 +35,10 @@ _OF_COMPANIONS = {
 
 
 class CommandGroup(TyperGroup):
-    """Commands, listed by `drill-twin GROUP` alone; the message on an unknown one names what was meant."""
+    """Commands, listed by `drill-twin GROUP` alone; the message on an unknown command names the nearest."""
 
     def list_commands(self, ctx: Any) -> list[str]:
-        """Names of the commands, those of other packages behind the others."""
+        """Names of the commands: the core's, then other packages'."""
         return list(dict.fromkeys([*super().list_commands(ctx), *self._of_companions()]))
 
     def get_command(self, ctx: Any, cmd_name: str) -> Any:
@@ -55,7 +55,7 @@ class CommandGroup(TyperGroup):
         return {name: whole for name, whole in rest.items() if " " not in name}
 
     def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
-        """Parse the arguments of the group; without any, those of its help."""
+        """Parse the arguments of the group; without any, `--help`."""
         return super().parse_args(ctx, args or ["--help"])
 
     def resolve_command(self, ctx: Any, args: list[str]) -> Any:
@@ -82,7 +82,7 @@ class CommandGroup(TyperGroup):
 class StudyGroup(CommandGroup):
     """Commands of other packages, each in the panel of its distribution.
 
-    Where two packages have one of the same name the first package has it, which the list tells in a line on stderr.
+    Where two packages have a command of the same name, the first package's is taken; a line on stderr says so.
     """
 
     def list_commands(self, ctx: Any) -> list[str]:
@@ -99,7 +99,7 @@ class StudyGroup(CommandGroup):
             for other in found[1:]:
                 print(
                     f'drill-twin: the command "{cmd_name}" of the package {package_of(other)} is left out: there is '
-                    f"one of that name in {package_of(found[0])}",
+                    f"a command of that name in {package_of(found[0])}",
                     file=sys.stderr,
                 )
         return self.commands.get(cmd_name)
@@ -110,7 +110,7 @@ def _studies() -> list[EntryPoint]:
 
 
 def _of_companion(whole: str) -> Any:
-    """Command of a companion, or one that names the package to install."""
+    """Command of a companion, or a command that refuses with the name of the package to install."""
     package, panel = _OF_COMPANIONS.get(whole, ("", ""))
     name, entry = whole.rpartition(" ")[2], entry_of(ENTRY_POINTS, whole)
     if entry is None:
@@ -131,7 +131,7 @@ def _refused(name: str, panel: str, error: ArgumentError, help_text: str) -> Any
 
 
 def _command(entry: EntryPoint, name: str, panel: str) -> Any:
-    """The command, or one that raises what is wrong with it."""
+    """The command of an entry point, or a command that raises why the entry point cannot be loaded."""
     try:
         return _of_function(name, panel, entry.load())
     except Exception as error:  # noqa: BLE001 - another package must not stop this one

@@ -44,10 +44,10 @@ def modes(
 ) -> None:
     """Compute the damped modes of the turning string: frequency, growth, shape, and its critical speeds.
 
-    They are those under the final set-points of the scene; of a long string the lateral modes are those of the assembly
-    on the low side of its hole. --out and --json add the response to unbalance and bend over the rotation. Campbell
-    diagram and map go up to twice the speed and the load of the scene. Bow and eccentricity excite the modes and change
-    none, so they are left out.
+    The modes hold under the final set-points of the scene. The lateral modes of a long string are computed for its
+    assembly on the low side of the hole. --out and --json add the response to unbalance and bend over the rotation.
+    Campbell diagram and map go up to twice the speed and the load of the scene. Bow and eccentricity excite the modes
+    and change none, so both are left out.
     """
     import numpy as np
 
@@ -76,7 +76,7 @@ def modes(
         diagram = growth_rates = None
         if campbell:
             speeds = np.linspace(0.0, fastest, campbell + 1)[1:]
-            if command.rotation:  # one of the speeds, since there the modes have the numbers of the table
+            if command.rotation:  # among the speeds, since there the modes have the numbers of the table
                 speeds[np.argmin(np.abs(speeds - abs(command.rotation)))] = abs(command.rotation)
             diagram = rotordynamics.campbell(own, speeds=speeds, count=count, numbered_at=abs(command.rotation))
         if growth:
@@ -136,7 +136,7 @@ def _table(table: ModeTable, name: str, units: UnitSystem) -> Table:
         return Table(("mode", "whirl", "frequency", "+-", "growth", "+-", "damping"), rows, title=title,
                      right=(2, 3, 4, 5, 6))  # fmt: skip
     title += (
-        f" Lateral modes are those of the assembly: critical speed, place of the largest motion in {units.length} from "
+        f" Lateral modes belong to the assembly: critical speed, place of the largest motion in {units.length} from "
         "the bit, share of the kinetic energy in the collars in %."
     )
     columns = ("mode", "plane", units.rotation, "at", "%", "Hz", "+-", "growth", "damping")
@@ -168,7 +168,7 @@ def _assembly(table: ModeTable, part: Assembly, units: UnitSystem) -> Iterator[s
     moved = max((abs(mode.cut_change) / abs(mode.eigenvalue) for mode in lateral), default=0.0)
     yield (
         f"the pipe is cut {units.text(ABOVE, 'length')} above the assembly; with the cut at "
-        f"{units.text(MOVED, 'length')} the modes listed change by at most {moved:.2%}; those that change by more than "
+        f"{units.text(MOVED, 'length')} the modes listed change by at most {moved:.2%}; modes that change by more than "
         "1 % belong to the pipe and are not listed"
     )
     if part.leans:

@@ -17,8 +17,8 @@ def time_option(name: str, text: str, least: float = -math.inf, most: float = ma
     """Option of a time in s, which takes text with a unit or a bare number.
 
     Args:
-        name: Its name, such as `--from`.
-        text: Its help, without a period.
+        name: Name of the option, such as `--from`.
+        text: Help of the option, without a period.
         least: Least time [s].
         most: Largest time [s].
         shown: Show the default.
@@ -87,7 +87,7 @@ FreeOption = Annotated[
         "--free",
         metavar="KEY=LO..HI",
         help='Number to find and its range, as "wall_friction.coefficient=0.05..0.5"; of `estimate` also '
-        '"load_factor=0.8..1.2", that of the load; repeatable.',
+        '"load_factor=0.8..1.2", a range for the load; repeatable.',
     ),
 ]
 ChannelOption = Annotated[
@@ -113,7 +113,7 @@ RemapOption = Annotated[
     typer.Option(
         "--remap",
         metavar="THEIRS=OURS",
-        help='Read a topic as one of ours, as "/camera/marks=/marks/state"; repeatable.',
+        help='Read a topic under our name, as "/camera/marks=/marks/state"; repeatable.',
     ),
 ]
 JsonOption = Annotated[bool, typer.Option("--json", help="Print the result as JSON, and nothing else, on stdout.")]
@@ -138,7 +138,7 @@ def folder_option(text: str, default: str | None = None) -> Any:
     """Option `--out DIR`.
 
     Args:
-        text: Its help.
+        text: Help of the option.
         default: Folder that is taken without it, in words; None: no files are written.
     """
     return typer.Option("--out", metavar="DIR", help=text, show_default=default or True)
@@ -184,7 +184,7 @@ def meshes(text: str, example: str) -> list[int]:
     """Numbers of elements of an option such as "8,12,16".
 
     Raises:
-        ArgumentError: It is none.
+        ArgumentError: The text lists no such numbers.
     """
     found = [count for word in text.split(",") if (count := whole_number(word.strip()) or 0) > 1]
     if len(found) <= text.count(","):

@@ -66,7 +66,7 @@ def agreement(both: Rerun, changes: dict[str, str]) -> str:
         return f"set-points from {both.commands.source}{stopped}"
     source = f"commands from {both.commands.source}"
     if both.commands.known_from:
-        source += f" (before {both.commands.known_from:.2f} s, which the bag does not hold, those of the scene)"
+        source += f" (before {both.commands.known_from:.2f} s, which the bag does not hold, the scene's set-points)"
     if both.stopped:
         return f"{source}; the computed run stopped early: {both.stopped}"
     if both.identical:

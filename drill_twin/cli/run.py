@@ -50,7 +50,7 @@ def run(
 ) -> None:
     """Simulate a scene and analyse it; write a bag and summary.json to a new folder.
 
-    Physics, analysis and bag are those of the ROS nodes. Ctrl-C ends the run early and keeps the bag.
+    Physics, analysis and bag are the same as with the ROS nodes. Ctrl-C ends the run early and keeps the bag.
     """
     from drill_twin.scene import load_scene
     from drill_twin.scene.set_points import Schedule

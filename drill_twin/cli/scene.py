@@ -166,7 +166,7 @@ def new(
         ),
     ] = [],  # noqa: B006  typer makes a new list of it
     bit: Annotated[
-        str, typer.Option("--bit", metavar="DIAMETER", help="Diameter of the bit, if smaller than that of the hole.")
+        str, typer.Option("--bit", metavar="DIAMETER", help="Diameter of the bit, if smaller than the hole's.")
     ] = "",
     depth: Annotated[
         str,

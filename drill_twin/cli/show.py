@@ -22,7 +22,7 @@ from drill_twin.core.table import Table
 
 
 class PrintableConsole(Console):
-    """Console that spells control characters out, such as those in the name of a bag."""
+    """Console that spells control characters out, as in the name of a bag."""
 
     def say(self, text: str | Text, style: str = "") -> None:
         """Print a text: in a terminal its lines are broken between words, elsewhere it is as it is."""

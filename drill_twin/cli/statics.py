@@ -30,7 +30,7 @@ _COLUMNS = (
 )
 """Quantities of an operation in the first table, and their kinds of units."""
 SHAPES = ("straight", "sinusoidal", "sinusoidal, helix", "helix")
-"""Words for `BucklingState`, those of the columns."""
+"""Words for `BucklingState` in the columns of the table."""
 
 
 def statics(
@@ -167,7 +167,7 @@ def _shown(found: Statics, units: UnitSystem) -> Iterator[Table | str]:
     if bent := [loads for loads in operations if loads.worst_state and loads.along.side_force.max() < 1e-6]:
         yield (
             f"{', '.join(loads.operation.name for loads in bent)}: past a buckling load, but in balance on the axis: "
-            "hookload, stress and yield are those of straight pipe, without its bend and the friction of a helix"
+            "hookload, stress and yield hold for straight pipe, without its bend and the friction of a helix"
         )
     yield Table(
         ("operation", *(contact.name for contact in operations[0].contacts)),

@@ -60,7 +60,7 @@ def whirl(
 
     In the frame that turns with it a steady whirl is an equilibrium, found by Newton's method from several shapes and
     whirl speeds: first without `stretch` and `torsion`, then with them where the scene has them. Each state is computed
-    on finer meshes too, which tell how much of its growth is the mesh's. States are those of the string without bow and
+    on finer meshes too, which tell how much of its growth is the mesh's. States hold for the string without bow and
     eccentricity, which modulate them.
     """
     from drill_twin.api import rotordynamics
@@ -166,7 +166,7 @@ def _shown_branches(
     columns = ("branch", label, "ratio", "points stable", "folds", "Hopf points", "ends (low, high side)")
     yield Table(columns, rows, title=f"{scene.name}: branches of steady whirl")
     yield (
-        f"Branches are those of a mesh of {resolution_of(scene)[0]} elements, the run's; without --over, the "
+        f"Branches are computed on a mesh of {resolution_of(scene)[0]} elements, the run's; without --over, the "
         "states at one set-point show how far finer meshes move them."
     )
     for value, run in runs:

@@ -34,7 +34,7 @@ class ReportFiles:
     summary: Path
     """`summary.json`."""
     figures: dict[str, Path]
-    """PNG files by name; without those that the recording cannot fill."""
+    """PNG files by name; a figure that the recording cannot fill has none."""
 
 
 def build_report(

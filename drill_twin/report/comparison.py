@@ -62,8 +62,8 @@ def draw_runs(
     Args:
         runs: Name and recording.
         title: Of the figure.
-        styles: Of the lines of each run.
-        units: Of the axes; by default those of the first run.
+        styles: Styles of the lines of each run.
+        units: Units of the axes; by default the first run's.
     """
     with_marks = all(len(run.marks) for _, run in runs)
     tables = [[place.name for place in run.scene.mark_table] if with_marks else [] for _, run in runs]

@@ -25,7 +25,7 @@ def load_rows(summary: Summary) -> Iterator[Row]:
         ("hookload", "hookload_n", "force", 1.0),
         ("drag", "drag_n", "force", 1.0),
         ("torque of the top drive", "top_drive_torque_nm", "torque", 1.0),
-        ("torque on the bit", "bit_torque_nm", "torque", -1.0),  # in the summary that of the rock on the bit
+        ("torque on the bit", "bit_torque_nm", "torque", -1.0),  # the summary holds the rock's torque on the bit
     ):
         if found := summary["loads"].get(key):
             mean, *ends = (sign * found[kind] + 0.0 for kind in ("mean", "min", "max"))  # never -0

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Steady whirls near the findings of a bag, and why its whirl settled where it did.
 
-The states are those of `drill_twin.dynamics.rotordynamics` under weight and rotation at the end of the bag, in the
-lateral form.
+`drill_twin.dynamics.rotordynamics` finds the states under weight and rotation at the end of the bag, in the lateral
+form.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ ELEMENTS = 24
 LAST = 1.0 / 3.0
 """Share of a bag, at its end, that gives the set-points."""
 NEAR = 0.02
-"""Largest difference of a finding's frequency from that of a state, over the rotation."""
+"""Largest difference between the frequencies of a finding and of a state near it, over the rotation."""
 
 
 def near_states(bag: Recording, summary: dict[str, Any]) -> dict[str, Any]:
@@ -39,7 +39,7 @@ def near_states(bag: Recording, summary: dict[str, Any]) -> dict[str, Any]:
 
     Args:
         bag: A recording.
-        summary: Its summary (`drill_twin.report.summary.summarise`).
+        summary: Summary of the recording (`drill_twin.report.summary.summarise`).
 
     Returns:
         By key: `weight_on_bit_n`, `rotation_rev_s`; `axis_growth_per_s`, the growth of the string on the axis [1/s];
@@ -85,7 +85,7 @@ def _lateral(bag: Recording, notes: list[str]) -> Scene:
     own = lateral_form(without(scene, shaken), finest)
     left_out = [key for key in scene.effect_names if key not in {*own.effect_names, *SPATIAL_EFFECTS}]
     if left_out:
-        notes.append(f"states are those without {', '.join(left_out)}")
+        notes.append(f"states are computed without {', '.join(left_out)}")
     return own
 
 
@@ -151,7 +151,7 @@ def _conclusion(findings: list[dict[str, Any]], states: tuple[WhirlState, ...]) 
     near = {found["state"] for found in findings if found["state"] is not None}
     others = ", ".join(f"{states[k].frequency:+.3f} Hz" for k in stable if k not in near)
     if near.intersection(k for k, state in enumerate(states) if state.verdict == "not determined"):
-        return "the whirl is at a steady one whose stability is not determined"
+        return "the string is at a steady whirl whose stability is not determined"
     if not stable:
         if all(state.verdict == "unstable" for state in states):
             return "none of the steady whirls found is stable, so the string cannot settle in one of them"

@@ -55,9 +55,9 @@ def build_page(
 
     Args:
         recording: The run.
-        summary: Its summary.
+        summary: Summary of the recording.
         figures: PNG files by name.
-        charts: Those of them that are drawn by plotly, by name (`drill_twin.report.charts`).
+        charts: Figures that are drawn by plotly, by name (`drill_twin.report.charts`).
     """
     scene = recording.scene if recording.scene_known else None
     name = scene.name if scene else recording.path.name

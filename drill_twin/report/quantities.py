@@ -161,13 +161,13 @@ SOFT = 0.1
 FALLEN = 2.0
 """Time at which a string that starts on the axis of an inclined hole has come to rest on the wall [s]."""
 FRACTIONS = np.array([0.0, 0.5 - np.sqrt(1.0 / 12.0), 0.5 + np.sqrt(1.0 / 12.0)])
-"""Node and Gauss points of an element; the wall acts at the latter."""
+"""Node and Gauss points of an element; the wall acts at the Gauss points."""
 
 
 def wall_depth(bag: Recording) -> dict[str, Any] | None:
     """Deepest Gauss point of the string in the wall, over the poses from `FALLEN` on; None without a wall or poses.
 
-    Of a string with `numerics.lateral_from`, those below its joint.
+    Of a string with `numerics.lateral_from`, the Gauss points below its joint count.
 
     Keys: `deepest_m` (0 without contact), its `distance_from_bit_m` and `time_s`, `clearance_m` there, and `static_m`:
     the depth under the largest weight on bit at rest (`state_judge.static_depth`); None for a record without its file.

@@ -77,8 +77,8 @@ class Recording:
         skipped: Messages that could not be used.
         sub: Downhole sub whose readings are analysed instead of marks; empty without.
         summary: Findings of the analysis for the whole run.
-        units: Units in which people read it: those of the selection, else of the scene, else of the record, else `si`.
-        runs: Number of runs in the bag; this is the last.
+        units: Units in which people read it: the selection's, else the scene's, else the record's, else `si`.
+        runs: Number of runs in the bag; the recording is of the last.
         unpaired: Number of states of the marks or the rig without a partner of the same stamp.
     """
 
@@ -91,8 +91,8 @@ class Recording:
             selection: The part that is analysed; by default all.
 
         Raises:
-            BagError: It holds neither marks nor rig states, or marks but no scene.
-            AnalysisError: A selected mark is not one of the scene.
+            BagError: The bag holds neither marks nor rig states, or marks but no scene.
+            AnalysisError: The scene lacks a selected mark.
         """
         self.bag = bag
         self.selection = selection or Selection()
@@ -186,7 +186,7 @@ class Recording:
             self.skipped.add(topic, time, reason)
 
     def _add_place(self, _: bytes) -> None:
-        """Append the place of the section of the sub, about its mean, as that of a mark."""
+        """Append the place of the sub's section, about its mean, as if the section were a mark."""
         section = self._pipeline.section
         if section is not None and (place := section.place) is not None:
             mark, row = self._pipeline.marks[0], np.full((3, 1, len(MARK_AXES)), np.nan)
@@ -224,7 +224,7 @@ class Recording:
         """Scene of the run.
 
         Raises:
-            BagError: It is not known.
+            BagError: The scene is not known.
         """
         if self._pipeline.scene is None:
             raise BagError(no_scene(self.path, self._pipeline.trouble, of_sub=bool(self.sub)))

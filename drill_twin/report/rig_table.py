@@ -29,7 +29,7 @@ _COLUMNS = (
 _UNITS = {
     FORCE: ("kN", 1e-3), TORQUE: ("kN.m", 1e-3), ANGULAR_SPEED: ("rpm", 30.0 / math.pi), LENGTH: ("m", 1.0),
 }  # fmt: skip
-"""Unit of a column by its dimension, and how many of it are one of SI."""
+"""Unit of a column by its dimension, and how many of the unit make one SI unit."""
 NULL = -999.25
 """Value of LAS for none."""
 
@@ -48,8 +48,8 @@ def read_rig(path: str | Path, selection: Selection) -> tuple[RigSeries, str]:
     """States of the rig in a part of a bag, of its last run, and the name of the scene; nothing is analysed.
 
     Raises:
-        BagError: It is no bag, or has no such states in this time.
-        TableError: It is a record that cannot be read.
+        BagError: The path is no bag, or the bag has no such states in this time.
+        TableError: The path is a record that cannot be read.
     """
     bag = open_bag(path, selection)
     rig, scene = RigSeries(), ""

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Record of a run beside its motion: the `run` block of the scene, the simulator's diagnostics, live findings.
 
-The findings of the analyzer that ran with the twin are compared with those of the analysis of the bag.
+The findings of the analyzer that ran with the twin are compared with the findings of the analysis of the bag.
 """
 
 from __future__ import annotations
@@ -46,7 +46,7 @@ class RunLog:
         """Read a `/twin/scene`.
 
         Raises:
-            MessageError: It cannot be decoded.
+            MessageError: The message cannot be decoded.
         """
         self.info = _run_block(read_string(raw)) or self.info
 
@@ -54,7 +54,7 @@ class RunLog:
         """Read a `/diagnostics`; statuses of other nodes than the simulator are ignored.
 
         Raises:
-            MessageError: It cannot be decoded.
+            MessageError: The message cannot be decoded.
         """
         stamp, statuses = decode_diagnostics(raw)
         for status in statuses:
@@ -68,7 +68,7 @@ class RunLog:
                     self._energies[stamp] = {"time": seconds(stamp), **self.guard.energy}
 
     def _on_speed(self, values: Mapping[str, str]) -> None:
-        """Read the two speeds; before they had a name each, the real-time factor was that of the physics alone."""
+        """Read the two speeds; in old bags, without a name for each, the real-time factor is the physics' alone."""
         factor = number(values["realtime_factor"])
         if "physics_speed" not in values:
             self.physics_speed = self.physics_speed if factor is None else factor
@@ -117,7 +117,7 @@ class LiveFindings:
         """Keep a recorded `/whirl/onset`.
 
         Raises:
-            MessageError: It cannot be decoded.
+            MessageError: The message cannot be decoded.
         """
         self.onset = decode_onset(raw)[1]
 
@@ -132,5 +132,5 @@ class LiveFindings:
 
     @property
     def differing(self) -> int:
-        """Number of those that differ from the analysis in any byte."""
+        """Number of recorded `/whirl/state` that differ from the analysis in any byte."""
         return sum(self._analysed.get(stamp) != raw for stamp, raw in self._recorded.items())

@@ -64,7 +64,7 @@ class Selection:
         """Refuse a time that holds nothing.
 
         Raises:
-            BagError: The end is not after the start, or one of them is not a number.
+            BagError: The end is not after the start, or start or end is not a number.
         """
         if not self.begin < self.end:
             raise BagError(f"--from, --to: expected a start before the end, found {self.begin:g} s and {self.end:g} s")
@@ -83,7 +83,7 @@ def open_bag(path: str | Path, selection: Selection) -> Bag:
     """Bag at a path or in the folder of a run, its topics under the names of the contract; or the record of a rig.
 
     Raises:
-        BagError: It is not a bag, or lacks a topic of the selection.
+        BagError: The path is not a bag, or the bag lacks a topic of the selection.
         TableError: The record cannot be read.
     """
     path = bag_path(path)
@@ -101,7 +101,7 @@ def missing_topics(bag: Bag) -> list[str]:
 
 
 def sub_without_marks(bag: Bag) -> str:
-    """Name of the downhole sub with most readings, `measured/NAME` for that of a real rig; empty without one."""
+    """Name of the downhole sub with most readings, `measured/NAME` for a sub of a real rig; empty without one."""
     counts = {name: topic.count for name, topic in bag.topics.items() if sub_of(name) and name.endswith("/imu")}
     topic = max(counts, key=lambda name: (counts[name], name.startswith(MEASURED)), default="")
     return f"{'measured/' if topic.startswith(MEASURED) else ''}{sub_of(topic)}" if topic and counts[topic] else ""
@@ -146,7 +146,7 @@ class SelectedMessages:
         Args:
             bag: The bag.
             selection: The part of it that is read.
-            with_header: Topics whose messages begin with a header, besides those of the contract.
+            with_header: Topics whose messages begin with a header, besides the contract's topics.
         """
         self._bag, self._selection = bag, selection
         self._with_header = _WITH_HEADER | with_header
@@ -158,14 +158,14 @@ class SelectedMessages:
         self._stray = {topic: stray_stamps(values) for topic, values in stamps.items()}
 
     def read(self, topics: tuple[str, ...], skipped: SkippedMessages) -> Iterator[Message]:
-        """Selected messages in order; those with a stamp from the future are skipped."""
+        """Selected messages in order; a message with a stamp far from its neighbours' is skipped."""
         places, time = dict.fromkeys(self._stray, -1), 0.0
         for topic, _, raw in self._bag.messages(topics):
             if topic in self._with_header:
                 stamp = raw_header_stamp(raw)
                 places[topic] += 1
                 if places[topic] in self._stray[topic]:
-                    reason = f"expected a stamp near those of the messages around it, found {seconds(stamp):g} s"
+                    reason = f"expected a stamp near the stamps of the messages around it, found {seconds(stamp):g} s"
                     skipped.add(topic, time, reason)
                     continue
                 if not self._selection.holds(stamp):
@@ -174,7 +174,7 @@ class SelectedMessages:
             yield topic, raw, time
 
     def batches(self, topics: tuple[str, ...], skipped: SkippedMessages) -> Iterator[list[Message]]:
-        """The same in lists, which end where marks and rig states are paired, if they do."""
+        """Selected messages in lists; a list ends where marks and rig states are paired, if they are anywhere."""
         batch: list[Message] = []
         unpaired, size, least = 0, 0, _FIRST_BATCH
         for message in self.read(topics, skipped):
@@ -195,10 +195,10 @@ def no_scene(path: Path, trouble: str, *, of_sub: bool) -> str:
     Args:
         path: Path of the bag.
         trouble: Reason why its scene cannot be used; empty without one.
-        of_sub: The trouble is one with the readings of a sub.
+        of_sub: True if the trouble is with the readings of a sub.
     """
     if trouble:
-        unused = "" if of_sub else f"expected a scene on {TWIN_SCENE}, found one that cannot be used: "
+        unused = "" if of_sub else f"expected a scene on {TWIN_SCENE}, found a scene that cannot be used: "
         return f"{path}: {unused}{trouble}"
     return (
         f"{path}: expected the scene on {TWIN_SCENE}, found no message there; "
@@ -207,7 +207,7 @@ def no_scene(path: Path, trouble: str, *, of_sub: bool) -> str:
 
 
 def no_samples(bag: Bag, selection: Selection, sub: str, trouble: str) -> str:
-    """Sentence on a bag, or a part of it, in which nothing can be analysed; `trouble` is the last reason for that."""
+    """Sentence on a bag, or a part of it, in which nothing can be analysed; `trouble` is the last reason."""
     needed = (readings_topic(sub),) if sub else (MARKS_STATE, RIG_STATE)
     counts = ", ".join(f"{bag.topics[one].count if one in bag.topics else 0} on {one}" for one in needed)
     why = f" ({trouble})" if trouble else ""

@@ -104,7 +104,7 @@ def refined(position: Array, tangent: Array, fractions: Array) -> Array:
 
 FLAT = 600.0
 """Length of a string above which its views are flat, across the hole over depth [m]: in three dimensions its widths
-would have to be drawn hundreds of times as wide as they are."""
+would have to be drawn hundreds of times too wide."""
 ASSEMBLY = 300.0
 """Distance from the bit within which marks decide what a flat view shows first [m]."""
 
@@ -121,14 +121,14 @@ def widest(scene: Scene) -> float:
 
 
 def deviated(scene: Scene) -> bool:
-    """True for a curved or inclined hole, which is drawn as it is drilled; a vertical one is drawn in mm and m."""
+    """True for a curved or inclined hole, which is drawn as it is drilled; a vertical hole is drawn in mm and m."""
     return bool(scene.hole.survey) or scene.hole.top_inclination != 0.0
 
 
 def well_geometry(scene: Scene, stations: int = 101) -> dict[str, Any]:
     """Centre and transverse axes of the hole, and its radius, by measured depth, with a depth just above each step.
 
-    A deviated hole is in north, east and depth [m], with radii `factor` times as wide as they are. A vertical one is in
+    A deviated hole is in north, east and depth [m], with radii `factor` times too wide. A vertical hole is in
     the frame `hole`, with x and y in mm, a factor of 1000.
     """
     edges = [at for interval in scene.hole.intervals for at in (interval.top, interval.bottom) if at < scene.length]

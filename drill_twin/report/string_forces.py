@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Forces along the string, from the recorded poses of its nodes: a bag holds forces at the two ends and at the marks.
 
-They are elastic: what internal damping and the damping of the wall add is not in a pose.
+The forces are elastic: what internal damping and the damping of the wall add is not in a pose.
 """
 
 from __future__ import annotations
@@ -40,7 +40,7 @@ class StringForces(NamedTuple):
     torque: Array
     """Torque [N m], right-handed positive, shape (T, n); NaN in a scene without `torsion`."""
     side: Array
-    """Normal force of the wall per length [N/m], shape (T, n); that of the soft string where it follows the hole."""
+    """Normal force of the wall per length [N/m], shape (T, n); of the soft string where it follows the hole."""
 
 
 def string_forces(recording: Recording, poses: slice = slice(None)) -> StringForces | None:
@@ -99,8 +99,8 @@ def _mesh(scene: Scene, nodes: int) -> Rod | None:
 def _strain(rod: Rod, position: Array, tangent: Array) -> tuple[Array, Array]:
     """Axial strain at the elements' inner samples, which carries the force from node to node, and r' at the nodes.
 
-    A pose has the direction of r' only. Its length at a node is the one in balance: the strain there is the mean of
-    those of the neighbouring elements, weighted by EA and the weight of the end (the stationary point of
+    A pose has the direction of r' only. The length of r' at a node follows from balance: the strain there is the mean
+    of the neighbouring elements' strains, weighted by EA and the weight of the end (the stationary point of
     `model.stretch`).
     """
     near = np.append(0.0, rod.axial * rod.samples[:, 1])

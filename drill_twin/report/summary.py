@@ -184,7 +184,7 @@ def _notes(bag: Recording) -> list[str]:
         notes.append(f"the guard had {guard.count} frames done again with a smaller step; see `guard`")
     if bag.sub:
         notes.append(
-            f"positions are those of the section of the sub {bag.sub}, about its mean, from its readings: "
+            f"positions belong to the section of the sub {bag.sub}, about its mean, from its readings: "
             "contact is not known, and a radius is over the clearance where that mean has moved"
         )
     elif bag.rotation_from_spin and bag.places:
@@ -196,7 +196,7 @@ def _notes(bag: Recording) -> list[str]:
         notes.append(f"{bag.unpaired} states of the marks or the rig have no partner with the same stamp")
     if bag.live.differing:
         notes.append(
-            f"{bag.live.differing} of {bag.live.messages} findings recorded live differ from those of this analysis: "
+            f"{bag.live.differing} of {bag.live.messages} findings recorded live differ from this analysis: "
             f"the live analyzer {'read marks, ' if bag.sub else ''}missed samples, or was another version"
         )
     return notes

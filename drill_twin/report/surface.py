@@ -75,7 +75,7 @@ def without_spikes(bag: Recording) -> dict[str, Array]:
 
 
 def gaps(time: Array, known: Array, interval: float) -> list[tuple[float, float]]:
-    """Times [s] between which samples are missing, from those `known` at the usual `interval` [s]."""
+    """Times [s] between which samples are missing, where samples at the usual `interval` [s] are `known` or not."""
     at = np.concatenate((time[:1] - interval, time[known], time[-1:] + interval))
     return [(float(at[k]), float(at[k + 1])) for k in np.flatnonzero(np.diff(at) > GAP * interval)]
 
@@ -118,7 +118,7 @@ def _steady(speed: Array) -> float:
 
 
 def index_by_torque(scene: Scene, swing: float, period: float, speed: float) -> float:
-    """Stick-slip index that a swing of the surface torque means: that of the bit's speed over twice the mean.
+    """Stick-slip index that a swing of the surface torque means: the swing of the bit's speed over twice its mean.
 
     The string twists as a chain of shafts that is free at the bit: from there up, each adds its twist and its inertia
     at this period, the body of `bit_mass` first. Friction along the string, left out, makes the index too large.
@@ -126,7 +126,7 @@ def index_by_torque(scene: Scene, swing: float, period: float, speed: float) -> 
     Args:
         scene: The string.
         swing: Largest less least torque of the top drive [N m].
-        period: Of the swing [s].
+        period: Period of the swing [s].
         speed: Mean speed of rotation [rad/s].
     """
     rod, turn = build_rod(tubes_of(scene), MOST), math.tau / period

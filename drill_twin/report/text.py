@@ -174,7 +174,7 @@ def irregular(summary: Summary) -> bool:
 
 
 def lasting(summary: Summary) -> str:
-    """Motion that lasts in words, with its name in the field, and that of the marks where the string has its own."""
+    """Motion that lasts in words, with its name in the field, and the marks' motion where it differs in kind."""
     state = _text(summary["lasting_motion"])
     if state in FIELD_NAMES:
         return f"{state} ({FIELD_NAMES[state]})"
@@ -262,7 +262,7 @@ def _ratio(summary: Summary) -> str:
 
 
 def rotation(summary: Summary, units: UnitSystem) -> str:
-    """Rotation as text: that of the top drive as `applied`; without it, the mean of the string."""
+    """Rotation as text: the top drive's as `applied`; without a top drive's, the mean of the string."""
     applied_speed, found = summary["applied"]["rotation_rad_s"], summary["rotation_rev_s"]
     if applied_speed is not None:
         return units.text(applied_speed["mean"], "rotation")

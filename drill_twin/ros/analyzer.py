@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Analyzer node: onset and motion states of whirl from the marks and the rig, or from a downhole sub; live or replayed.
 
-It uses the stamps of the messages alone, so a replay gives the findings of the live run.
+The node uses the stamps of the messages alone, so a replay gives the findings of the live run.
 """
 
 from __future__ import annotations
@@ -103,7 +103,7 @@ class Analyzer(TwinNode):
             self.get_logger().info(f"whirl began at {onset.time_s:.2f} s at {onset.mark}: {onset.criterion}")
 
     def _count_samples(self, pipeline: WhirlPipeline) -> None:
-        """Note what became of the sample that the last message has completed, if it has."""
+        """Note what became of the sample that the last message has completed, if it has completed any."""
         quality, before = pipeline.quality, self._counted
         self._counted = quality.accepted, quality.incomplete, quality.late + quality.duplicate
         accepted, incomplete, out_of_order = (now > then for now, then in zip(self._counted, before, strict=True))

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Several nodes in one process: simulator, rig driver and analyzer, and those that a flag asks for.
+"""Several nodes in one process: simulator, rig driver and analyzer, and nodes that a flag asks for.
 
-Each node runs its own loop in a thread; the simulator's physics runs with the GIL released. Names and topics are those
-of the separate nodes, so other nodes can observe, command and record the twin.
+Each node runs its own loop in a thread; the simulator's physics runs with the GIL released. Names and topics are the
+same as of separate nodes, so other nodes can observe, command and record the twin.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Demo: rig driver, simulator, analyzer and recorder in one process on DDS, observed, ended in order, and reported.
 
-Its exit code is 0 only if every node ended well and the bag holds every topic of the contract.
+The demo's exit code is 0 only if every node ended well and the bag holds every topic of the contract.
 """
 
 from __future__ import annotations
@@ -39,7 +39,7 @@ def run(arguments: Sequence[str], stop: StopRequest) -> None:
     """Run the demo with these command-line arguments.
 
     Raises:
-        DrillTwinError: It cannot start, or (RunError) did not end well.
+        DrillTwinError: The demo cannot start, or (RunError) did not end well.
     """
     from drill_twin.scene import load_scene
 
@@ -93,7 +93,7 @@ class DemoObserver(TwinNode):
     PURPOSE: ClassVar = "Observes a running twin."
 
     def __init__(self, progress: Progress, duration: float, context: Context, others: Iterable[str] = ()) -> None:
-        """Begin to show a run of a duration [s]; the other arguments are those of `TwinNode`."""
+        """Begin to show a run of a duration [s]; `TwinNode` explains the other arguments."""
         super().__init__(context, others)
         self._progress, self._task = progress, progress.add_task("compiling and connecting", total=duration)
         self._tell, self._stall = progress.console.print, StallDetector()
@@ -163,14 +163,14 @@ class StallDetector:
         self._since, self._time = clock(), 0.0
 
     def check(self, simulated: float, *, compiling: bool = False) -> None:
-        """Compare the simulated time with that of the last call.
+        """Compare the simulated time with the last call's.
 
         Args:
             simulated: Simulated time [s].
             compiling: Whether the simulator says that it compiles: no stall, however long.
 
         Raises:
-            RunError: It has not changed for too long.
+            RunError: The simulated time has not changed for too long.
         """
         now = self._clock()
         if compiling or simulated != self._time:
@@ -187,7 +187,7 @@ def check_bag(folder: Path) -> None:
     """Check that the bag is complete and holds every topic that each run has.
 
     Raises:
-        RunError: It is damaged, or a topic has no message.
+        RunError: The bag is damaged, or a topic has no message.
     """
     from drill_twin.io.bag.reader import Bag
 

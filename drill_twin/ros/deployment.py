@@ -145,6 +145,6 @@ def readable_refusal() -> Iterator[None]:
         if "security" not in text:
             raise DrillTwinError(f"expected ROS to make this node, found: {text}") from error
         raise DrillTwinError(
-            f"expected a Fast DDS with security, found: {text.removeprefix('error creating node: ')}; that of the "
-            "wheels has none: use a whole ROS 2 Jazzy, or unset ROS_SECURITY_ENABLE to run unsecured"
+            f"expected a Fast DDS with security, found: {text.removeprefix('error creating node: ')}; the Fast DDS "
+            "of the wheels has none: use a whole ROS 2 Jazzy, or unset ROS_SECURITY_ENABLE to run unsecured"
         ) from error

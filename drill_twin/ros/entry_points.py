@@ -5,8 +5,8 @@ Exit codes: 0 ended as asked (also by SIGINT or SIGTERM), 1 the run could not go
 
 A new node is a class of `core.node.TwinNode`, a row in `NODES` (in another package: an entry point of `GROUP`), its
 parameter file `config/nodes/NAME.yaml`, which `drill-twin ros node NAME --parameters` prints, and its security policy
-`config/security/NAME.policy.xml`. Its help text and tests follow from these; its executable is a copy of the others in
-`resource/executables/`.
+`config/security/NAME.policy.xml`. The help text and tests of the node follow from class, row and files. The node's
+executable is a copy of the others in `resource/executables/`.
 """
 
 from __future__ import annotations
@@ -40,14 +40,14 @@ PROGRAMS = {
     "twin": "drill_twin.ros.composed_twin:run",
     "demo": "drill_twin.ros.demo:run",
 }
-"""Module and function of what starts several nodes, or takes other arguments than those of ROS."""
+"""Module and function of a program that starts several nodes, or takes other arguments than ROS's."""
 GROUP = "drill_twin.nodes"
-"""Entry-point group of nodes in other packages: a class of `TwinNode`, or a function as those of `PROGRAMS`."""
+"""Entry-point group of nodes in other packages: a class of `TwinNode`, or a function as in `PROGRAMS`."""
 _OF_COMPANIONS = {name: companion.name for companion in COMPANIONS for name in companion.nodes}
 
 
 def executables() -> tuple[str, ...]:
-    """Names of all nodes and programs, those of companions too that are not installed."""
+    """Names of all nodes and programs, also of companions that are not installed."""
     return tuple(dict.fromkeys((*NODES, *_OF_COMPANIONS, *(entry.name for entry in entries(GROUP)), *PROGRAMS)))
 
 

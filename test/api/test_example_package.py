@@ -268,6 +268,6 @@ def test_a_broken_command_is_told_and_leaves_the_others(target, tmp_path):
     listed = said(site, "study")
     assert "Cannot be loaded" in listed.stdout
     assert listed.stderr.strip() == (
-        'drill-twin: the command "clearance" of the package drill_twin_example is left out: there is one of that name '
-        "in broken"
+        'drill-twin: the command "clearance" of the package drill_twin_example is left out: there is a '
+        "command of that name in broken"
     )

@@ -80,7 +80,7 @@ def field(inside, bench_run):
         (["analyze", "foreign_0", "--json"], "the bag is of another package"),
         (["analyze", "good", "--scene", "nope"], "nope: no such scene file"),
         (["analyze", "good", "--scene", "bha_full_size"], "expected the marks of the scene on /marks/state"),
-        (["analyze", "good", "--out", "taken"], "expected a new file, found one that exists"),
+        (["analyze", "good", "--out", "taken"], "expected a new file, found an existing file"),
         (["analyze", "good", "--out", "text.mcap/x"], "expected a place to write the result"),
         (["report", "text.mcap"], "that do not start as one"),
         (["report", "good", "--out", "text.mcap"], "expected a place to write the report"),
@@ -92,7 +92,7 @@ def field(inside, bench_run):
         (["analyze", "no_bag", "--sub", "near_bit", "--marks", "mark_2"], "--marks: expected none beside --sub, which"),
         (["analyze", "no_bag", "--sub", ""], "--sub: expected a downhole sub, found no name; leave the option out"),
         (["modes", "pa6_bench", "--out", "text.mcap"], "text.mcap: expected a place to write the result"),
-        (["scene", "schema", "--out", "taken"], "expected a new file, found one that exists"),
+        (["scene", "schema", "--out", "taken"], "expected a new file, found an existing file"),
         (["scene", "schema", "--out", "text.mcap/x"], "cannot be written"),
     ],
 )

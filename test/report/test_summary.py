@@ -263,7 +263,7 @@ def test_scene_can_be_named(messages, write, known_scene):
 
 def test_broken_scene_is_named(messages, write):
     rows = [(TWIN_SCENE, 0, encode_string("name: [")), *messages[1:]]
-    with pytest.raises(BagError, match="found one that cannot be used: /twin/scene"):
+    with pytest.raises(BagError, match="found a scene that cannot be used: /twin/scene"):
         summarise(write(rows))
 
 

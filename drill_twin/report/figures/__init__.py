@@ -25,7 +25,7 @@ CAPTIONS = {
     "spectrum": "A pure circular orbit is one line as high as its radius: right of zero when it turns with the string, "
     "left when it turns against it.",
     "well": "Hole and string with their diameters, tool joints and blades included, towards the low side; the section "
-    "follows the azimuth. Side force, tension and torque are those of the recorded shape (elastic, one value an "
+    "follows the azimuth. Side force, tension and torque follow from the recorded shape (elastic, one value an "
     "element); orange points are tension and torque as recorded at the ends.",
     "string_shapes": "z = 0 is the top clamp; the bit is at the lower end. Lateral axes are stretched against z. "
     "A string of more than 600 m is drawn flat: its assembly, by the distance from the axis of the hole.",

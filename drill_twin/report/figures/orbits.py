@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Orbits of the centre line in the cross-section of the hole, seen from above, and shapes of the string in 3-D.
 
-Orbits have a panel a depth. It shows the whole hole, or, where the motion is small, the orbit enlarged with the whole
-hole beside it.
+Orbits have a panel a depth. A panel shows the whole hole or, where the motion is small, the enlarged orbit with the
+whole hole beside it.
 """
 
 from __future__ import annotations

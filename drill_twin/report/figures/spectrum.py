@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Two-sided spectrum of the centre line: forward whirl to the right of zero, backward whirl to the left; or over time.
 
-Over time it is that of the mark with most whirl, with multiples of the rotation, and below it the radii of the orbits.
+Over time the spectrum of the mark with most whirl is drawn, with multiples of the rotation; below, the orbits' radii.
 """
 
 from __future__ import annotations

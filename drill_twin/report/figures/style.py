@@ -196,7 +196,7 @@ def save(figure: Figure, path: Path) -> None:
     """Write a figure as PNG, as a whole or not at all.
 
     Raises:
-        BagError: It cannot be written.
+        BagError: The file cannot be written.
     """
     try:
         with styled(), whole_file(path) as stream:

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The string in the well at the end of the run: the hole as it is drilled, and tracks over measured depth.
 
-Forces along the string are those of its recorded shape; points are what the bag holds at the two ends.
+Forces along the string follow from its recorded shape; points are what the bag holds at the two ends.
 """
 
 from __future__ import annotations
@@ -64,7 +64,7 @@ def well(recording: Recording) -> Figure:
 
 
 def _forces(recording: Recording, side: Axes, tension: Axes, torque: Axes) -> None:
-    """Forces of the last pose as lines, those recorded at top and bit as points."""
+    """Forces of the last pose as lines, forces recorded at top and bit as points."""
     rig, units = recording.rig, recording.units
     length = units.show(recording.scene.length, "length")
     ends = (rig.hookload[-1], -rig.bit_force[-1], rig.top_drive_torque[-1], -rig.bit_torque[-1]) if len(rig) else ()
@@ -93,7 +93,7 @@ def _forces(recording: Recording, side: Axes, tension: Axes, torque: Axes) -> No
 
 
 def _directions(low: ComplexArray) -> ComplexArray:
-    """Unit direction of the low side; that of the nearest inclined place where the hole is vertical, else x."""
+    """Unit direction of the low side; where the hole is vertical, the nearest inclined place's direction, else x."""
     known = np.flatnonzero(np.abs(low) > VERTICAL)
     if not known.size:
         return np.ones(low.size, complex)

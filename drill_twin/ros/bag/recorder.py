@@ -28,7 +28,7 @@ _BATCH_TIME = 0.01  # s; waking up for each message would cost as much as writin
 
 
 class Recorder(TwinNode):
-    """Writes the messages of all topics to a bag, and counts those it missed."""
+    """Writes the messages of all topics to a bag, and counts the messages it missed."""
 
     NAME: ClassVar = "recorder"
     PURPOSE: ClassVar = "Records every topic of the twin to an MCAP bag."
@@ -104,7 +104,7 @@ class Recorder(TwinNode):
 
     @contextmanager
     def _writing(self) -> Iterator[None]:
-        """Turn an error of the file into one that ends the run: the input was valid."""
+        """Turn an error of the file into an error that ends the run: the input was valid."""
         self.stop.held = True
         try:
             yield

@@ -176,7 +176,7 @@ class Replayer(TwinNode):
             self._over, self._repeating = not self.settings.loop, True
 
     def _usable(self, topic: str, passed: float, raw: bytes) -> bool:
-        """Check a message; one that no node could use is left out and counted, once a bag."""
+        """Check a message; a message that no node could use is left out and counted, once a bag."""
         try:
             if passed > _LONGEST:
                 raise MessageError(f"recorded {passed / _DAY:.0f} days after the first message")

@@ -184,7 +184,7 @@ class TwinNode(LifecycleNodeMixin, SpinningNode):
         """Answer a requested transition, then end the turn of the loop: what the rest of it would use may be gone."""
         if self._starts or self.ended:
             does = "ends" if self.ended else "starts by itself"
-            raise DrillTwinError(f"expected a node that can change its state, found one that {does}")
+            raise DrillTwinError(f"expected a node that can change its state, found a node that {does}")
         asked, offered = request.transition, {row[0]: row[1] for row in self._state_machine.available_transitions}
         if asked.label not in offered.values() if asked.label else asked.id not in offered:  # rcl would log any label
             found = shortened(asked.label or str(asked.id))

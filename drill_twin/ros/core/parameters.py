@@ -61,7 +61,7 @@ class Parameter:
         """Value converted to the type of the default.
 
         Raises:
-            ParameterError: It has another type or is out of range.
+            ParameterError: The value has another type or is out of range.
         """
         wanted = type(self.default)
         if wanted is float and isinstance(value, int) and not isinstance(value, bool):
@@ -95,7 +95,7 @@ class Parameter:
 
 
 def given_parameters(node: Node) -> dict[str, RosParameter]:
-    """Parameters that the user gave to a node, by name; a value changed here is the one that is declared."""
+    """Parameters that the user gave to a node, by name; a value changed here is declared as changed."""
     given: dict[str, RosParameter] = node._parameter_overrides  # noqa: SLF001 - rclpy has no public access to them
     return given
 
@@ -139,7 +139,7 @@ def follow_changes(
     Args:
         node: A node that has declared the table.
         table: The parameters.
-        settings: Their values by name.
+        settings: Values of the parameters by name.
         check: Called with the settings as they would be; refuses the change by raising a DrillTwinError.
         changed: Called after the settings have changed.
     """
@@ -147,7 +147,7 @@ def follow_changes(
 
     def checked(changes: Sequence[RosParameter]) -> SetParametersResult:
         try:
-            if not all(change.name for change in changes):  # rclpy takes it for one that exists
+            if not all(change.name for change in changes):  # rclpy takes an empty name for an existing parameter
                 raise ParameterError("expected the name of a parameter, found an empty text")
             wanted = {change.name: live[change.name].checked(change.value) for change in changes if change.name in live}
             if wanted:
@@ -180,7 +180,7 @@ def _refuse_unknown(given: Mapping[str, RosParameter], names: Sequence[str], kno
 
 def file_text(name: str, purpose: str, table: Sequence[Parameter]) -> str:
     """Parameter file of a node, `config/nodes/NAME.yaml`: every parameter with its default and description."""
-    reading = "read when the node starts; those marked live can be set while it runs"
+    reading = "read when the node starts; parameters marked live can be set while it runs"
     if not any(parameter.live for parameter in table):
         reading = "each is read once, when the node starts"
     lines = [

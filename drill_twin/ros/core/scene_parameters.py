@@ -20,7 +20,7 @@ def scene_of(settings: SimpleNamespace) -> Scene:
     """Scene of the parameters scene, overrides and, where a node has them, weight_on_bit, rotation, accuracy, table.
 
     Raises:
-        SceneError: It cannot be loaded.
+        SceneError: The scene cannot be loaded.
         ParameterError: The overrides are not pairs KEY=VALUE.
     """
     changes = pairs_of("overrides", settings.overrides)
@@ -37,7 +37,7 @@ def resolved(scene: Scene, duration: float, log: Callable[[str], object]) -> Sce
 
     Args:
         scene: The scene.
-        duration: Simulated time of the run [s]; 0: that of the scene.
+        duration: Simulated time of the run [s]; 0: the scene's.
         log: Called with a line of text.
 
     Raises:
@@ -57,7 +57,7 @@ def pairs_of(parameter: str, text: str) -> dict[str, str]:
     """Pairs of a text `KEY=VALUE; KEY=VALUE`.
 
     Raises:
-        ParameterError: It is none.
+        ParameterError: The text holds no such pairs.
     """
     pairs = {}
     for part in text.split(";"):

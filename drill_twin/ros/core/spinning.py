@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Events of a node: messages, services and timers, processed by the loop of the node when it has time for them.
 
-`EventsExecutor` of rclpy (7.1.4 or later) delivers them, one a turn, and does not look at every entity of the node.
-That look, at some forty entities, takes `SingleThreadedExecutor` a millisecond in Python. Errors of callbacks are
+`EventsExecutor` of rclpy (7.1.4 or later) delivers the events, one a turn, and does not look at every entity of the
+node. `SingleThreadedExecutor` looks at some forty entities, a millisecond in Python. Errors of callbacks are
 raised after the turn (`_keep`), because the executor would print a traceback. The load of the nodes is in
 `evidence/docs/cost.md`.
 """
@@ -31,7 +31,7 @@ class SpinningNode(Node):
     """A node whose events are processed where its loop says so.
 
     Attributes:
-        topics: Its topics of the contract.
+        topics: Topics of the node of the contract.
         samples: Good and bad samples by topic.
         stop: Request to stop, once the loop has been given it.
     """

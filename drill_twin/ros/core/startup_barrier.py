@@ -1,15 +1,15 @@
 # SPDX-License-Identifier: Apache-2.0
 """Start-up barrier: the service `~/ready` of a node, and the wait of a sending node until its readers can receive.
 
-Two nodes that a third one waits for may both be running and not be connected to each other yet. A ready node therefore
+Two nodes that a third node waits for may both run and not be connected to each other yet. A ready node therefore
 answers with the number of readers of each of its topics. The waiting node has discovered all readers of every node
 that answers, because `~/ready` is created last; it compares the two numbers. A node that compiles offers the service
-too, and answers that it compiles; the waiting node waits until it has compiled.
+too, and answers that it compiles; the waiting node then goes on waiting.
 
-Latched frame topics do not replace this. In lockstep, at 5 times real time, a recorder that came a second late missed
-the first 11 s although a publisher keeps 1000 frames; and readers that ask for latched messages are not connected to
-publishers of the usual, volatile kind. Neither does `get_subscription_count` of rclpy alone: a node knows the readers
-that its own publishers are connected to, not the readers of another node's publishers.
+Latched frame topics do not replace the barrier. In lockstep, at 5 times real time, a recorder that came a second late
+missed the first 11 s although a publisher keeps 1000 frames; and readers that ask for latched messages are not
+connected to publishers of the usual, volatile kind. Neither does `get_subscription_count` of rclpy alone: a node knows
+the readers that its own publishers are connected to, not the readers of another node's publishers.
 """
 
 from __future__ import annotations
@@ -155,7 +155,7 @@ def missing_readers(node: Node, answer: str) -> str:
 
     Args:
         node: The node that asked.
-        answer: Message of the ready node; one that is not from this package may hold any text, and counts as ready.
+        answer: Message of the ready node; a node of another package may send any text, and counts as ready.
     """
     try:
         counts = read_json(answer)

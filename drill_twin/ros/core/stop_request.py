@@ -55,7 +55,7 @@ class StopRequest:
         if starter := os.environ.get(END_WITH_PARENT):
             ctypes.CDLL(None, use_errno=True).prctl(_SET_PARENT_DEATH_SIGNAL, signal.SIGTERM)
             self._parent = os.getppid()
-            # It may have ended while this process began: no signal tells that. A wrapper may stand between them.
+            # The starter may have ended while this process began: no signal tells. A wrapper may stand between the two.
             if starter != str(self._parent) and (self._parent == 1 or not Path("/proc", starter).exists()):
                 self._requested = True
 

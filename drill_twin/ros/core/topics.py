@@ -56,7 +56,7 @@ def message_class(topic: Topic) -> Any:
 
 
 def quality(topic: Topic, *, depth: int = 0, latched: bool | None = None) -> QoSProfile:
-    """Quality of service of a topic; depth 0 and latched None stand for those of the contract."""
+    """Quality of service of a topic; depth 0 and latched None stand for the contract's values."""
     keep = topic.latched if latched is None else latched
     return QoSProfile(
         reliability=ReliabilityPolicy.RELIABLE,
@@ -96,7 +96,7 @@ class NodeTopics:
         self._drops = DropCounter()
 
     def advertise(self, topic: str, *, latched: bool | None = None) -> Publisher:
-        """Create the publisher of a topic; it is given bytes."""
+        """Create the publisher of a topic, which is given bytes."""
         row = TOPICS[topic]
         offered = quality(row, depth=row.publisher_depth, latched=latched)
         with _readable_overrides(topic):
@@ -128,7 +128,7 @@ class NodeTopics:
         Args:
             topic: The topic.
             received: Called with each message, decoded as the topic's row says; may raise MessageError as well.
-            depth: Messages that wait; 0: those of the contract.
+            depth: Messages that wait; 0: the contract's number.
             latched: Whether earlier messages are asked for; None: as the contract says.
             malformed: Called with the reason why a message could not be used, in place of counting it.
         """
@@ -143,7 +143,7 @@ class NodeTopics:
         return self.subscribe_raw(topic, decoded, depth=depth, latched=latched)
 
     def subscribe_scenes(self, received: Callable[[bytes], object]) -> Subscription:
-        """Create the subscription to `/twin/scene`; the callback receives the bytes when the gate lets them pass."""
+        """Create the subscription to `/twin/scene`; the callback gets the bytes that the gate lets pass."""
         gate = SceneGate(received)
         self._gates.append(gate)
         return self.subscribe_raw(TWIN_SCENE, lambda raw, _: gate.take(raw), depth=1)
@@ -197,7 +197,7 @@ class NodeTopics:
         self._node.destroy_subscription(subscription)
 
     def destroy_all_but(self, kept: str) -> None:
-        """Destroy all subscriptions, and all publishers but that of one topic."""
+        """Destroy all subscriptions, and all publishers except one topic's."""
         for subscription, _, _ in self._inputs:
             self._node.destroy_subscription(subscription)
         self._inputs = []
@@ -233,7 +233,7 @@ class NodeTopics:
         names = f"expected one publisher of {CLOCK_TOPIC}, found {', '.join(found)}"
         if len(set(found)) > 1:
             return Level.ERROR, f"{names}; stop all but one, for time flips"
-        return Level.WARN, f"{names}: one that was killed is listed for about 20 s more; if both run, stop one"
+        return Level.WARN, f"{names}: a killed publisher is listed for about 20 s more; if both run, stop one"
 
     @property
     def loss(self) -> str:
@@ -265,7 +265,7 @@ def _readable_overrides(topic: str) -> Iterator[None]:
     """Turn rclpy's errors about an override into one line.
 
     Raises:
-        ParameterError: The value is not one of that policy.
+        ParameterError: The policy does not know the value.
     """
     try:
         yield

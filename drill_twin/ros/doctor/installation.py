@@ -25,7 +25,7 @@ from drill_twin.core.process import child_environment
 
 INSTALLED, ROS, MACHINE = "installed", "ROS 2", "machine"
 DISTRO = "jazzy"
-_SHARED_MEMORY = Path("/dev/shm")  # noqa: S108  that of Fast DDS
+_SHARED_MEMORY = Path("/dev/shm")  # noqa: S108  Fast DDS puts its segments here
 _LEAST_SHARED_MEMORY = 64 * 2**20  # bytes
 _PROBE_TIME = 60.0  # s
 _TIME_ERROR = 5  # of adjtimex(2): the clock is not synchronised
@@ -209,7 +209,7 @@ def _rclpy() -> Check:
     except PackageNotFoundError:
         found = str(place)
     if "site-packages" in place.parts and "/opt/ros" in os.environ.get("AMENT_PREFIX_PATH", ""):
-        remedy = "use the one of /opt/ros: rm -rf .venv, then make setup in the shell that has sourced ROS"
+        remedy = "use the rclpy of /opt/ros: rm -rf .venv, then make setup in the shell that has sourced ROS"
         return Check(ROS, "rclpy", f"{found}, of the wheels, beside a sourced ROS", Verdict.PROBLEM, remedy)
     return Check(ROS, "rclpy", found)
 

@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """Rig driver node: sends weight on bit and top-drive speed, planned or measured, to the simulator.
 
-It follows the simulator's clock: on each `/clock` message it sends the set-points for the end of the next frame. It
-thus works at any pace, and a driver that is killed and started again continues at the present simulated time. While
-several publish `/clock`, it goes on to send the last set-point; a simulator that was killed is not counted.
+The node follows the simulator's clock: on each `/clock` message it sends the set-points for the end of the next
+frame. It thus works at any pace, and a driver that is killed and started again continues at the present simulated time.
+While several nodes publish `/clock`, the driver goes on to send the last set-point; a simulator that was killed is not
+counted.
 """
 
 from __future__ import annotations
@@ -48,7 +49,7 @@ PARAMETERS = (
         "table",
         "",
         "CSV, MAT, LAS or WITSML file of measured set-points to play in place of the schedule; its columns and units "
-        'are those of rig.table in the scene (or overrides), or are found by their names; "": the scene\'s schedule',
+        'are named by rig.table in the scene (or overrides), or are found by their names; "": the scene\'s schedule',
     ),
     OVERRIDES,
     Parameter(

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Set-points that a driver plays: those of its parameters, and the transition to others during a run without a jump."""
+"""Set-points that a driver plays: its parameters' set-points, and the transition to others in a run, without a jump."""
 
 from __future__ import annotations
 
@@ -75,7 +75,7 @@ class SetPointPlan:
         self._plan = self._schedule.at
 
     def change(self, settings: SimpleNamespace, before: Command | None, time: float) -> bool:
-        """Go over to the set-points of the settings, from those in force at a time [s]; False if they are the same."""
+        """Go over to the settings' set-points from the set-points in force at a time [s]; False if they agree."""
         if _planned(settings) == self._planned:
             return False
         self._planned = _planned(settings)
@@ -87,7 +87,7 @@ class SetPointPlan:
 
 
 def check_set_points(settings: SimpleNamespace, present: SimpleNamespace) -> None:
-    """Refuse set-points other than the present ones that are not valid in the scene, by raising a DrillTwinError."""
+    """Refuse new set-points that are not valid in the scene, by raising a DrillTwinError; present ones pass."""
     if _planned(settings) != _planned(present):
         try:
             scene_of(settings)

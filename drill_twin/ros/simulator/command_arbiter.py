@@ -20,7 +20,7 @@ from drill_twin.scene.set_points.command import Command
 
 _REFUSAL_TOLD = 10.0  # s; for so long a refusal is a warning
 _LETTERS_OF_A_NAME = 200
-_AT_A_RATE = 3  # commands in a row, from which their source is one that goes on to send
+_AT_A_RATE = 3  # commands in a row, from which their source is expected to send on
 _FRAMES = 20  # without a command until its source is lost; after a pause or slow frames a source needs a moment
 BY_HAND, ANONYMOUS = "by hand", "anonymous"
 """Commander where single values are in force, and where the source of `/rig/command` does not say its name."""

@@ -29,8 +29,9 @@ _TURNS = 2
 class PublisherCheck:
     """Sequence numbers of the messages of one topic, by which more than one publisher is noticed.
 
-    DDS does not tell a Python subscriber who sent a message, but each publisher counts its own: the numbers of one only
-    grow, those of two that send in turn go back again and again. They go back once when a publisher was started anew.
+    DDS does not tell a Python subscriber who sent a message, but each publisher counts its own: one publisher's
+    numbers only grow; the numbers of two that send in turn go back again and again. A publisher started anew sends
+    numbers that go back once.
     """
 
     def __init__(self, clock: Callable[[], float] = time.monotonic) -> None:

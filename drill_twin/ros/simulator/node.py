@@ -100,7 +100,7 @@ PARAMETERS = (
     Parameter(
         "checkpoint_period",
         5.0,
-        "wall time between checkpoints; 0: none but those of ~/save_checkpoint",
+        "wall time between checkpoints; 0: by ~/save_checkpoint only",
         "s",
         0.0,
         86400.0,
@@ -158,7 +158,7 @@ class Simulator(TwinNode):
         from drill_twin.runs.loop import topics_of
 
         rate = settings.frame_rate or scene.numerics.frame_rate
-        # Before its own topics are there: the one that runs would report a second publisher.
+        # Before its own topics are there: a simulator that runs would report a second publisher.
         start.refuse_second_simulator(own=0)
         for topic in (*topics_of(scene), COMMANDER):
             # The clock is latched, so that a driver which returns during a run learns the time at once.

@@ -110,14 +110,14 @@ class RunControl:
         """
         if self.steps or count < 1 or not self._node.active:
             found = (
-                f"one that takes {self.steps}" if self.steps else f"{count} frames of a node that is {self.state_text}"
+                f"a run taking {self.steps}" if self.steps else f"{count} frames of a node that is {self.state_text}"
             )
             raise DrillTwinError(
                 f"expected a step of one frame or more of an active run that stands still, found {found}"
             )
         if not self.paused:
             raise DrillTwinError(
-                f"expected a paused run to step, found one that runs; call {self._node_name}/pause first"
+                f"expected a paused run to step, found a run in progress; call {self._node_name}/pause first"
             )
         if self._settings.pace == "lockstep":
             raise DrillTwinError(
@@ -181,7 +181,7 @@ class RunControl:
 
 
 class Answers:
-    """An answer for each service; requests and responses are those of the package."""
+    """An answer for each service; `simulation_interfaces` defines requests and responses."""
 
     def __init__(self, run: RunControl) -> None:
         self._run = run
@@ -210,9 +210,9 @@ class Answers:
         return _done(response, *actions[wanted])
 
     def step_simulation(self, request: Any, response: Any) -> Any:
-        """So many frames on; the answer comes when they are out."""
+        """Advance by the requested frames; the answer comes when the frames are out."""
         if self._run.state == PLAYING:
-            return _said(response, INCORRECT_STATE, "expected a paused run to step, found one that plays")
+            return _said(response, INCORRECT_STATE, "expected a paused run to step, found a run that plays")
         told = lambda done, text: _said(response, OK if done else FAILED, "" if done else text)  # noqa: E731
         return _after_step(self._run, int(request.steps), told)
 
@@ -255,7 +255,7 @@ def _after_step(run: RunControl, count: int, response_of: Callable[[bool, str], 
 
 
 def offer(node: TwinNode, run: RunControl) -> None:
-    """Offer the services of a run: one for each action, and those of `simulation_interfaces` where it is installed."""
+    """Offer the services of a run: one for each action, and `simulation_interfaces`' services where it is installed."""
     for action in (run.pause, run.resume, run.reset, run.save_checkpoint, run.load_checkpoint):
         node.create_service(Trigger, f"~/{action.__name__}", _answering(node, action))
 

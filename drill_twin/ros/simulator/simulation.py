@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """A configured run of the simulator: commands in, a frame of the twin, messages out, and checkpoints of its state.
 
-Its tf is published where tf2_msgs is installed; the wheels have none, a ROS 2 does.
+The twin's tf is published where tf2_msgs is installed: in a whole ROS 2, not with the wheels.
 """
 
 from __future__ import annotations
@@ -241,7 +241,7 @@ class SimulatorRun:
         """Go on from a checkpoint file.
 
         Raises:
-            CheckpointError: It cannot be read, is of another scene, or of a time at which the run was over.
+            CheckpointError: The file cannot be read, is of another scene, or of a time at which the run was over.
         """
         self.checkpoints.finish()
         checkpoint = Checkpoint.load(path)

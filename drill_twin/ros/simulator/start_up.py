@@ -28,10 +28,10 @@ class CheckpointPlaces:
     """
 
     def __init__(self, settings: SimpleNamespace) -> None:
-        """Take the folders of `checkpoint` and `saved_checkpoint`, and make those that are missing.
+        """Take the folders of `checkpoint` and `saved_checkpoint`, and make a folder that is missing.
 
         Raises:
-            CheckpointError: One of them is no path of a file, or its folder cannot be made.
+            CheckpointError: A parameter is no path of a file, or the folder of the file cannot be made.
         """
         given = [path for path in (settings.checkpoint, settings.saved_checkpoint) if path]
         self._folders = {Path(path).resolve().parent for path in given}

@@ -162,7 +162,7 @@ def test_the_speed_of_a_block_that_is_not_there_is_refused():
     ("block", "said"),
     [
         ({}, "block: expected -10 to 10 m/s, found 30 m/s"),
-        ({"off_bottom": 0.005, "auto_driller": {"rate": RATE}}, "found one that an auto-driller moves, command wob"),
+        ({"off_bottom": 0.005, "auto_driller": {"rate": RATE}}, "found a block that an auto-driller moves"),
     ],
 )
 def test_a_speed_that_no_block_follows_is_refused(block, said):

@@ -36,7 +36,7 @@ def watch(
             "--limit",
             metavar="NAME=VALUE",
             help='Limit that raises an alarm, as "torque_high=12 kN m": _low or _high of wob, rps, bit_rps, torque, '
-            "hookload or rop; repeatable. It can be changed on the page.",
+            "hookload or rop; repeatable. A limit can be changed on the page.",
         ),
     ] = [],  # noqa: B006
     browser: Annotated[bool, typer.Option("--browser/--no-browser", help="Open the page in the browser.")] = True,

@@ -52,7 +52,7 @@ class Access:
     _codes: dict[str, float] = field(default_factory=dict)  # ends of their lives by code
 
     def refusal(self, headers: Headers) -> tuple[HTTPStatus, str] | None:
-        """Status and sentence for a request that is not for this server; None for one that is."""
+        """Status and sentence for a request that is not for this server; None for a request that is."""
         hosts, origins = headers.get_all("Host"), headers.get_all("Origin")
         if len(hosts) != 1 or len(origins) > 1:
             return HTTPStatus.BAD_REQUEST, "expected one Host and at most one Origin\n"
@@ -70,7 +70,7 @@ class Access:
         return origin is not None and origin.lower() not in {f"http://{host}".lower(), f"https://{host}".lower()}
 
     def may_view(self, headers: Headers) -> bool:
-        """True for programs that are no browsers, pages of this server, and those of an origin that is allowed."""
+        """True for programs that are no browsers, pages of this server, and pages of an origin that is allowed."""
         origin = headers.get("Origin", "").lower()
         allowed = {name.lower() for name in self.allowed}
         return not self.is_foreign(headers) or origin in allowed or _host_name(origin.partition("://")[2]) in allowed
@@ -112,7 +112,7 @@ class Access:
 _MINUTES = f"{CODE_LIFE / 60:g} minutes"
 TOO_LATE = f"expected a link of drill-twin watch that is new and at most {_MINUTES} old; it has printed one since\n"
 READ_ONLY = (
-    "expected a page that may command, found one that reads only, or of an earlier drill-twin watch; "
+    "expected a page that may command, found a page that reads only, or a page of an earlier drill-twin watch; "
     "open the link that drill-twin watch printed last"
 )
 _PAGE = """<!doctype html>

@@ -257,7 +257,7 @@ class Alarms:
         return self._count
 
     def rows(self) -> list[dict[str, Any]]:
-        """Alarms for JSON: those not acknowledged first, then the worst, then the newest."""
+        """Alarms for JSON: alarms not acknowledged first, then the worst, then the newest."""
         order = sorted(self._alarms.values(), key=lambda alarm: (alarm.acknowledged, -alarm.level, -alarm.number))
         return [asdict(alarm) for alarm in order]
 

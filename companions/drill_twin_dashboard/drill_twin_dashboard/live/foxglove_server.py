@@ -58,7 +58,7 @@ class FoxgloveServer(WebServer):
         Args:
             host: Address to listen on.
             port: Port; 0 takes a free one.
-            allowed: Names of this server besides those of this machine, and origins whose pages may ask.
+            allowed: Names of this server besides the machine's names, and origins whose pages may ask.
 
         Raises:
             RunError: The port is taken.
@@ -101,7 +101,7 @@ class FoxgloveServer(WebServer):
             await send(connection, json.dumps({"op": "serverInfo", **about}))
             await send(connection, json.dumps({"op": "advertise", "channels": channels}))
             async for request in connection:
-                # What is no request of the protocol, or one that this server does not offer, is left without an answer.
+                # No answer to what is no request of the protocol, or a request that this server does not offer.
                 with suppress(JsonError, AttributeError, KeyError, TypeError, ValueError):
                     self._take(connection, read_json(request))
 

@@ -31,7 +31,7 @@ def in_simulated_time(messages: Iterable[Message]) -> Iterator[Message]:
     """Messages with the simulated time [ns] of the frame they follow in place of their time of recording.
 
     The time of recording says little: a run in lockstep or at full speed is recorded faster than simulated time, and a
-    paused one slower. Where simulated time steps back, as after a reset, the result continues from where it was.
+    paused run slower. Where simulated time steps back, as after a reset, the result continues from where it was.
     Messages before the first frame get its time; messages of a bag without frames keep their time of recording. Frames
     that are damaged or have a stamp from the future give no time.
     """

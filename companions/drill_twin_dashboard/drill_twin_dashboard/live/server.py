@@ -142,7 +142,7 @@ class PageServer(WebServer):
             history: Returns what a page shows of the minutes before it was opened, `/history.json`.
             host: Address to listen on.
             port: Port; 0 takes a free one.
-            allowed_hosts: Names by which browsers may know this server, besides those of this machine.
+            allowed_hosts: Names by which browsers may know this server, besides the machine's names.
 
         Raises:
             RunError: The port is taken, or the address is none of this machine.

@@ -65,7 +65,7 @@ def shown_advice(state: JointState) -> dict[str, Any]:
     """Level of a `/advice/state`, and the set-point that is advised, `wob` [N] and `rps` [rev/s], if there is one.
 
     Raises:
-        MessageError: It has no advice.
+        MessageError: The message has no advice.
     """
     values = dict(zip(state.names, state.position.tolist(), strict=False))
     if "advice" not in values:
@@ -82,7 +82,7 @@ def shown_map(text: str) -> dict[str, Any]:
     """Ranges in N and rev/s, and a digit a node for regime, whirl from rest and whirl that goes on.
 
     Raises:
-        MessageError: It is no map of `/advice/map`.
+        MessageError: The message is no map of `/advice/map`.
     """
     data = read_json(text, largest=4 * (_MOST_STEPS + 1) ** 2)
     try:
@@ -109,7 +109,7 @@ def shown_map(text: str) -> dict[str, Any]:
     }
 
 
-_MOST, _ROW_NAME = 50, 60  # rows of estimates; characters of the name of one
+_MOST, _ROW_NAME = 50, 60  # rows of estimates; characters of a row's name
 _ENDS = ("/low", "/high")
 _LIKELY = 0.5
 """Chance of whirl from which the page warns."""
@@ -118,12 +118,12 @@ _LIKELY = 0.5
 def shown_estimates(state: JointState) -> dict[str, Any]:
     """Levels of a `/estimate/state`, and rows of it for the page.
 
-    A row has name, mean, low and high end of its 90 % band; one with a unit also its quantity, and the values in the
-    page's own unit, which the page shows in the reader's. `trust` is the level of the trust in them; of unusable ones
-    there are no rows.
+    A row has name, mean, low and high end of its 90 % band. A row with a unit has its quantity too, and values in the
+    page's own unit, which the page shows in the reader's unit. `trust` is the level of the trust in the estimates; an
+    unusable estimate has no row.
 
     Raises:
-        MessageError: It has neither trust nor alarm.
+        MessageError: The message has neither trust nor alarm.
     """
     values = dict(zip(state.names, state.position.tolist(), strict=False))
     if not {"trust", "alarm"} <= values.keys():
@@ -259,12 +259,12 @@ _INSTEAD: dict[str, tuple[str, Callable[[str], dict[str, Any]], tuple[str, ...]]
     "advisor": ("advice", lambda text: {"advice": {"text": text, "level": int(Level.STALE)}}, ()),
     "estimator": ("estimates", lambda text: {"estimates": {"level": int(Level.STALE), "text": text, "rows": []}}, ()),
 }
-"""For each source: words for its values; what the page shows, with a sentence, once they are gone; and the names of
-its values of a mark."""
+"""For each source: words for its values; what the page shows, with a sentence, once the values are gone; and the names
+of its values of a mark."""
 
 
 def without_old_values(picture: dict[str, Any], sources: Sources, starting: str) -> dict[str, Any]:
-    """Add the ages of the sources, and take away the values of those that are gone.
+    """Add the ages of the sources, and take away the values of sources that are gone.
 
     Args:
         picture: State of the page.

@@ -65,7 +65,7 @@ class Supervision:
         """Start empty.
 
         Args:
-            recorded: The trends of a recording are there from the start (`Trends.push`); those of a run grow.
+            recorded: The trends of a recording are there from the start (`Trends.push`); a run's trends grow.
         """
         self.trends, self.alarms, self.limits = Trends(), Alarms(recorded=recorded), AlarmLimits()
         self._recorded = recorded

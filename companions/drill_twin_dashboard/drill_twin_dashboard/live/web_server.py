@@ -23,7 +23,7 @@ from drill_twin.core.errors import RunError
 from drill_twin_dashboard.live.access import Access
 
 MOST_CONNECTIONS = 128
-"""Open connections of a server, including those that have not asked for anything yet."""
+"""Open connections of a server, including connections that have not asked for anything yet."""
 PATIENCE = 2.0
 """Time for a client to ask after it has connected, to read what is sent, and to leave at the end [s]."""
 DOWNLOAD = 20.0

@@ -182,7 +182,7 @@ class LivePage(TwinNode):
 
 
 def run(arguments: Sequence[str], stop: StopRequest) -> None:
-    """Show the twin of this domain until asked to stop; the arguments are those of `drill-twin watch`."""
+    """Show the twin of this domain until asked to stop; `drill-twin watch` explains the arguments."""
     from drill_twin_dashboard.live.server import PageServer
 
     parser = argparse.ArgumentParser(prog="watch", description=LivePage.PURPOSE)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Advice and operating map on the page: those of the scene, and nothing of a hostile node."""
+"""Advice and operating map on the page: the scene's are shown, and nothing of a hostile node."""
 
 import json
 import math

@@ -18,7 +18,7 @@ from websockets.sync.client import connect
 from drill_twin_dashboard.live import access
 from drill_twin_dashboard.live.web_server import MOST_CONNECTIONS
 
-REFUSED = "expected a page that may command, found one that reads only"
+REFUSED = "expected a page that may command, found a page that reads only"
 
 
 def test_a_code_lets_one_in_and_once(serve):
@@ -135,7 +135,7 @@ def test_what_a_browser_is_told_with_the_cookie(serve):
         assert exchange(page, "GET /enter HTTP/1.1", host, f"X-Code: {code}", f"Origin: {foreign}").startswith(
             "HTTP/1.1 403"
         )
-    assert page.enter(code)[0] == 200  # those have not spent it
+    assert page.enter(code)[0] == 200  # the refused requests have not spent the code
     assert exchange(page, "GET /enter HTTP/1.1", host, "X-Code: a", "X-Code: b").startswith("HTTP/1.1 403")
     assert exchange(page, "GET /enter HTTP/1.1", "Host: evil.example", f"X-Code: {code}").startswith("HTTP/1.1 403")
 
@@ -212,7 +212,7 @@ def test_slow_and_silent_connections_lock_nobody_out(serve):
         assert len(page.server.connections) <= MOST_CONNECTIONS
         slow += [socket.create_connection(("127.0.0.1", page.server.port), 10.0) for _ in range(2 * MOST_CONNECTIONS)]
         assert page.raw("GET / HTTP/1.1", f"Host: {page.place}") == 200
-        assert ask(operator, {"wob": 60}) == ""  # those who have a place keep it
+        assert ask(operator, {"wob": 60}) == ""  # a client with a place keeps it
     assert page.requests == [{"wob": 50}, {"wob": 60}]
     for client in slow:
         client.close()

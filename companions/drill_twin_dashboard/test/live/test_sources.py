@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Values of a source that is heard no more become stale and disappear; those of a paused twin stay."""
+"""Values of a source that is heard no more become stale and disappear; the values of a paused twin stay."""
 
 import pytest
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The port for viewers: who may ask, how many, and what waits for one that does not read."""
+"""The port for viewers: who may ask, how many, and what waits for a viewer that does not read."""
 
 import json
 import struct

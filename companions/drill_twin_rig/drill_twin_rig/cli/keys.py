@@ -22,7 +22,7 @@ def keys(
         ),
     ],
     host: Annotated[
-        str, typer.Option(help="Name of the machine in the certificate; that of this machine if left out.")
+        str, typer.Option(help="Name of the machine in the certificate; this machine's name if left out.")
     ] = "",
 ) -> None:
     """Make the keys of the gateway: a self-signed certificate, and users that may command.

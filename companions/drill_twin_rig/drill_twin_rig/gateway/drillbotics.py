@@ -3,8 +3,8 @@
 
 Guidelines of the Open Source Drilling Community, repository drillbotics-guidelines, cycle 2025.1 (29 June 2026):
 `docs/tracks/group-a/technical-specs.md`, `docs/tracks/group-b/deliverables.md`, `docs/competition/rules-scoring.md`.
-They suggest the ten columns of `SUGGESTED`; what the twin has beyond them follows by its D-WIS name with its unit.
-The check reads them again as a judge would.
+The guidelines suggest the ten columns of `SUGGESTED`; the twin's further signals follow by D-WIS name with unit.
+The check reads both files again as a judge would.
 """
 
 from __future__ import annotations
@@ -58,7 +58,7 @@ _OF_SIMULATION = {"SimulatedTime", "RealTimeFactor"}
 
 @dataclass(frozen=True, eq=False)
 class DrillingLog:
-    """Signals over time, each the mean over the time before its row; positions are those at the row."""
+    """Signals over time, each the mean over the time before its row; positions hold at the row."""
 
     start: datetime
     """Time of the simulation's zero, UTC."""
@@ -114,7 +114,7 @@ def read_log(bag: Bag, selection: Selection, rate: float, start: datetime | None
         bag: The bag.
         selection: Part of its time.
         rate: Rows per second [Hz].
-        start: Time of the simulation's zero; by default that of the recording, or of the run.
+        start: Time of the simulation's zero; by default the recording's, or the run's.
 
     Raises:
         BagError: The bag has no rig states in this time, or does not say when it was recorded and `start` is missing.
@@ -187,7 +187,7 @@ def check_timeseries(path: Path) -> Iterator[Rule]:
     """Check a `drilling_timeseries.csv`.
 
     Raises:
-        TableError: It cannot be read as CSV.
+        TableError: The file cannot be read as CSV.
     """
     try:
         header, *rows = list(csv.reader(line for _, line in CSV.lines(path))) or [[]]
@@ -239,7 +239,7 @@ def check_log(path: Path) -> Iterator[Rule]:
 
     Raises:
         ArgumentError: lasio is not installed.
-        TableError: It cannot be read as LAS.
+        TableError: The file cannot be read as LAS.
     """
     try:
         las = import_extra("lasio").read(str(path), encoding="utf-8")

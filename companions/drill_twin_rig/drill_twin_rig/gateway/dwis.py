@@ -3,7 +3,7 @@
 
 A signal of D-WIS is a variable (`DynamicDrillingSignal`) and a data point that has it as its value; classes, quantity,
 unit and location are references from the two to nodes of the vocabulary. D-WIS has no prototype for lateral vibration
-and whirl: `PROPOSED` names some. They are ours, and stand in a namespace of ours.
+and whirl: the prototypes of `PROPOSED` are ours, and stand in a namespace of ours.
 """
 
 from __future__ import annotations

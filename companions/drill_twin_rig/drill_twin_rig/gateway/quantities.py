@@ -131,7 +131,7 @@ class TwinQuantities:
         """Use a message of a topic.
 
         Raises:
-            MessageError: It cannot be read.
+            MessageError: The message cannot be read.
         """
         try:
             finite = self._take[topic](self._read[topic](raw))

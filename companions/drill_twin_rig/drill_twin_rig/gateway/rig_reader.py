@@ -87,7 +87,7 @@ class QualityCheck:
 
 
 def unit_fault(signal: RigSignal, found: str) -> str:
-    """Reason why the unit that a server gives to a signal is not that of its line; empty if it is.
+    """Reason why the unit that a server gives to a signal is not its line's unit; empty if both are the same.
 
     Args:
         signal: The signal.

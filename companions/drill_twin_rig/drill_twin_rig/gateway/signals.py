@@ -92,7 +92,7 @@ Limits = Mapping[str, tuple[float, float]]
 
 
 def range_taken(signal: CommandTarget | RigSignal, limits: Limits) -> tuple[float, float]:
-    """Range of a set-point in its unit: that of the file within that of the scene; infinite where neither says."""
+    """Range of a set-point in its unit: the file's range within the scene's; infinite where neither gives any."""
     low, high = (one / signal.factor for one in limits.get(signal.quantity, (-math.inf, math.inf)))
     return max(low, signal.low), min(high, signal.high)
 
@@ -127,7 +127,7 @@ def read_signals(path: Path) -> Signals:
     """Signals of a file.
 
     Raises:
-        SignalsError: It cannot be read, or a line is not valid.
+        SignalsError: The file cannot be read, or a line is not valid.
     """
     data, lines = read_yaml(_FILE.text(path), str(path))
     return _Reader(path, lines).signals(data)

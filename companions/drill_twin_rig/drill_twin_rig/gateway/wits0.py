@@ -2,8 +2,8 @@
 """WITS level 0 over TCP, reading: a sentence begins with `&&`, has a line an item, and ends with `!!`.
 
 A line is the number of the record and of the item, two digits each, and the value: `01163.25` is 3.25 of item 16 in
-record 1, the weight on bit. An item carries no unit and no stamp: the unit is that of the line in the file of signals,
-the stamp the time at which its sentence was complete.
+record 1, the weight on bit. An item carries no unit and no stamp: the line in the file of signals gives the unit,
+and the stamp is the time at which its sentence was complete.
 """
 
 from __future__ import annotations
@@ -63,7 +63,7 @@ class WitsReader(RigReader):
         """Connect, and take sentences until the connection ends.
 
         Raises:
-            RefusedError: A line is longer than those of WITS.
+            RefusedError: A line is longer than WITS allows.
         """
         opening = asyncio.open_connection(self._address.hostname, self._address.port, limit=_LINE)
         reader, writer = await asyncio.wait_for(opening, PATIENCE)
@@ -83,7 +83,7 @@ class WitsReader(RigReader):
         try:
             return await reader.readline()
         except ValueError as error:
-            raise RefusedError(f"expected lines of WITS, found one of more than {_LINE} bytes") from error
+            raise RefusedError(f"expected lines of WITS, found a line of more than {_LINE} bytes") from error
 
     def _readings(self) -> Iterator[SignalReading]:
         for item in self._items:

@@ -202,7 +202,7 @@ def test_the_twin_goes_to_the_safe_set_point_when_a_gateway_in_control_is_killed
     assert holder.ask("write", "WOBTarget", 25.0) == "Good"  # once; the gateway repeats it
     rig.until(lambda: states and _applied(joints(states[-1:])[0])[0] == pytest.approx(25.0), what="the target")
     sent = len(commands)
-    rig.until(lambda: len(commands) > sent + 5, what="more commands: a source is one that sends at a rate")
+    rig.until(lambda: len(commands) > sent + 5, what="more commands: a source sends at a rate")
     rig.gateway.kill()
     rig.until(lambda: _applied(joints(states[-1:])[0]) == pytest.approx((0.0, 0.0)), what="the safe set-point")
     status = rig.until_status("simulator", lambda status: "no valid command" in status.text)

@@ -57,13 +57,13 @@ class Estimator:
         Args:
             scene: The scene.
             free: Range of each free number by key, as of `fit`: numbers of effects and of `rig.top_drive`, and
-                `load_factor`, weight on bit over the one that is commanded or indicated.
+                `load_factor`, weight on bit over the commanded or indicated weight.
             channels: Channels that correct: torque, motor_torque (with inertia and bearings of the drive), hookload,
-                top_drive_speed, bit_speed. Samples are means since the last one; those of "torque@instant" are
-                values at their times.
-            subs: Downhole subs whose readings correct, by their names in the scene's `sensors`; those of a real rig may
+                top_drive_speed, bit_speed. A sample is a mean since the last sample; of "torque@instant", a
+                value at its time.
+            subs: Downhole subs whose readings correct, by their names in the scene's `sensors`; a sub of a real rig may
                 be `measured/NAME`.
-            overrides: Values that replace those of the scene.
+            overrides: Values that replace the scene's values.
             options: Members, windows, errors, horizon.
 
         Raises:
@@ -82,15 +82,15 @@ class Estimator:
         self._subs = {name: number for number, name in enumerate(subs)}
 
     def take(self, stamp: float, values: Mapping[str, float] = _NOTHING) -> bool:
-        """Take a sample; returns False for one whose stamp cannot be used, as it is late, repeated or not finite.
+        """Take a sample; returns False for a stamp that cannot be used: late, repeated or not finite.
 
         Args:
-            stamp: Its time [s], of any clock.
+            stamp: Time of the sample [s], of any clock.
             values: Channels, `weight_on_bit` [N] and `rotation` [rad/s] by name; NaN where there is none. Set-points
                 that never come are the scene's.
 
         Raises:
-            ArgumentError: A name of none of them, or what is no number.
+            ArgumentError: A name is no channel and no set-point, or a value is no number.
         """
         if not isinstance(values, Mapping) or not all(isinstance(one, Real) for one in (stamp, *values.values())):
             raise ArgumentError(
@@ -105,8 +105,8 @@ class Estimator:
         """Take a reading of a downhole sub.
 
         Args:
-            stamp: Its time [s], of the same clock as that of the other samples; a reading before the first of those is
-                left out.
+            stamp: Its time [s], of the same clock as the stamps of samples; a reading before the first sample is left
+                out.
             sub: Name of the sub, as it was given.
             values: Specific force [m/s^2] and rates of rotation [rad/s] in the axes of the sub (docs/sensors.md), six.
 
@@ -179,7 +179,7 @@ def _check(channels: Sequence[str], free: Mapping[str, Any]) -> None:
 
 
 def _range(scene: Scene, key: str, given: str | tuple[float, float]) -> tuple[float, float]:
-    """Ends of the range of a number of the scene; the sentence on an unknown key names those that are near to it."""
+    """Ends of the range of a number of the scene; the sentence on an unknown key names the keys near to it."""
     try:
         return range_of(scene, key, given)
     except SceneError:

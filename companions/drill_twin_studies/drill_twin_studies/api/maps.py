@@ -25,7 +25,7 @@ from drill_twin_studies.maps.search import BoundarySearch, Progress, growth_of, 
 STEPS = 128
 """Steps of the lattice along each range: a boundary is located within 1 / 128 of it."""
 ASKED = 10.0
-"""Time for which a set-point of a safe window must stay calm, over that of a run."""
+"""Time for which a set-point of a safe window must stay calm, over the time of a run."""
 MOST_RUNS = 1_000_000
 """Largest number of runs that can be asked for."""
 SEED = "numerics.seed"
@@ -119,12 +119,12 @@ def operating_map(
 
     Args:
         scene: The scene, or its name or file; each run begins as it does.
-        overrides: Values that replace those of the scene.
+        overrides: Values that replace the scene's values.
         wob: Range of the weight on bit, `"1..300 N"`.
         rpm: Range of the rotation, `"60..390"` [rev/min] or with a unit.
         seeds: Draws along the onset of whirl, the first of them the scene as it is.
         vary: Ranges of uncertain numbers by key, `{"wall_friction.coefficient": "0.1..0.3"}`.
-        duration: Simulated time of a run from rest [s]; left out: that of the scene.
+        duration: Simulated time of a run from rest [s]; left out: the scene's.
         calm_for: Time for which a set-point of a safe window must stay calm [s]; left out: ten times the duration.
         runs: Largest number of runs of the search; checks of the windows, of that time each, come to it.
         hysteresis: Search the second boundary, where an existing whirl dies.
@@ -160,7 +160,7 @@ def operating_map(
         raise ArgumentError(f"duration: expected a time above 0 s and up to 1e6 s, found {length:g} s")
     if not length <= asked <= 1e6:
         raise ArgumentError(
-            f"calm for: expected a time from that of a run, {length:g} s, up to 1e6 s, found {asked:g} s"
+            f"calm for: expected a time from a run's length, {length:g} s, up to 1e6 s, found {asked:g} s"
         )
     draws = draws_of(own, seeds, ranges)
     setup = {
@@ -198,7 +198,7 @@ def _check_scene(scene: Scene) -> None:
 
     Raises:
         ArgumentError: The block is moved by its speed.
-        SceneError: It has no marks, begins in a whirl, or plays recorded set-points.
+        SceneError: The scene has no marks, begins in a whirl, or plays recorded set-points.
     """
     if scene.rig.block is not None and scene.rig.block.auto_driller is None:
         raise ArgumentError(

@@ -56,12 +56,12 @@ def fit(
 
     Args:
         record: Record, or a CSV, MAT, LAS or WITSML file or a bag with `channels`.
-        scene: The scene; its set-points should be those of the record (`rig.table`).
+        scene: The scene; its set-points should be the record's (`rig.table`).
         free: Range of each number by key: "0.05..0.5", with units where they are needed ("1 s/m..1e3 s/m"), or SI.
             The prior is uniform, in the logarithm if the ends are positive and differ by a factor of 20 or more.
-        channels: Columns of a file, as `drill_twin_studies.fitting.record.channel_column` parses them; names of those
-            of a bag. Samples are means since the last one; those of "torque@instant" are values at their times.
-        overrides: Values that replace those of the scene.
+        channels: Columns of a file, as `drill_twin_studies.fitting.record.channel_column` parses them; of a bag,
+            names of channels. A sample is a mean since the last sample; of "torque@instant", a value at its time.
+        overrides: Values that replace the scene's values.
         likelihood: "series", or "features" of windows, where the phase of the motion is not determined.
         begin: Time from which record and runs are compared [s].
         end: Time to which they are, and length of the runs [s]; left out: the end of the scene.
@@ -98,7 +98,7 @@ def fit(
     frequency, first = in_si("rate", rate, FREQUENCY), in_si("begin", begin, TIME)
     if (length - first) * min(frequency, base.numerics.frame_rate) < FEWEST:
         raise ArgumentError(
-            f"fit: expected {FEWEST} samples or more to compare, found those from {first:g} s to {length:g} s at "
+            f"fit: expected {FEWEST} samples or more to compare, found samples from {first:g} s to {length:g} s at "
             f"{frequency:g} Hz; choose another time to begin or to end"
         )
     size = in_si("window", window, TIME)

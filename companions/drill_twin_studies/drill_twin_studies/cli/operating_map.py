@@ -45,7 +45,7 @@ def operating_map(
         str,
         typer.Option(
             "--calm-for", metavar="TIME", help="Time for which safe windows must stay calm.",
-            show_default="ten times that of a run",
+            show_default="ten times a run's length",
         ),
     ] = "",
     runs: Annotated[
@@ -124,7 +124,7 @@ def _shown(found: OperatingMap, scene: Scene) -> Iterator[str]:
         yield f"  {REGIMES[code].value}: {count / whole:.1%} of the ranges"
     unknown = 1.0 - float(found.known.mean())
     if unknown:
-        yield f"  {unknown:.0%} of the ranges (hatched) have no runs on all sides; there it is that of the nearest run"
+        yield f"  {unknown:.0%} of the ranges (hatched) lack runs on all sides; there the nearest run's motion stands"
     if not found.windows:
         yield "  no safe window: nowhere in these ranges do enough runs show that the string stays calm"
     for weight, speed in found.windows:

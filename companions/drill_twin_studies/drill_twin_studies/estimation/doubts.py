@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Doubts in a model, and jumps of its numbers: what is measured differs from what members and noise allow.
 
-The squared innovation of a window over its covariance, that of the members and of the noise of the record, is about
+The squared innovation of a window over its covariance, from the members and the noise of the record, is about
 the number of its samples where the model is right, even while its numbers are still being found (Bar-Shalom, Li and
 Kirubarajan 2001, section 5.4). What lies above that number is summed up (Page 1954). So a small misfit that lasts
 counts as much as a large one, and a model that was wrong is believed again only after it has been right for long. Until
@@ -31,9 +31,9 @@ _ALLOWED = 1.3
 """Squared innovation over its variance, a sample, up to which nothing is summed up; of right models it was 0.8 to 1.3
 over 20 windows (evidence/docs/estimator.md)."""
 _AFTER_EXPLAINED, _MOST = 4.0, 10.0
-"""Largest share that a window can add, a sample: a window after one that is explained, as a spike makes it; and any
-other. In the first `BEGIN` windows only what is above the former is summed up, and nothing is taken away: few members
-with wide numbers do not tell how odd a window may be. Windows of right models added up to 3.5."""
+"""Largest share that a window can add, a sample: a window after an explained window, as a spike makes it; and any other
+window. In the first `BEGIN` windows only what is above the first of the two is summed up, and nothing is taken away:
+few members with wide numbers do not tell how odd a window may be. Windows of right models added up to 3.5."""
 _DOUBT = 100.0
 """Sum from which the model is doubted. It is reached by chance at a time in exp(-0.2 * 100), two in 10^9: 0.2 is the
 root of E[exp(a (x - 1.3))] = 1 for chi-square x (Siegmund 1985)."""
@@ -78,7 +78,7 @@ class Doubts:
         """Take a window; all arrays have the shape (C,).
 
         Args:
-            start: Its first time [s].
+            start: First time of the window [s].
             surprises: Squared innovation over its covariance, summed over the samples.
             samples: Number of the samples.
             off: Rms innovation [SI]; NaN where nothing was measured.
@@ -134,7 +134,7 @@ _TELLS = 0.5
 _FADING = 0.97
 """Part of the share that is kept from window to window: a torque tells friction once in a cycle of stick-slip."""
 _DIRECTIONS, _LEAST = 5, 0.01
-"""Most directions of a channel that explain a number, and their least variance over that of the stated error; not
+"""Most directions of a channel that explain a number, and their least variance over the stated error's variance; not
 measured."""
 
 UNEXPLAINED = "none of the numbers"
@@ -169,7 +169,7 @@ class Jumps:
 
         Args:
             predicted: Channels of the members, shape (N, C, S).
-            numbers: Their numbers, shape (N, d).
+            numbers: Numbers of the members, shape (N, d).
             stated: Stated errors of a sample, shape (C,).
             normalised: Rms innovation of each channel over the predicted one, shape (C,); NaN where not measured.
         """

@@ -36,18 +36,18 @@ from drill_twin_studies.estimation.subs import VALUES, speed
 from drill_twin_studies.fitting.sampling import Ranges
 
 CHANNELS = ("torque", "motor_torque", "hookload", "top_drive_speed", "bit_speed")
-"""Channels that can correct: those of the surface, and the speed of a downhole tool."""
+"""Channels that can correct: the surface channels, and the speed of a downhole tool."""
 _CORRECTED = ("weight_on_bit", "bit_speed", "bit_torque")
 """Virtual sensors that the correction of torsion and axial motion changes."""
 _LATERAL = ("radius", "bending_stress")
-"""Virtual sensors that the correction of the lateral motion changes too; the largest wall force, which is that of an
-impact, follows none."""
+"""Virtual sensors that the correction of the lateral motion changes too; the largest wall force comes from an impact
+and follows no correction."""
 _FOLLOWED = ("radius", "bit_speed")
 """Virtual sensors whose bands hold with a sub as without."""
 _FEW, _IMPACT = 2.0, 1.1
 """Factors of the spread with a sub. A sub corrects a motion in many directions, and few members have too little spread
 in them. The first is for the bands of the other virtual sensors, and for what the surface measures where a misfit is
-judged. The second is for the band of the largest wall force, which is that of an impact. Found on 57 truths of
+judged. The second is for the band of the largest wall force, which an impact causes. Found on 57 truths of
 `pa6_bench`; judged on others (docs/drill_twin_studies/bands.md).
 """
 _WHIRLS = 0.5
@@ -125,7 +125,7 @@ class EnsembleFilter:
             channels: Channels that correct, of `CHANNELS`.
             options: Runs and assumptions.
             subs: Subs of the scene whose readings correct.
-            instant: Channels whose samples are values at their times; other samples are means since the last one.
+            instant: Channels whose samples are values at their times; other samples are means since the last sample.
 
         Raises:
             ArgumentError: A number that cannot be changed in the middle of a run, or a sub that the scene has not.
@@ -235,7 +235,7 @@ class EnsembleFilter:
         return replace(own, low=min(own.low, late.low), high=max(own.high, late.high))
 
     def _wider(self, name: str, factor: float) -> float:
-        """Factor of the band of a virtual sensor, from that of what is not measured."""
+        """Factor of the band of a virtual sensor, from the factor of what is not measured."""
         impact = _IMPACT if name == "wall_force" else 1.0
         if self.members.subs and name not in _FOLLOWED:
             factor = _FEW * max(factor, math.sqrt(self._phase.chi_square))
@@ -260,7 +260,7 @@ class EnsembleFilter:
     def _sensors(
         self, prediction: Prediction, found: Sequence[Correction], lateral: Sequence[Correction]
     ) -> dict[str, Array]:
-        """Virtual sensors, shape (N,) each; those that the corrections change, corrected."""
+        """Virtual sensors, shape (N,) each, corrected where the corrections change them."""
         changed = (*_CORRECTED, *_LATERAL) if lateral else _CORRECTED
         return {
             name: applied([*found, *lateral], values) if name in changed else values
@@ -268,7 +268,7 @@ class EnsembleFilter:
         } | self.members.places
 
     def _forget(self) -> None:
-        """Let the spread of the numbers grow, up to that of the prior."""
+        """Let the spread of the numbers grow, up to the prior's spread."""
         members, growth = self.members, np.exp(self.pace.window / self.options.memory)
         mean, deviation = members.normal.mean(axis=0), members.normal.std(axis=0)
         members.normal = mean + (members.normal - mean) * np.where(deviation * growth < 1.0, growth, 1.0)

@@ -67,19 +67,19 @@ _DRAWS = special.ndtri((np.arange(100) + 0.5) / 100)[:, None]
 def shares_of(normal: Array, factor: float, places: Array = _ENDS) -> Array:
     """Places in the ranges, from 0 to 1, of the ends of the bands of numbers, shape (2, d).
 
-    A filter for near-linear motion knows a mean and a variance, in the space where the prior is standard normal. It
-    mixes the members, so single members have no more to say.
+    A filter for near-linear motion knows a mean and a variance, in the space where the prior is standard normal. The
+    filter mixes the members, so single members have no more to say.
 
     Args:
         normal: Numbers of the members in this space, shape (N, d).
-        factor: Factor of their deviations.
+        factor: Factor of the deviations of the numbers.
         places: Other places than the ends, in standard deviations, shape (k, 1).
     """
     return np.asarray(special.ndtr(normal.mean(axis=0) + factor * places * normal.std(axis=0, ddof=1)))
 
 
 def bands_of(normal: Array, ranges: Ranges, factor: float) -> dict[str, Band]:
-    """Bands of free numbers [SI] by key; a deviation is that of draws within the range, however wide the band.
+    """Bands of free numbers [SI] by key; a deviation is computed from draws within the range, however wide the band.
 
     Args:
         normal: Numbers of the members, as in `shares_of`.

@@ -114,10 +114,10 @@ class Innovations:
 
     Attributes:
         misfit: Rms innovation of the last window over the channel's scale, shape (C,); NaN where nothing was measured.
-        normalised: The same over what members and stated errors predict for it, shape (C,).
-        off: The same innovation [SI], shape (C,).
-        surprises: Squared innovation of the last window over its covariance, that of members and noise, shape (C,).
-        samples: Number of samples of it, shape (C,).
+        normalised: Rms innovation of the last window over what members and stated errors predict for it, shape (C,).
+        off: Rms innovation of the last window [SI], shape (C,).
+        surprises: Squared innovation of the last window over its covariance, from members and noise, shape (C,).
+        samples: Number of samples of the last window, shape (C,).
     """
 
     def __init__(self, channels: Sequence[str], few: float = 1.0) -> None:

@@ -18,7 +18,7 @@ from drill_twin_studies.estimation.estimate import REACH, FilterWindow, WindowTi
 from drill_twin_studies.estimation.subs import SubIntake
 
 SET_POINTS = tuple(field.name for field in fields(Command))
-"""Names of the set-points among the values of a sample [N], [rad/s], [m/s]; those of `Command`."""
+"""Names of the set-points among the values of a sample [N], [rad/s], [m/s]: the fields of `Command`."""
 _GAP = 5.0
 """Time without a sample [s] that is followed without measurement; a longer time is a jump of the clock; not
 measured."""
@@ -88,10 +88,10 @@ class Intake:
         return self._origin or 0.0
 
     def take(self, stamp: float, values: Mapping[str, float]) -> bool:
-        """Take a sample; returns False for one whose stamp cannot be used, as it is late, repeated or not finite.
+        """Take a sample; returns False for a stamp that cannot be used: late, repeated or not finite.
 
         Args:
-            stamp: Its time [s], of any clock.
+            stamp: Time of the sample [s], of any clock.
             values: Values by channel, or by name of `SET_POINTS`; NaN for what the sample does not have.
         """
         if not math.isfinite(stamp):
@@ -120,7 +120,7 @@ class Intake:
         """Take a reading of a downhole sub; the surface channels alone move the time of the windows.
 
         Args:
-            stamp: Its time [s], of the same clock as that of `take`.
+            stamp: Time of the reading [s], of the same clock as the stamps of `take`.
             sub: Number of the sub.
             values: Specific force [m/s^2] and rates of rotation [rad/s], six values.
         """

@@ -94,7 +94,7 @@ class EstimatorMembers:
         return in_ranges(special.ndtr(self.normal), self.ranges)
 
     def advance(self, window: FilterWindow, shown: int = -1) -> tuple[list[Frame], Prediction]:
-        """Advance by a window; a member that fails becomes a copy of one that does not.
+        """Advance by a window; a member that fails becomes a copy of a member that runs on.
 
         Args:
             window: Set-points, and times of the samples.
@@ -143,7 +143,7 @@ class EstimatorMembers:
         twin.change_numbers(self._scene(target))
 
     def correct(self, found: Sequence[Correction], free: Sequence[Mask | bool] = ()) -> None:
-        """Correct torsional motion and numbers: of each correction those of a mask of shape (d,); all without masks.
+        """Correct torsional motion and numbers: each correction the numbers of its mask, shape (d,); without, all.
 
         Surface channels of a straight hole do not change when the lateral motion is turned about its axis, so they are
         uncorrelated with it; a sub corrects it (`drill_twin_studies.estimation.phase`). Axial motion follows loads and
@@ -180,11 +180,11 @@ class EstimatorMembers:
 
         Args:
             number: Number of the member.
-            state: Its `checkpoint`.
+            state: `checkpoint` of the member.
             windows: The windows, as of `advance`.
 
         Raises:
-            DrillTwinError: It cannot be followed.
+            DrillTwinError: The member cannot be followed.
         """
         self.twins[number].restore(state)
         self.twins[number].change_numbers(self._scene(number))
@@ -215,7 +215,7 @@ class EstimatorMembers:
         return frames
 
     def _load(self, number: int) -> float:
-        """Weight on bit of a member over that of the set-points."""
+        """Weight on bit of a member over the commanded weight."""
         return float(self.values[number, self.keys.index(LOAD)]) if LOAD in self.keys else 1.0
 
     def whirls_ahead(self, number: int, commands: Array) -> bool:

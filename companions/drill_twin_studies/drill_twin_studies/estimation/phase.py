@@ -30,9 +30,9 @@ class PhaseCorrection:
 
     Attributes:
         predicted: Velocities of the last window, x and y of each sub, shape (N, 2 s, S), turned.
-        measured: The same of the rig, shape (2 s, S); NaN where there were no readings.
-        errors: Errors of these channels.
-        chi_square: Mean square of measured less predicted over the predicted one, in the last window with readings.
+        measured: Velocities of the rig, shape (2 s, S); NaN where there were no readings.
+        errors: Errors of the velocities.
+        chi_square: Mean square of measured less predicted over the predicted value, in the last window with readings.
     """
 
     def __init__(self, members: EstimatorMembers, share: float) -> None:
@@ -57,7 +57,7 @@ class PhaseCorrection:
         Args:
             members: Members at the end of the window.
             predicted: Readings of the subs, shape (N, F, s, 6).
-            measured: The same of the rig, shape (s, F, 6); NaN for a sub without.
+            measured: Readings of the rig's subs, shape (s, F, 6); NaN for a sub without readings.
             found: Corrections by the other channels, which come first.
         """
         period, samples = members.pace.period, members.pace.samples
@@ -88,7 +88,7 @@ def turns(predicted: ComplexArray, measured: ComplexArray) -> ComplexArray:
 
     Args:
         predicted: Lateral velocities, shape (N, s, S).
-        measured: The same of the rig, shape (s, S); NaN where missing.
+        measured: Lateral velocities of the rig, shape (s, S); NaN where missing.
     """
     known = np.isfinite(measured)
     along = (predicted[:, known].conj() * measured[known]).sum(axis=1)

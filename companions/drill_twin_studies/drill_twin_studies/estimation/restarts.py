@@ -4,7 +4,7 @@
 Regression on the members does not tell the number: torque is no linear function of friction, and all numbers that act
 on one channel correlate with it. So a few members go some windows back and follow the rig again with the numbers that
 they had: first as they were, then with another value of one number in each member, then with other values of all
-numbers that the channel tells. The values close in on the best one.
+numbers that the channel tells. The values close in on the best value.
 
 Members that have lost a motion are wrong, and too much alike. Followed from some windows back, with the numbers that
 they had and without correction, they differ by as much as the motion can. If such members explain what was measured, no
@@ -42,8 +42,9 @@ _OVER_NOISE = 1.6
 """Rms of measured less computed over the noise of what was measured, which counts where the noise is larger; not
 measured."""
 _LOST = 2.0
-"""Normalised innovation of members with unchanged numbers, up to which these members explain what was measured. It was
-0.3 to 0.8 in five of six cases where the motion was lost, and 4 to 13 after jumps of load and of wall friction."""
+"""Normalised innovation of members with unchanged numbers, up to which these members explain what was measured. The
+innovation was 0.3 to 0.8 in five of six cases where the motion was lost, and 4 to 13 after jumps of load and of wall
+friction."""
 _GAIN = 0.85
 """Misfit of all numbers together, as new rock changes them, over the misfit of the best number alone, up to which all
 together explain what was measured: more numbers always explain more."""
@@ -64,7 +65,7 @@ class Restart(NamedTuple):
     Attributes:
         windows: Windows to go back.
         chosen: Numbers that have changed, shape (d,).
-        centre: Places of all numbers in the prior, from 0 to 1, shape (d,); only those of the chosen ones are new.
+        centre: Places of all numbers in the prior, from 0 to 1, shape (d,); only the chosen numbers' places are new.
         misfit: Rms of measured less computed over the stated error, of the best member.
         normalised: Rms of measured less the mean of the members, over what members and stated error predict, in the
             channel where it is largest.

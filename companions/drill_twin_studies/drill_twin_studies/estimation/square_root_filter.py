@@ -4,7 +4,7 @@
 Mean and spread of the members stand for mean and covariance. A measurement moves the mean and shrinks the spread by one
 matrix of N by N members (Hunt, Kostelich and Szunyogh 2007, Eqs. 20 to 24, without localisation), whatever is to be
 corrected: a state that has nothing in common with the measurement may be left out. In the linear Gaussian case without
-process noise, with more members than states, mean and covariance are those of a Kalman filter.
+process noise, with more members than states, mean and covariance equal the Kalman filter's.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ class Correction(NamedTuple):
 
     Attributes:
         weights: Part of each member's anomaly in the change of the mean, shape (N,).
-        transform: From the anomalies before to those after, symmetric, shape (N, N).
+        transform: Matrix from the anomalies before to the anomalies after, symmetric, shape (N, N).
         directions: Effective number of directions that were measured, trace of the matrix from measured to fitted.
         near: True for the third of the members whose predictions are nearest to the measured values, shape (N,).
         surprise: Squared innovation over its variance, summed: about m if members and noise explain it.
@@ -49,7 +49,7 @@ class Correction(NamedTuple):
           with m samples even where a number does not act on them. So a correction is multiplied by 1 - 1 / F where
           F > 1, else by 0; F compares the explained with the remaining variance of a number, each by its degrees of
           freedom (James and Stein 1961; the adjusted coefficient of determination of Ezekiel 1930). With many members
-          it is that of `apply`.
+          `apply` gives the same.
         * Where a number acts on the measured in a curve, the scatter about the regression is not everywhere the same.
           The scatter of the members nearest to the measured values counts where it is larger (heteroscedastic
           regression, as in approximate Bayesian computation: Blum and Francois 2010).
@@ -79,8 +79,8 @@ def correction(predicted: Array, measured: Array, variance: Array) -> Correction
 
     Args:
         predicted: Prediction of each member, shape (N, m).
-        measured: The values, shape (m,); NaN for one that is missing.
-        variance: Variance of their errors, those of the model included, shape (m,).
+        measured: The values, shape (m,); NaN for a missing value.
+        variance: Variance of their errors, the model's errors included, shape (m,).
     """
     known = np.isfinite(measured)
     deviation = np.sqrt(variance[known])

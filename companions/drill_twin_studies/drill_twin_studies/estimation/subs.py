@@ -38,16 +38,16 @@ _RARE = 0.1
 
 
 def listed(scene: Scene, names: Sequence[str]) -> list[Sub]:
-    """Subs of a scene by name, `measured/NAME` for those of a real rig.
+    """Subs of a scene by name, `measured/NAME` for a sub of a real rig.
 
     Raises:
-        ArgumentError: The scene does not list one, or it is named twice.
+        ArgumentError: The scene does not list a sub, or a sub is named twice.
     """
     known = subs_by_name(scene)
     wanted = [name.removeprefix(REAL) for name in names]
     if odd := [name for name, sub in zip(names, wanted, strict=True) if sub not in known or wanted.count(sub) > 1]:
         raise ArgumentError(
-            f"subs: expected each once, of those that scene {scene.name} lists ({', '.join(known) or 'none'}), "
+            f"subs: expected each once, of the subs that scene {scene.name} lists ({', '.join(known) or 'none'}), "
             f"found {', '.join(odd)}; list it under `sensors.subs` of the scene, or with --set"
         )
     return [known[name] for name in wanted]
@@ -82,11 +82,11 @@ class SubReader:
 
 
 def replace_outliers(measured: Array, predicted: Array) -> Array:
-    """Readings of a rig, in which the reading before stands for one that is rare and absurd beside the members.
+    """Readings of a rig, in which the reading before stands for a rare reading that is absurd beside the members'.
 
     Args:
         measured: Shape (s, F, 6); NaN for a sub without readings.
-        predicted: Of the members, shape (N, F, s, 6).
+        predicted: Readings of the members, shape (N, F, s, 6).
     """
     force = np.abs(measured[..., :3]).max(axis=2)
     largest = np.abs(predicted[..., :3]).max(axis=(0, 1, 3))
@@ -99,7 +99,7 @@ def replace_outliers(measured: Array, predicted: Array) -> Array:
 def lateral_velocity(readings: Array, period: float, samples: int) -> ComplexArray:
     """Lateral velocity about its mean, of means over the samples, shape (..., S) [m/s].
 
-    Its direction is counted from that of the sensor at the start of the window.
+    Its direction is counted from the sensor's direction at the start of the window.
 
     Args:
         readings: Shape (..., F, 6).
@@ -127,7 +127,7 @@ def speed(readings: Array, samples: int) -> Array:
 def velocity_noise(sub: Sub, window: float) -> float:
     """Standard deviation that the noise of the accelerometers leaves in `lateral_velocity` [m/s].
 
-    It is that of a random walk half-way between its ends, which the removal of the mean ties.
+    A random walk whose ends are tied by the removal of the mean has this deviation half-way between them.
     """
     return 0.5 * sub.accelerometer.noise * math.sqrt(window / sub.rate)
 

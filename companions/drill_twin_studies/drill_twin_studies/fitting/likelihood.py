@@ -86,7 +86,7 @@ def of_features(record: Channels, runs: Channels, period: float, window: float) 
     """Logarithm of the likelihood of the mean features of windows of each run, shape (M,).
 
     For motion whose phase is not determined. The covariance is known from as few windows as there are: the likelihood
-    is that of Student's t (Sellentin and Heavens 2016).
+    follows Student's t (Sellentin and Heavens 2016).
 
     Args:
         record: The record.
@@ -108,13 +108,13 @@ def of_features(record: Channels, runs: Channels, period: float, window: float) 
 
 
 class Difference(NamedTuple):
-    """Mean features of a record less those of a run, shape (F,), and what chance makes of them."""
+    """Mean features of a record less a run's features, shape (F,), and their scatter by chance."""
 
     mean: Array
     covariance: Array
     """Covariance of the difference, shape (F, F)."""
     freedom: float
-    """Degrees of freedom with which it is known."""
+    """Degrees of freedom with which the covariance is known."""
 
     @property
     def square(self) -> float:
@@ -133,7 +133,7 @@ class WindowedRecord:
         """Take a record, shape (T,) by channel.
 
         Raises:
-            ArgumentError: It has fewer windows without a gap than tell how they scatter.
+            ArgumentError: The record has fewer windows without a gap than tell how they scatter.
         """
         self._record, self._period = record, period
         self._length = OVERLAP * max(2, round(window / period / OVERLAP))
@@ -207,7 +207,7 @@ def features(values: Array, period: float, length: int) -> Array:
 def _shrunk(covariance: Array, freedom: float) -> Array:
     """Covariance, shrunk towards its diagonal as Gaussian samples need it (Chen, Wiesel, Eldar and Hero 2010).
 
-    Their estimate (23) of the correlation; that of Ledoit and Wolf (2004) needs more samples than there are windows.
+    Their estimate (23) of the correlation; Ledoit and Wolf's (2004) needs more samples than there are windows.
     """
     size = np.sqrt(np.diag(covariance))
     correlation, count = covariance / np.outer(size, size), size.size

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 UNDETERMINED = 0.6
-"""Width of a 90 % interval over that of the range, above which the record does not determine a number."""
+"""Width of a 90 % interval over the width of the range, above which the record does not determine a number."""
 AT_AN_END = 0.25
 """Probability in the last `END` of a range, from which a number is at an end of its range: five times the prior's."""
 AT_REST = tuple(f"effects.bit_torque_stribeck.{name}" for name in ("sticking", "decay", "exponent"))
@@ -42,7 +42,7 @@ class Posterior:
         scene: The scene.
         ranges: Lowest and highest value [SI] by key; the prior is uniform between.
         values: Draws [SI], shape (N, d), in the order of `ranges`.
-        sampling: Their weights and likelihoods.
+        sampling: Weights of the draws and likelihoods.
         record: What was fitted to.
         time: Times of the samples that were compared [s], shape (T,).
         measured: The record at these times, by channel, shape (T,).
@@ -159,7 +159,7 @@ class Posterior:
         return predictive_band(self.runs[channel], self.sampling.weights, error, share)
 
     def scene_text(self, base: str | None = None) -> str:
-        """YAML of the fitted scene: the differences from a scene, by default that of the fit by its name."""
+        """YAML of the fitted scene: the differences from a scene, by default the fit's scene, by its name."""
         from drill_twin.scene.lines import yaml_text
 
         fitted = self.scene_of(self.best).model_dump(mode="json", exclude_none=True)

@@ -28,7 +28,7 @@ SET_POINTS: Mapping[str, Dimension] = {name: channel_of(name).dimension for name
 """Set-points of a rig, as commanded or indicated, and dimensions: inputs of the estimator."""
 _KNOWN = {**CHANNELS, **SET_POINTS}
 GAP = 2.5
-"""Distance of two samples over the usual one, from which there is a gap between them; not measured."""
+"""Distance of two samples over the usual distance, from which there is a gap between the two; not measured."""
 _OF_BAG = {name: FIELDS[name] for name in _KNOWN if name != "motor_torque"}
 _MNEMONICS = {name: record for name in _KNOWN for record, field in RECORDED.items() if field == FIELDS[name]}
 """Channels, and the names of their columns in records."""
@@ -39,9 +39,9 @@ class ChannelColumn(NamedTuple):
 
     channel: str
     column: str
-    """Its name; empty: the one that has a known mnemonic of the channel."""
+    """Name of the column; empty: the column that has a known mnemonic of the channel."""
     unit: str
-    """Its unit; empty: the one that the file gives."""
+    """Unit of the column; empty: the unit that the file gives."""
 
 
 @dataclass(frozen=True)
@@ -51,9 +51,9 @@ class Record:
     Attributes:
         source: File or bag of the record.
         series: Time [s] and values [SI] by channel, each of shape (rows,).
-        subs: Time [s] and readings (force, rates) by downhole sub, `measured/NAME` for those of a real rig, shapes
+        subs: Time [s] and readings (force, rates) by downhole sub, `measured/NAME` for subs of a real rig, shapes
             (rows,) and (rows, 6); of a bag only, if asked for.
-        instant: Channels whose samples are values at their times; other samples are means since the last one.
+        instant: Channels whose samples are values at their times; other samples are means since the last sample.
         ends: Channels whose means are stamped with their end, as in files; other means are stamped with their middle.
     """
 
@@ -118,14 +118,14 @@ def read_record(
     Args:
         path: The file; a bag may be a folder.
         columns: Names of channels of a bag; of a file column and unit of each channel, of the set-points
-            `weight_on_bit` and `rotation` and of `time`, as `channel_column` parses them. Set-points of a bag are those
-            of `/rig/command`; where it has none, load and speed of `/rig/state`. Without `time`, it is the column whose
-            name begins with ``time`` or ``t_``, in s where the file gives no unit.
+            `weight_on_bit` and `rotation` and of `time`, as `channel_column` parses them. Set-points of a bag come
+            from `/rig/command`; where it has none, load and speed of `/rig/state`. Without `time`, times come from the
+            column whose name begins with ``time`` or ``t_``, in s where the file gives no unit.
         start: Time in the record that is time zero of the scene [s].
-        subs: Downhole subs of a bag whose readings are read too, `measured/NAME` for those of a real rig.
+        subs: Downhole subs of a bag whose readings are read too, `measured/NAME` for subs of a real rig.
 
     Raises:
-        TableError: No such file or column, or no unit or one of another dimension.
+        TableError: No such file or column, or no unit or a unit of another dimension.
         ArgumentError: No channel, one twice, a channel or sub that a bag does not hold, or subs of a file.
     """
     file = Path(path)
@@ -187,7 +187,7 @@ def _readings(path: Path, bag: Bag, start: float, subs: Sequence[str]) -> dict[s
     found = Measured(bag).subs
     if odd := [name for name in subs if name not in found or not len(found[name].imu)]:
         raise ArgumentError(
-            f"{path}: expected readings of {', '.join(odd)}, found those of {', '.join(found) or 'none'}"
+            f"{path}: expected readings of {', '.join(odd)}, found readings of {', '.join(found) or 'none'}"
         )
     return {name: (np.asarray(found[name].imu.time) - start, np.asarray(found[name].imu.values)) for name in subs}
 

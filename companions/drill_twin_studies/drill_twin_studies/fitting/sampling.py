@@ -3,7 +3,7 @@
 
 Cornuet, Marin, Mira and Robert 2012 (Scand. J. Stat. 39, 798): all draws of all rounds are weighted with the mixture
 of the proposals they came from, so no run is thrown away. Most rounds draw about the draw of the largest weight, with
-the spread of those next to it (Raftery and Bao 2010, Biometrics 66, 1162): proposals that follow a posterior which is
+the spread of the draws next to it (Raftery and Bao 2010, Biometrics 66, 1162): so proposals follow a posterior which is
 long and bent. While the likelihood is much narrower than the draws, it is raised to a power below 1 that leaves enough
 of them alive (tempering).
 """
@@ -63,7 +63,7 @@ class Sampling:
 
     Attributes:
         cube: Positions in the unit cube of the ranges, shape (N, d).
-        weights: Their weights, sum 1, shape (N,).
+        weights: Weights of the draws, sum 1, shape (N,).
         log_likelihood: Shape (N,).
         power: Power of the likelihood; below 1 the draws are wider than the posterior.
     """
@@ -175,7 +175,7 @@ def _weighted(normal: Array, cube: Array, found: Array, proposals: list[Any], me
 
 
 def _proposal(normal: Array, weights: Array, members: int, number: int) -> Any:
-    """Student's t of all draws, or of those next to the draw of the largest weight, where the prior is normal."""
+    """Student's t of all draws, or of draws next to the draw of the largest weight, where the prior is normal."""
     centre = weights @ normal
     spread = normal - centre
     covariance = _INFLATION * (spread.T * weights) @ spread + 1e-8 * np.eye(len(centre))

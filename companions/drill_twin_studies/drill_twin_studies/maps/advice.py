@@ -259,7 +259,7 @@ class Tracker:
         self._has_target = self._stops = False
 
     def take(self, time: float, weight: float, speed: float) -> None:
-        """Take the weight on bit [N] and the speed [rad/s] at a time [s]; one before the last begins anew."""
+        """Take the weight on bit [N] and the speed [rad/s] at a time [s]; a time before the last begins anew."""
         if self.time == -math.inf or time < self.time:
             self._begin(time, weight, speed)
             return

@@ -64,7 +64,7 @@ def grows(found: OperatingMap) -> Mask:
 def margins(flags: Mask) -> tuple[Array, Array, Array]:
     """Distances from each node to the boundary of flagged nodes [steps]: along each range, and the shortest.
 
-    The distances are those of `OperatingMap.margin` without the sign; infinite where there is no boundary.
+    The distances equal `OperatingMap.margin` without the sign; infinite where there is no boundary.
     """
     along = [np.apply_along_axis(_to_the_others, axis, flags) for axis in (0, 1)]
     return along[0], along[1], _to_the_others(flags)
@@ -107,7 +107,7 @@ def _draw(axes: Axes, found: OperatingMap) -> None:
     scale = np.array([1.0 / found.units.show(1.0, "force"), 1.0 / found.units.show(1.0, "rotation")])
 
     def shown(points: ArrayLike) -> Array:
-        """Speed and weight on bit as on the axes, from those in SI the other way round, shape (..., 2)."""
+        """Speed and weight on bit in units of the axes, from weight and speed in SI, shape (..., 2)."""
         return np.asarray((np.asarray(points, float) / scale)[..., ::-1])
 
     (left, low), (right, high) = shown([plane.command((0, 0)), plane.command((plane.steps,) * 2)]).tolist()

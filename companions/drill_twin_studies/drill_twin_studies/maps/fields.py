@@ -88,7 +88,7 @@ class MapFields:
 
     @cached_property
     def units(self) -> UnitSystem:
-        """Units in which people read the map: those of its scene."""
+        """Units in which people read the map: its scene's."""
         return parse_scene(self.scene).unit_system if self.scene else SYSTEMS["lab"]
 
     @cached_property
@@ -196,7 +196,7 @@ class MapFields:
 
     @property
     def clean_checks(self) -> int:
-        """Checks in the windows since the last one that was not smooth."""
+        """Checks in the windows since the last check that was not smooth."""
         count, inside = 0, self.window_cells
         for key, record in self.checks:
             here = inside[self.plane.cells_at(key.place)].any()

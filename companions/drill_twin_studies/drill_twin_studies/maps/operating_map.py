@@ -101,7 +101,7 @@ class OperatingMap(MapFields):
         """Regime from rest at a set-point [N], [rad/s].
 
         Raises:
-            ArgumentError: It lies outside the ranges.
+            ArgumentError: The set-point lies outside the ranges.
         """
         self._check_inside(weight, speed)
         return REGIMES[int(self.regimes[self.node(weight, speed)])]
@@ -110,7 +110,7 @@ class OperatingMap(MapFields):
         """Distance of a set-point [N], [rad/s] to the boundary of calm operation.
 
         Raises:
-            ArgumentError: It lies outside the ranges.
+            ArgumentError: The set-point lies outside the ranges.
         """
         self._check_inside(weight, speed)
         return self.margin_of(self.calm, weight, speed)
@@ -206,7 +206,7 @@ class OperatingMap(MapFields):
         """
         if digest_of(scene) != self.digest:
             raise ArgumentError(
-                f"expected a map of {scene.name}, found one of {self.name} with other numbers of string, hole or "
+                f"expected a map of {scene.name}, found a map of {self.name} with other numbers of string, hole or "
                 f"effects; make one with `drill-twin map {scene.name}`"
             )
 

@@ -164,7 +164,7 @@ def boundary(flags: Mask) -> Iterator[tuple[Array, Array]]:
 
 
 def known_and_calm(made: Mask, calm: Mask) -> tuple[Mask, Mask]:
-    """Unit cells that lie in a cell with a run at each corner, and those of which the smallest such cell is calm.
+    """Unit cells that lie in a cell with a run at each corner, and unit cells whose smallest such cell is calm.
 
     Args:
         made: Nodes with a run, shape (n + 1, n + 1).

@@ -16,7 +16,7 @@ BUCKLED_RADIUS = 0.25
 """Least radius of a mark, over its clearance, of a string that is buckled and does not whirl; not measured."""
 
 BEHIND = 0.05
-"""Difference of the mean speeds of bit and top drive, over that of the top drive, from which the string still winds up;
+"""Difference of the mean speeds of bit and top drive, over the top drive's speed, from which the string still winds up;
 not measured."""
 
 
@@ -41,7 +41,7 @@ class TorsionalSpeeds(NamedTuple):
 
 
 class Regime(Enum):
-    """Motion of the string at the end of a run; the order is that of the codes in a map."""
+    """Motion of the string at the end of a run; the codes in a map follow this order."""
 
     SMOOTH = "smooth"
     """No whirl, nothing that grows, and bit and top drive turn steadily."""
@@ -91,7 +91,7 @@ def regime_of(
     """Regime at the end of a run.
 
     Args:
-        summary: Its findings.
+        summary: Findings of the run.
         radius_shares: Largest radius of each mark over its clearance, late in the run.
         torsion: Speeds of bit and top drive late in the run.
         vertical: True for a vertical hole, in which a string off the axis is buckled.

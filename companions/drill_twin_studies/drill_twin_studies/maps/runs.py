@@ -105,7 +105,7 @@ class Key(NamedTuple):
         return self.origin is None and self.finer == 1
 
     def length(self, duration: float, asked: float) -> float:
-        """Simulated time [s], from that of a run from rest and the time asked."""
+        """Simulated time [s] of the run, from the time of a run from rest and the time asked."""
         return asked if self.finer > 1 else duration if self.origin is None else (HOLD + RAMP + STAY) * duration
 
 
@@ -170,7 +170,7 @@ class RunOfFile(RunRecord):
 
     @property
     def key(self) -> Key:
-        """Its key."""
+        """Key of the run."""
         return Key(*self.node, self.draw, self.origin, self.finer)
 
     @property

@@ -89,7 +89,7 @@ def open_journal(folder: Path, setup: Mapping[str, Any]) -> Journal:
 
     Raises:
         ArgumentError: The file is of another setup, or no journal.
-        BagError: It cannot be read or written.
+        BagError: The file cannot be read or written.
     """
     remedy = "choose another folder with --out, or --replace"
     return JsonLines(folder / "runs.jsonl", tuple[Key, RunRecord], "map", setup, remedy=remedy)
@@ -178,7 +178,7 @@ class BoundarySearch:
                     return
 
     def end_of_whirl(self) -> None:
-        """Find the set-points at which a whirl dies, by runs from a whirling set-point to those calm from rest."""
+        """Find the set-points at which a whirl dies, by runs from a whirling set-point to set-points calm from rest."""
         whirling = self._plane.labels()
         for key, record in self._from_rest():
             early = record.onset_s < EARLY * self._runner.duration
@@ -250,7 +250,7 @@ class BoundarySearch:
         Args:
             phase: Phase of the search.
             keys: The runs.
-            beyond: They do not count against the largest number of runs.
+            beyond: True if the runs do not count against the largest number of runs.
         """
         new = [key for key in dict.fromkeys(keys) if key not in self.records]
         room = len(new) if beyond else self._budget - len(self.records)

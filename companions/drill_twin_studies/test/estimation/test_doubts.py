@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Doubts: a model that is wrong is doubted for long, one that is right is not, and the output remembers."""
+"""Doubts: a model that is wrong is doubted for long, a right model is not, and the output remembers."""
 
 import numpy as np
 import pytest

@@ -69,7 +69,7 @@ def test_command_takes_the_sub_of_a_bag(bag):
     done = CliRunner().invoke(app, ["estimate", str(bag), *options, "--sub=near_bit", "--json"])
     assert done.exit_code == 0, done.output
     assert "mark_1/x" in json.loads(done.stdout)["sensors"]
-    for sub, words in (("near_bt", "that scene pa6_bench lists"), ("measured/near_bit", "found those of near_bit")):
+    for sub, words in (("near_bt", "that scene pa6_bench lists"), ("measured/near_bit", "found readings of near_bit")):
         refused = CliRunner().invoke(app, ["estimate", str(bag), *options, f"--sub={sub}"])
         assert words in str(refused.exception)
 

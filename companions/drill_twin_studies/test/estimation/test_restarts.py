@@ -20,7 +20,7 @@ WINDOW = FilterWindow(np.tile([55e3, 10.0, np.nan], (20, 1)), {}, np.array([PAIR
 
 @pytest.fixture
 def followed():
-    """Members with numbers that are nearly those of a rig, and their restarts, by what happens to either at a time."""
+    """Members with nearly the numbers of a rig, and their restarts, by what happens to either at a time."""
     scene = load_scene("two_mass", {"wob": "55 kN", "numerics.step": "20 ms", "numerics.frame_rate": 10.0})
 
     def follow(rig_changes=0.0, lost=False):

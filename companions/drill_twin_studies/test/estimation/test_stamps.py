@@ -33,7 +33,7 @@ def rig():
 
 
 def follow(rig, stamps, **options):
-    """Estimates by means between stamps, those before time zero left out."""
+    """Estimates by means between stamps, stamps before time zero left out."""
     edges = PERIOD * np.arange(rig[1]["torque"].size)
     estimator, estimates = dt.Estimator("two_mass", FREE, overrides=OVER, options=replace(FEW, **options)), []
     draw = np.random.default_rng(2)

@@ -77,7 +77,7 @@ def test_a_number_that_leaves_no_trace_is_told_as_undetermined(record):
         ({"channels": ["bit_speed=no such column:rpm"]}, TableError, 'expected a column "no such column"'),
         ({"channels": ["bit_speed=bit speed [rpm]:N"]}, TableError, "bit_speed: expected a unit of"),
         ({"end": 60.0}, ArgumentError, "expected bit_speed from"),
-        ({"begin": 10.0}, ArgumentError, "expected 10 samples or more to compare, found those from 10 s to 10 s at 10"),
+        ({"begin": 10.0}, ArgumentError, "expected 10 samples or more to compare, found samples from 10 s to 10 s at"),
         ({"begin": 40.0}, ArgumentError, "expected 10 samples or more to compare"),
         ({"likelihood": "features"}, ArgumentError, "expected 3 windows of features or more without a gap, found 2"),
     ],

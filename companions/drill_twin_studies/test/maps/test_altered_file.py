@@ -33,7 +33,7 @@ def data():
 
 
 def places(value, path=()):
-    """Paths of all values; of a list those of its last item."""
+    """Paths of all values; of a list, paths of its last item."""
     yield path
     if isinstance(value, dict):
         for name, item in value.items():

@@ -116,14 +116,14 @@ def test_a_map_belongs_to_the_numbers_of_its_scene(found):
     found.check_scene(same)
     other = dt.load_scene("pa6_bench", {"effects.wall_friction.coefficient": 0.3})
     assert digest_of(other) != digest_of(same)
-    with pytest.raises(ArgumentError, match="expected a map of pa6_bench, found one of pa6_bench with other numbers"):
+    with pytest.raises(ArgumentError, match="expected a map of pa6_bench, found a map of pa6_bench with other numbers"):
         found.check_scene(other)
 
 
 def test_a_folder_has_the_runs_of_one_map(place):
-    with pytest.raises(ArgumentError, match="found those of another range of the weight on bit; choose another folder"):
+    with pytest.raises(ArgumentError, match="results of another range of the weight on bit; choose another folder"):
         dt.operating_map("pa6_bench", COARSE, folder=place, **{**ASKED, "wob": "1..50 N"})
-    with pytest.raises(ArgumentError, match="found those of another scene"):
+    with pytest.raises(ArgumentError, match="found results of another scene"):
         dt.operating_map("pa6_bench", {**COARSE, "effects.bow.amplitude": 1e-4}, folder=place, **ASKED)
 
 

@@ -1,4 +1,4 @@
-"""The picture of a map, in its figure and on its page: the margins at the nodes are those of a set-point there."""
+"""The picture of a map, in its figure and on its page: the margins at the nodes are a set-point's margins there."""
 
 import math
 

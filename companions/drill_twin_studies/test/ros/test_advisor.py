@@ -71,7 +71,7 @@ def test_a_map_of_another_scene_is_told_in_a_sentence(bench):
     advisor = bench.start("advisor", map=file)
     simulator = bench.start("simulator")
     said = bench.until_status("advisor", lambda status: status.level == Level.ERROR)
-    assert "expected a map of pa6_bench, found one of pa6_bench with other numbers" in said.text
+    assert "expected a map of pa6_bench, found a map of pa6_bench with other numbers" in said.text
     assert "\n" not in said.text
     bench.until(lambda: states, what="advice")
     assert advice_of(states[-1])["advice"] == AdviceCode.NONE

@@ -58,7 +58,7 @@ class PasswordHash:
         """Hash of a new password.
 
         Raises:
-            KeysError: It is too short or too long.
+            KeysError: The password is too short or too long.
         """
         if not LEAST_LENGTH <= len(password) <= _MOST:
             raise KeysError(
@@ -73,7 +73,7 @@ class PasswordHash:
         """Hash from a line of the file: `LOG2N-R-P:SALT:HASH`, or `SALT:HASH` as earlier versions wrote it.
 
         Raises:
-            ValueError: It is none, or would cost more than `_HARDEST`.
+            ValueError: The text is no hash, or the hash would cost more than `_HARDEST`.
         """
         found = re.fullmatch(r"(?:(\d{1,2})-(\d{1,2})-(\d{1,2}):)?([0-9a-f]{8,128}):([0-9a-f]{32,256})", text)
         if found is None:
@@ -108,7 +108,7 @@ def read_users(path: Path) -> dict[str, PasswordHash]:
     """Users of a file, and the hashes of their passwords.
 
     Raises:
-        KeysError: It cannot be read, or others than its owner can read or write it.
+        KeysError: The file cannot be read, or others than its owner can read or write it.
     """
     text = _FILE.text(path)
     check_private(path)
@@ -122,11 +122,11 @@ def read_users(path: Path) -> dict[str, PasswordHash]:
 def set_password(path: Path, name: str, password: str) -> bool:
     """Add a user to the file, or give one who is there another password; returns True for a new one.
 
-    The file is replaced as a whole: a reader sees the one of before or the new one.
+    The file is replaced as a whole: a reader sees the old file or the new file.
 
     Raises:
         KeysError: Name or password are of no use, or the file is not.
-        OSError: It cannot be written.
+        OSError: The file cannot be written.
     """
     if not name.isprintable() or not 0 < len(name) <= _NAME_LENGTH:
         raise KeysError(f"user: expected a name of 1 to {_NAME_LENGTH} printable characters, found {name[:80]!r}")
@@ -141,7 +141,7 @@ def check_private(path: Path) -> None:
     """Refuse a secret that others than its owner can read or write.
 
     Raises:
-        KeysError: They can.
+        KeysError: Others than its owner can.
     """
     mode = path.stat().st_mode & 0o777
     if mode & 0o077:
@@ -211,7 +211,7 @@ def _certificate(path: Path) -> bytes:
 
 
 def make_keys(folder: Path, application: str, host: str, users: Mapping[str, str]) -> list[str]:
-    """Write a folder of keys with a self-signed certificate, or add users to one; returns those who are new.
+    """Write a folder of keys with a self-signed certificate, or add users to one; returns the new users' names.
 
     Args:
         folder: The folder; its secrets are readable by its owner only.
@@ -220,7 +220,7 @@ def make_keys(folder: Path, application: str, host: str, users: Mapping[str, str
         users: Passwords by name; a user who is there gets this one.
 
     Raises:
-        KeysError: It cannot be written, or a name or password is of no use.
+        KeysError: The folder cannot be written, or a name or password is of no use.
     """
     try:
         (folder / TRUSTED).mkdir(parents=True, exist_ok=True)

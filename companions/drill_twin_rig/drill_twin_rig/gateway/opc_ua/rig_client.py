@@ -29,7 +29,7 @@ class ServerAccess(NamedTuple):
     keys: Keys | None = None
     """Keys for an encrypted connection; None for an open one."""
     application: str = ""
-    """URI of this application, that of its certificate."""
+    """URI of this application, as in its certificate."""
     user: str = ""
     """User; empty: anonymous."""
     password: str = ""
@@ -78,7 +78,7 @@ class RigClient(RigReader):
         """Use the server's encrypted endpoint, if its certificate is trusted.
 
         Raises:
-            RefusedError: It has none, or the certificate is not trusted.
+            RefusedError: The server has no encrypted endpoint, or the certificate is not trusted.
         """
         uri, encrypted = SecurityPolicyBasic256Sha256.URI, ua.MessageSecurityMode.SignAndEncrypt
         offered = await client.connect_and_get_server_endpoints()
@@ -109,7 +109,7 @@ def _node_id(text: str, uris: Sequence[str]) -> Any:
     """Node id of a text.
 
     Raises:
-        RefusedError: It is none, or the server has no such namespace.
+        RefusedError: The text is no node id, or the server has no such namespace.
     """
     try:
         if text.startswith("nsu="):

@@ -113,7 +113,7 @@ class Sessions:
         """Refuse a certificate that is not trusted, with its status.
 
         Raises:
-            ServiceError: It is refused.
+            ServiceError: The certificate is refused.
         """
         reason = self.keys.distrust(certificate.public_bytes(Encoding.DER)) if self.keys else ""
         if reason:
@@ -124,7 +124,7 @@ class Sessions:
         """Refuse a write that the control does not take.
 
         Raises:
-            ServiceError: It is refused.
+            ServiceError: The write is refused.
         """
         if event.is_external and any(one.IndexRange for one in event.request_params.NodesToWrite):
             self._refuse("value", "a part of a value was written; each of these has none")

@@ -53,7 +53,7 @@ class Holder:
 
 async def main(url, keys, server, user, password):
     client = Client(url, timeout=20.0)  # of a busy machine
-    client.application_uri = "urn:drill_twin:gateway"  # that of the certificate
+    client.application_uri = "urn:drill_twin:gateway"  # as in the certificate
     client.set_user(user)
     client.set_password(password)
     folder = Path(keys)

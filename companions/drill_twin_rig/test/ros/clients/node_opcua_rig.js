@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Server of a rig with node-opcua: one variable, whose source timestamp is that of its reading.
+// Server of a rig with node-opcua: one variable, whose source timestamp is the time of its reading.
 const { OPCUAServer } = require("node-opcua-server");
 const { StatusCodes } = require("node-opcua-status-code");
 const { MessageSecurityMode } = require("node-opcua-types");

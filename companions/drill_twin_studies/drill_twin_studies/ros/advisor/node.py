@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Advisor node: where the set-point lies in the operating map, and the nearest calmer one. It commands nothing.
+"""Advisor node: where the set-point lies in the operating map, and the nearest calmer set-point; without commands.
 
-Where it is given no map, `drill-twin map` makes a coarse one of the scene on the topics in a child process.
+Where the node is given no map, `drill-twin map` makes a coarse map of the scene on the topics in a child process.
 """
 
 from __future__ import annotations
@@ -80,7 +80,7 @@ class MapMaker:
         """The map, once it is made.
 
         Raises:
-            RunError: It could not be made.
+            RunError: The map could not be made.
         """
         code = self._process.poll()
         if code is None:
@@ -116,10 +116,10 @@ class Advisor(TwinNode):
 
     NAME: ClassVar = "advisor"
     PURPOSE: ClassVar = (
-        "Says where the set-point lies in the operating map, and the nearest calmer one; commands nothing."
+        "Says where the set-point lies in the operating map, and the nearest calmer set-point; commands nothing."
     )
     PARAMETERS: ClassVar = (
-        Parameter("map", "", 'map.json of `drill-twin map`; "": make a coarse one of the scene on /twin/scene'),
+        Parameter("map", "", 'map.json of `drill-twin map`; "": make a coarse map of the scene on /twin/scene'),
         Parameter("wob", "", 'range of a map made here; "": up to 1.1 times the scene\'s', such_as="1..60 N"),
         Parameter("rpm", "", 'range of a map made here; "": up to 1.1 times the scene\'s', such_as="30..180 rpm"),
         Parameter("runs", 100, "largest number of runs of a map made here", "", 1, 1_000_000),

@@ -36,7 +36,7 @@ def values_of(state: JointState, *, set_points: bool) -> dict[str, float]:
 
 
 class EstimateEncoder:
-    """Encoder of `/estimate/state`; its names are those of the first estimate."""
+    """Encoder of `/estimate/state`; its names come from the first estimate."""
 
     def __init__(self) -> None:
         self._template: JointStateTemplate | None = None

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Estimator node: an ensemble that follows what a rig measures. It commands nothing."""
+"""Estimator node: an ensemble that follows what a rig measures; the node commands nothing."""
 
 from __future__ import annotations
 
