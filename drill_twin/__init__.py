@@ -5,7 +5,7 @@
 >>> result = dt.Simulation("pa6_bench").run(duration=30)
 >>> result.onset_s
 
-The names are those of `drill_twin.api`, loaded on first use: a node that needs one module does not load them all.
+`drill_twin.api` defines the names. Each is loaded on first use, so a node that needs one module does not load all.
 """
 
 from importlib import import_module

@@ -44,7 +44,7 @@ class Rerun:
     computed: Result
     """The run with the commands of the bag."""
     commands: RecordedCommands
-    """Those commands."""
+    """Commands that the bag holds."""
     stopped: str = ""
     """Reason why the computed run ended before the recorded one; empty where it did not."""
 

@@ -55,7 +55,7 @@ def make_state(elements: int) -> State:
 def extrapolation_weights(clock: Array, step: float) -> Triple:
     """Weights of v, `middle` and `earlier` in the first guess of the next mid-step velocity.
 
-    Linear in the last two mid-step velocities. Those of v itself would be worse: waves faster than the step change
+    Linear in the last two mid-step velocities. A guess linear in v would be worse: waves faster than the step change
     sign from step to step in v, and average out at mid-step.
     """
     if clock[KNOWN] < 1.0:

@@ -213,8 +213,8 @@ def bind(advance: Any, observe: Any) -> Callable[..., int]:
         """Advance by frames from the row `course[ROW]` on while they are good, and record each.
 
         Args:
-            words: The packed `BoundTwin`, and its type (`drill_twin.core.compile.packed_arguments`).
-            kind: The latter.
+            words: The packed `BoundTwin` (`drill_twin.core.compile.packed_arguments`).
+            kind: Type of the `BoundTwin`.
             commands: Set-points at the end of each frame, as `Command.values`, shape (F, 3).
             seconds: Length of a frame [s].
             nominal: Nominal time step [s].

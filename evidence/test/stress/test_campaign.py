@@ -38,7 +38,7 @@ def test_broken_off_and_continued_it_ends_with_the_same_table(tmp_path):
 def test_results_of_other_physics_are_not_continued(tmp_path):
     path = tmp_path / "results.jsonl"
     path.write_text(json.dumps({"campaign": {"physics": "another", "sets": 1}}) + "\n", "utf-8")
-    with pytest.raises(ArgumentError, match="found those of another physics"):
+    with pytest.raises(ArgumentError, match="found results of another physics"):
         campaign.run(1, path)
 
 

@@ -88,7 +88,7 @@ def test_a_point_of_the_comparison_and_its_record(bench, tmp_path, monkeypatch):
     assert min(abs(point.ratio / ratio - 1.0) for ratio in point.stable) < 2e-3
     monkeypatch.setattr(comparison, "Ensemble", None)
     assert comparison.compare(bench, weights, speeds, duration=30.0, record=record) == [point]
-    with pytest.raises(ArgumentError, match="found those of another duration"):
+    with pytest.raises(ArgumentError, match="found results of another duration"):
         comparison.compare(bench, weights, speeds, duration=20.0, record=record)
 
 
@@ -103,7 +103,7 @@ def test_a_record_that_was_broken_off_goes_on(bench, tmp_path):
     whole = record.read_bytes()
     record.write_bytes(whole + b'{"motion": 1}\n' + whole.splitlines()[1][:40])
     assert points.points_file(record, setup).results == [one]
-    with pytest.raises(ArgumentError, match="found those of another duration"):
+    with pytest.raises(ArgumentError, match="found results of another duration"):
         points.points_file(record, points.setup_of(bench, 20.0))
     record.write_bytes(b"[]\n")
     with pytest.raises(ArgumentError, match="expected results of `whirl comparison`, found another file"):
