@@ -76,15 +76,15 @@ def entry_of(group: str, name: str) -> EntryPoint | None:
 
 
 def not_installed(wanted: str, package: str) -> ArgumentError:
-    """Error on a name whose companion is not installed.
+    """Error on a name whose companion is not installed, or was installed without it.
 
     Args:
         wanted: What needs it, as the begin of a sentence.
         package: Name of the companion.
     """
-    purpose = next((companion.purpose for companion in COMPANIONS if companion.name == package), "")
-    what = f" ({purpose})" if purpose else ""
+    what = next((f" ({one.purpose})" for one in COMPANIONS if one.name == package), "")
+    older = package in map(package_of, entries("drill_twin.commands"))
+    state = "installed without it: make setup (in a clone), or" if older else "which is not installed:"
     return ArgumentError(
-        f"{wanted} needs the package {package}{what}, which is not installed: pip install {package}, or "
-        "pip install 'drill_twin[all]'"
+        f"{wanted} needs the package {package}{what}, {state} pip install {package}, or pip install 'drill_twin[all]'"
     )
