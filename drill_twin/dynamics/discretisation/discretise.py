@@ -6,8 +6,9 @@ The string starts on the axis of the hole, at rest, untwisted and in axial equil
 
 from __future__ import annotations
 
-from functools import lru_cache
-from typing import NamedTuple
+from collections.abc import Callable
+from functools import lru_cache, wraps
+from typing import NamedTuple, ParamSpec, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,6 +23,27 @@ from drill_twin.physics.model.survey import Survey, survey
 from drill_twin.scene import Scene
 from drill_twin.scene.blocks.hole import Hole
 from drill_twin.scene.blocks.string import Piece
+
+P = ParamSpec("P")
+T = TypeVar("T")
+
+
+def kept(function: Callable[P, T]) -> Callable[P, T]:
+    """Keep the results of a pure function, which the set-up of a twin calls many times.
+
+    Arguments that have no hash, such as a scene with a list in an effect of another package, are computed each time.
+    """
+    known = lru_cache(maxsize=8)(function)
+
+    @wraps(function)
+    def call(*arguments: P.args, **named: P.kwargs) -> T:
+        try:
+            hash(arguments)
+        except TypeError:
+            return function(*arguments, **named)
+        return known(*arguments, **named)  # type: ignore[arg-type]
+
+    return call
 
 
 def tubes_of(scene: Scene) -> list[Tube]:
@@ -81,7 +103,7 @@ def survey_of(scene: Scene) -> Survey | None:
     return _survey_of(scene.hole)
 
 
-@lru_cache(maxsize=8)  # the set-up of a twin asks many times
+@kept
 def _survey_of(hole: Hole) -> Survey | None:
     if not hole.survey:
         return None

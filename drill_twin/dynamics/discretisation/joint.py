@@ -4,7 +4,6 @@
 from __future__ import annotations
 
 import math
-from functools import lru_cache
 from itertools import takewhile
 from operator import itemgetter
 
@@ -15,6 +14,7 @@ from drill_twin.dynamics.discretisation.discretise import (
     axial_weight,
     axis_at,
     discretise,
+    kept,
     sections_of,
     tubes_of,
     untwisted,
@@ -55,7 +55,7 @@ def joint_of(scene: Scene) -> float | None:
     return _chosen_joint(scene, extremes(scene)) if depth == "auto" else scene.length - depth
 
 
-@lru_cache(maxsize=8)  # the set-up of a twin asks many times
+@kept
 def _chosen_joint(scene: Scene, most: Command) -> float | None:
     """The joint of `auto` under the largest set-points, which a record may hold."""
     pipe, assembly = min((tube_constants(tube) for tube in sections_of(scene)), key=itemgetter(1)), collars_of(scene)

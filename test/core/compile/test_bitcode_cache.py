@@ -160,7 +160,7 @@ def test_without_the_inlined_compiler_all_is_compiled_by_numba(package):
     """The way back in `evidence/docs/private_compiler.md`, if a new numba cannot be used as this one is."""
     source = package / "drill_twin" / "core" / "compile" / "jit.py"
     text = source.read_text("utf-8")
-    assert text.count("(function, InlinedCompiler") == 2
-    source.write_text(text.replace("(function, InlinedCompiler", "(function, EntryCompiler"), "utf-8")
+    assert text.count('(function, "InlinedCompiler"') == 2
+    source.write_text(text.replace('(function, "InlinedCompiler"', '(function, "EntryCompiler"'), "utf-8")
     assert use(package, 2) == ("6.0 total probe", [])
     assert not list((package / "cache").glob("*.bitcode"))

@@ -71,7 +71,7 @@ def _showing(name: str, shown: Callable[[Any], Any]) -> Callable[[PageState, Any
     """Handler of a topic whose message the page shows under a name, as a function makes it."""
 
     def take(page: PageState, message: Any) -> None:
-        page._shown[name] = shown(message)  # noqa: SLF001 - a method of the page
+        page.shown[name] = shown(message)
 
     return take
 
@@ -110,7 +110,7 @@ class PageState:
         self._rig: dict[str, float] = {}
         self._said = dict.fromkeys(_SPEAKERS, "")  # sentence of each of these nodes
         self._starting = ""  # name of the simulator while it compiles or is not configured
-        self._shown: dict[str, Any] = {  # what the page gets as it is
+        self.shown: dict[str, Any] = {  # what the page gets as it is
             "time": 0.0, "scene": None, "nodes": [], "motion": {"state": "", "criterion": "", "whirls": False},
             "onset": None, "advice": {"level": 0}, "map": None, "estimates": None, "simulator": _simulator("", ""),
         }  # fmt: skip
@@ -125,7 +125,7 @@ class PageState:
                     empty = topic == RIG_STATE and not any(map(math.isfinite, self._rig.values()))
                     self._sources.message(topic, finite=not empty)
         except DrillTwinError as error:
-            self.skipped.add(topic, self._shown["time"], error)
+            self.skipped.add(topic, self.shown["time"], error)
 
     def _on_poses(self, poses: PoseArray) -> None:
         _check_positions(poses.position)
@@ -134,7 +134,7 @@ class PageState:
             raise MessageError(f"expected at most {_MOST_NODES} positions, found {len(nodes)}")
         if self._hole is not None:
             nodes = along_hole(self._hole, nodes[None])[0]
-        self._shown |= {"time": seconds(poses.stamp), "nodes": nodes.round(6).tolist()}
+        self.shown |= {"time": seconds(poses.stamp), "nodes": nodes.round(6).tolist()}
 
     def _on_rig(self, state: JointState) -> None:
         rig = read_rig_state(state)
@@ -149,7 +149,7 @@ class PageState:
 
     def _on_onset(self, found: tuple[int, OnsetMessage | None]) -> None:
         onset = found[1]
-        self._shown["onset"] = None if onset is None else {"time": number(onset.time), "mark": short(onset.mark)}
+        self.shown["onset"] = None if onset is None else {"time": number(onset.time), "mark": short(onset.mark)}
 
     def _on_summary(self, state: JointState) -> None:
         values = dict(zip(state.names, state.position.tolist(), strict=False))
@@ -157,13 +157,13 @@ class PageState:
             code, severity = MotionCode(int(values["whirl"])), float(values["whirl_severity"])
         except (KeyError, ValueError, OverflowError) as error:
             raise MessageError(f"expected the code and the severity of whirl on {TWIN_SUMMARY}, found none") from error
-        self._shown["motion"]["whirls"] = code.whirls
+        self.shown["motion"]["whirls"] = code.whirls
         self._supervision.light("whirl", whirl_lamp(code, severity))
 
     def _on_motion(self, found: tuple[int, list[SubjectMotion]]) -> None:
         for motion in found[1]:
             if motion.subject == STRING_LEVEL:
-                self._shown["motion"] |= {"state": short(motion.state), "criterion": short(motion.criterion)}
+                self.shown["motion"] |= {"state": short(motion.state), "criterion": short(motion.criterion)}
             elif motion.subject != BIT:
                 self._mark(motion.subject)["motion"] = short(motion.state)
 
@@ -185,14 +185,14 @@ class PageState:
             del trail[:-_TRAIL]
 
     def _on_scene(self, text: str) -> None:
-        scene, found = parse_scene(text, name=TWIN_SCENE), self._shown["map"]
+        scene, found = parse_scene(text, name=TWIN_SCENE), self.shown["map"]
         self._clear()
         if found is not None and found["digest"] == digest_of(scene):  # a map may come before its scene
-            self._shown["map"] = found
+            self.shown["map"] = found
         self._hole = scene if scene.hole.survey else None
         self._weight = string_weight(scene)
         self._supervision.begin(scene.name)
-        self._shown["scene"] = shown_scene(scene)
+        self.shown["scene"] = shown_scene(scene)
 
     def _on_diagnostics(self, message: tuple[int, list[Status]]) -> None:
         for status in message[1]:
@@ -200,23 +200,23 @@ class PageState:
                 self._sources.report(status)
             if (node := status.name.rpartition("/")[2]) in _SPEAKERS:
                 self._said[node] = short(status.text)
-                if node == "estimator" and (found := self._shown["estimates"]) is not None:
+                if node == "estimator" and (found := self.shown["estimates"]) is not None:
                     self._supervision.estimate(found["level"], self._said[node])
             if "compiling" in status.values:
                 self._starting = status.name
-                self._shown["simulator"] = _simulator("", status.text)
+                self.shown["simulator"] = _simulator("", status.text)
             if "realtime_factor" in status.values:
                 values, self._starting = status.values, ""
                 self._state = short(values.get("state", ""))
                 factor = short(values.get("realtime_factor_last_second", values["realtime_factor"]))
                 pace = values.get("pace", "") if status.level == Level.OK else status.text
-                self._shown["simulator"] = _simulator(factor, short(pace))
+                self.shown["simulator"] = _simulator(factor, short(pace))
 
     def snapshot(self) -> dict[str, Any]:
         """All values as plain types for JSON, with the positions of the marks since the last snapshot."""
         with self._lock:
             trail, self._trail = self._trail, {}
-            shown = self._shown
+            shown = self.shown
             picture = {
                 **shown, "units": self.units, "marks": [dict(mark) for mark in self._marks.values()], "trail": trail,
                 "rig": {name: number(value) for name, value in self._rig.items()},
