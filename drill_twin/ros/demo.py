@@ -19,7 +19,7 @@ from rclpy.context import Context
 from rich.console import Console
 from rich.progress import BarColumn, Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
 
-from drill_twin.core.errors import BagError, RunError
+from drill_twin.core.errors import BagError, DrillTwinError, RunError
 from drill_twin.core.files.output import RESULTS, make_folder, new_folder
 from drill_twin.io.messages.diagnostics import Level, Status
 from drill_twin.io.messages.stamps import seconds
@@ -60,7 +60,11 @@ def run(arguments: Sequence[str], stop: StopRequest) -> None:
         "wait_timeout": _STARTING_TIME,
     }
     # JSON is YAML; a text is quoted, because it may look like a number.
-    words = [word for name, value in parameters.items() for word in ("-p", f"{name}:={json.dumps(value)}")]
+    words = [
+        word
+        for name, value in parameters.items()
+        for word in ("-p", f"{name}:={json.dumps(value, ensure_ascii=False)}")
+    ]
     columns = (
         SpinnerColumn(),
         TextColumn("{task.description}"),
@@ -76,9 +80,13 @@ def run(arguments: Sequence[str], stop: StopRequest) -> None:
         with Progress(*columns, console=console, transient=True) as progress:
             # The nodes log to files only: lines on the console would tear the bar.
             observer = partial(DemoObserver, progress, float(duration))
-            composed_twin.run(["--ros-args", "--disable-stdout-logs", *words], stop, observer)
+            try:
+                composed_twin.run(["--ros-args", "--disable-stdout-logs", *words], stop, observer)
+            except DrillTwinError as error:
+                raise RunError(str(error)) from error
     if stop:
-        raise RunError(f"stopped before it was over; the nodes ended in order, the bag so far is {bag}")
+        kept = f"the bag so far is {bag}" if bag.exists() else "nothing was recorded"
+        raise RunError(f"stopped before it was over; the nodes ended in order, {kept}")
     check_bag(bag)
     _report(out, console)
 
@@ -97,7 +105,7 @@ class DemoObserver(TwinNode):
         super().__init__(context, others)
         self._progress, self._task = progress, progress.add_task("compiling and connecting", total=duration)
         self._tell, self._stall = progress.console.print, StallDetector()
-        self._time = 0.0  # s, simulated
+        self._duration, self._time = duration, 0.0  # s, simulated
         self._onset: OnsetMessage | None = None
         self._motion = self._compiling = self._factor = ""
         self._problems: set[str] = set()
@@ -120,7 +128,8 @@ class DemoObserver(TwinNode):
             RunError: Simulated time stands still.
         """
         self.spin_once(0.1)
-        self._stall.check(self._time, compiling=bool(self._compiling))
+        if self._time < self._duration:  # afterwards the recorder may take long to finish its bag
+            self._stall.check(self._time, compiling=bool(self._compiling))
         if self._compiling:
             self._progress.update(self._task, description=self._compiling)
         if self._time > 0.0:

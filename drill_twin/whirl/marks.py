@@ -59,17 +59,19 @@ class MarkInfo:
 
 
 def mark_columns(marks: Sequence[MarkInfo]) -> Columns:
-    """Numbers of m marks."""
+    """Numbers of m marks, in the types for which the analysis is compiled."""
     distances = [mark.distance_from_bit for mark in marks]
     return columns(
         "MarkArrays",
         len(marks),
-        clearance=np.array([mark.clearance for mark in marks]),  # [m]
-        wall_offset=np.array([mark.wall_offset for mark in marks]),  # outer radius of the string [m]
-        wall_radius=np.array([mark.wall_offset if mark.on == "wall" else 0.0 for mark in marks]),  # of the point [m]
-        rolling_ratio=np.array([mark.rolling_ratio for mark in marks]),
-        inclined=np.array([mark.inclined for mark in marks]),
-        levels=np.array([distances.index(level) for level in sorted(set(distances))]),  # one mark at each distance
+        clearance=np.array([mark.clearance for mark in marks], float),  # [m]
+        wall_offset=np.array([mark.wall_offset for mark in marks], float),  # outer radius of the string [m]
+        wall_radius=np.array(
+            [mark.wall_offset if mark.on == "wall" else 0.0 for mark in marks], float
+        ),  # of the point [m]
+        rolling_ratio=np.array([mark.rolling_ratio for mark in marks], float),
+        inclined=np.array([mark.inclined for mark in marks], bool),
+        levels=np.array([distances.index(level) for level in sorted(set(distances))], int),  # a mark at each distance
     )
 
 

@@ -28,6 +28,9 @@ def test_a_second_clock_is_an_error_at_once_and_the_set_point_holds(bench, joint
         status = bench.until_status(node, lambda status: status.level == Level.ERROR)
         assert f"expected one publisher of {CLOCK_TOPIC}, found" in status.text
         assert "/test" in status.text
+    message.clock.sec = 100_000
+    clock.publish(message)
+    bench.spin(0.3)
     raws.clear()
     for second in range(60):
         message.clock.sec = 100_000 * (second % 2)
@@ -44,3 +47,19 @@ def test_a_second_clock_is_an_error_at_once_and_the_set_point_holds(bench, joint
     before = len(raws)
     bench.until(lambda: {read_command(state).values[:2] for state in joints(raws[before:])} - {(weight, speed)},
                 what="the schedule to go on")  # fmt: skip
+
+
+def test_a_second_clock_that_is_silent_delays_no_set_point(bench, joints):
+    """A replayer that waits publishes `/clock` without a message."""
+    raws = bench.collect(RIG_COMMAND)
+    bench.start("simulator")
+    bench.start("rig_driver", wait_for="simulator test")
+    bench.until(lambda: len(raws) > 100, what="set-points")
+    clock = bench.node.create_publisher(Clock, CLOCK_TOPIC, 10)
+    status = bench.until_status("rig_driver", lambda status: status.level == Level.ERROR)
+    assert "expected one publisher of" in status.text
+    raws.clear()
+    bench.spin(3.0)
+    stamps = [state.stamp for state in joints(raws)]
+    assert len(set(stamps)) > 100, stamps
+    bench.node.destroy_publisher(clock)

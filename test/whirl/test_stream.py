@@ -3,7 +3,7 @@
 
 import gc
 import tracemalloc
-from dataclasses import fields
+from dataclasses import fields, replace
 
 import numpy as np
 import pytest
@@ -38,6 +38,21 @@ def test_live_and_offline_are_equal_to_the_last_bit(spin):
         assert bits(again) == bits(found[i])
     assert offline.summary() == live.summary()
     assert offline.summary().onset is not None
+
+
+@pytest.mark.parametrize("kind", [int, np.float32])
+def test_a_mark_given_in_other_types_of_numbers_is_the_same_mark(kind):
+    """The analysis is compiled once, for the types of its own arrays."""
+    moved = moved_marks(seconds=10.0)
+    found = []
+    for number, inclined in ((float, False), (kind, 0)):
+        marks = [replace(m, clearance=number(1), wall_offset=number(0), inclined=inclined) for m in MARKS]
+        analyzer = Analyzer(marks)
+        for i, stamp in enumerate(moved.stamps.tolist()):
+            findings = analyzer.push(stamp, moved.positions[i], moved.spin[i], float(moved.top_speed[i]))
+        found.append(findings.whirl_radius)
+    assert found[0].any()
+    np.testing.assert_array_equal(*found)
 
 
 def test_findings_are_not_overwritten_by_later_samples():

@@ -19,6 +19,7 @@ import sys
 from collections.abc import Callable
 from functools import cache
 from importlib import import_module
+from threading import RLock
 from types import CellType, FunctionType
 from typing import Any, TypeVar, cast
 
@@ -36,17 +37,23 @@ FLAGS: dict[str, Any] = {
 _WAITING: dict[Callable[..., Any], Callable[[], Any]] = {}
 """Functions that were decorated before `start`, and what makes a dispatcher of each."""
 _STARTED: list[bool] = []
+_ONE_THREAD = RLock()
 
 _WITHOUT_ALLOCATION = re.compile(r"drill_twin\.(core|physics|dynamics|whirl)\.|drill_twin_(kernel|linear|analysis)_")
 
 
 def start() -> None:
     """Import numba, and put its dispatchers in the place of all functions that were decorated before."""
-    if _STARTED:
-        return
+    with _ONE_THREAD:
+        if not _STARTED:
+            _start()
+            _STARTED.append(True)
+
+
+def _start() -> None:
     numba: Any = import_module("numba")
     numba.config.SLP_VECTORIZE = 1
-    _STARTED.append(True)
+    import_module("drill_twin.core.compile.inlined_compiler")
     made = {function: make() for function, make in _WAITING.items()}
     for module in list(sys.modules.values()):
         for name, value in list(getattr(module, "__dict__", {}).items()):
@@ -67,11 +74,12 @@ def _compiled(function: Function, pipeline: str, **more: Any) -> Function:
         numba: Any = import_module("numba")
         return cast("Function", numba.njit(**flags, pipeline_class=getattr(compilers, pipeline))(function))
 
-    if _STARTED:
-        return make()
-    _WAITING[function] = make
-    function.py_func = function  # type: ignore[attr-defined]
-    return function
+    with _ONE_THREAD:
+        if _STARTED:
+            return make()
+        _WAITING[function] = make
+        function.py_func = function  # type: ignore[attr-defined]
+        return function
 
 
 def kernel(function: Function) -> Function:

@@ -120,7 +120,7 @@ def load_generated(kind: str, text: str, *more: str, packages: tuple[str, ...] =
 
 def fingerprint(text: str, *more: str, packages: tuple[str, ...] = ()) -> str:
     """Hash of all source that a module reaches, of other texts, of the versions of libraries and of the processor."""
-    with _kept_parsing():
+    with ONE_THREAD, _kept_parsing():
         digest = hashlib.sha256(source_hash(text, packages).encode())
     for part in (*more, platform.python_version(), numba.__version__, llvmlite.__version__, np.__version__):
         digest.update(part.encode())

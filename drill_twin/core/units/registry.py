@@ -119,8 +119,9 @@ def si_factor(unit: str) -> tuple[float, Dimensionality]:
             raise UnknownUnitError(name)
     text = text.replace("·", "*").replace("°", " deg ").replace("%", " percent ").strip()
     text = f"1{text}" if text.startswith("/") else text
+    units = registry()
     try:
-        quantity = registry().Quantity(1.0) * (registry().parse_expression(text) if text else 1.0)
+        quantity = units.Quantity(1.0) * (units.parse_expression(text) if text else 1.0)
         base = quantity.to_root_units()
     except (  # raised by pint for malformed products such as `N(` or `m**/s`
         ArithmeticError,

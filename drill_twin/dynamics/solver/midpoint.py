@@ -65,17 +65,17 @@ def no_end(parameters: Any, rod: Rod, state: State) -> None:
     """As `no_audit`."""
 
 
-def bind(
-    form: Formulation, effects: Effects, audit_step: Any = no_audit, close_step: Any = no_end
-) -> Callable[..., int]:
+def bind(form: Formulation, effects: Effects, audit_step: Any = None, close_step: Any = None) -> Callable[..., int]:
     """The time loop for one formulation and a set of effects.
 
     Args:
         form: The formulation.
         effects: The effects.
-        audit_step: Updates the energy ledger for a step that has converged (`drill_twin.dynamics.audit.step_audit`).
-        close_step: Completes the ledger after the step has been taken.
+        audit_step: Updates the energy ledger for a step that has converged (`drill_twin.dynamics.audit.step_audit`);
+            None: `no_audit`.
+        close_step: Completes the ledger after the step has been taken; None: `no_end`.
     """
+    audit_step, close_step = audit_step or no_audit, close_step or no_end  # a default would be no compiled function yet
     begin, predict, build, solve, correct, accept, finish, order = form
     prescribed_motion, after_step, missed = effects.prescribed_motion, effects.after_step, effects.missed
 

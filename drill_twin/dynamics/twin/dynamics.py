@@ -195,7 +195,7 @@ class Dynamics(KernelArguments):
         Returns:
             Outcome of the last frame; PAUSED where the rest was left undone.
         """
-        arguments = *self._packed[:2], commands, seconds, step, table
+        arguments = *self._packed[:2], commands, float(seconds), float(step), table  # the compiled types
         status = state.PAUSED
         try:
             while status == state.PAUSED and (allowed := iterations()) > 0.0:

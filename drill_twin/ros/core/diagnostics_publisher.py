@@ -39,8 +39,7 @@ class DiagnosticsPublisher:
         if status.level == Level.OK and (problem := self._topics.incompatible_publisher()):
             status = replace(status, level=Level.WARN, text=problem)
         if clocks := self._topics.several_clocks():
-            level, text = clocks
-            status = replace(status, level=level, text=text)
+            status = replace(status, level=Level.ERROR, text=clocks)
         if status.level != Level.OK:
             self._log(status)
         name = self._node.get_fully_qualified_name().lstrip("/")

@@ -18,7 +18,6 @@ from rclpy.qos_overriding_options import InvalidQosOverridesError, QoSOverriding
 from rclpy.subscription import Subscription
 
 from drill_twin.core.errors import MessageError
-from drill_twin.io.messages.diagnostics import Level
 from drill_twin.io.messages.readers import reader_of
 from drill_twin.io.messages.topic_row import Topic
 from drill_twin.io.messages.topics import CLOCK_TOPIC, DIAGNOSTICS, RPS_COMMAND, TOPICS, TWIN_SCENE, WOB_COMMAND
@@ -166,13 +165,11 @@ class NodeTopics:
         keeps = row.latched if latched is None else latched
         counted = topic if topic not in _SEVERAL_PUBLISHERS and depth != 1 and not row.latched else ""
 
-        inputs = self._inputs
-
         def take(*given: Any) -> None:
             raw, info = given if len(given) > 1 else given[0]  # rclpy 7.1.6 hands over both as one argument
             self.taken += 1
             self.number = info["publication_sequence_number"]
-            if inputs is not self._inputs:  # the message was waiting when its subscription was destroyed
+            if all(kept is not subscription for kept, *_ in self._inputs):  # destroyed while the message waited
                 return
             self._drops.take(counted, info)
             if keeps or not self.muted:
@@ -193,7 +190,7 @@ class NodeTopics:
 
     def unsubscribe(self, subscription: Subscription) -> None:
         """Destroy a subscription."""
-        self._inputs[:] = [row for row in self._inputs if row[0] is not subscription]
+        self._inputs = [row for row in self._inputs if row[0] is not subscription]
         self._node.destroy_subscription(subscription)
 
     def destroy_all_but(self, kept: str) -> None:
@@ -222,18 +219,16 @@ class NodeTopics:
         found = self._node.get_publishers_info_by_topic(self._node.resolve_topic_name(relative(topic)))
         return sorted(map(full_name, found))
 
-    def several_clocks(self) -> tuple[Level, str] | None:
-        """Level and sentence on a clock of this node that several publish; None where one does, or none is used."""
+    def several_clocks(self) -> str:
+        """Sentence on a clock of this node that several publish; empty where one does, or this node has none."""
         clock = self._node.resolve_topic_name(relative(CLOCK_TOPIC))
         reader = next((one for one, *_ in self._inputs if one.topic_name == clock), None)
         own = self.publishers.get(CLOCK_TOPIC) or reader
         found = [] if own is None else sorted(map(full_name, self._node.get_publishers_info_by_topic(own.topic_name)))
         if len(found) < 2:
-            return None
-        names = f"expected one publisher of {CLOCK_TOPIC}, found {', '.join(found)}"
-        if len(set(found)) > 1:
-            return Level.ERROR, f"{names}; stop all but one, for time flips"
-        return Level.WARN, f"{names}: a killed publisher is listed for about 20 s more; if both run, stop one"
+            return ""
+        names = f"expected one publisher of {CLOCK_TOPIC}, found {', '.join(found)}; stop all but one, for time flips"
+        return names if len(set(found)) > 1 else f"{names}; a killed one is listed for up to 20 s"
 
     @property
     def loss(self) -> str:

@@ -25,12 +25,12 @@ class ClockSource:
         Args:
             topics: Topics of the node.
             alone: Called with each stamp [ns] of a clock that is alone.
-            two_are_heard: Called for each change from one clock to another that is heard as well.
+            two_are_heard: Called in place of `alone` once the stamps of two clocks were heard.
         """
         self._topics, self._alone, self._two_are_heard = topics, alone, two_are_heard
         self._number, self._changed_at = 0, 0.0  # sequence number, and when numbers last did not follow each other [s]
         self._held: int | None = None  # ns; last stamp that was not passed on
-        self._several = False
+        self._two = False
         self._subscribe()
 
     def _subscribe(self) -> None:
@@ -38,17 +38,16 @@ class ClockSource:
 
     def _take(self, stamp: int) -> None:
         number, now = self._topics.number or 0, time.monotonic()
-        began, self._several = not self._several, self._subscription.get_publisher_count() > 1
-        follows, self._number = number == self._number + 1 and not (self._several and began), number
+        follows, self._number = number == self._number + 1, number
         doubted = now - self._changed_at < _SETTLED
         if not follows:
-            self._changed_at = now
-        if not self._several or (follows and not doubted):
+            self._two, self._changed_at = doubted, now
+        if self._subscription.get_publisher_count() <= 1 or (follows and not doubted):
             self._held = None
             self._alone(stamp)
             return
         self._held = stamp
-        if doubted and not follows:
+        if self._two:
             self._two_are_heard()
 
     def settle(self) -> None:

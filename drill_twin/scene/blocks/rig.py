@@ -119,7 +119,10 @@ class Block(SetPoint):
         """As of every set-point, and a speed beside an auto-driller."""
         yield from super().problems()
         if self.auto_driller is not None and (self.value != 0.0 or self.initial != 0.0):
-            yield (), "expected either a speed or `auto_driller`, which moves the block itself, found both"
+            yield (
+                ("auto_driller",),
+                "expected either a speed or `auto_driller`, which moves the block itself, found both",
+            )
 
 
 class Column(Part):

@@ -107,7 +107,7 @@ def test_whatever_the_damping_time():
     """Beyond what a scene may say, a thousand seconds: the string is then a dead weight."""
     twin = twin_of({"internal_damping": {"bending_time": 10.0}, "lateral_kick": {"velocity": 0.5, "shape": "hump"}})
     damping = twin.dynamics.parameters.internal_damping._replace(bending_time=1e3)
-    twin.dynamics.parameters = twin.dynamics.parameters._replace(internal_damping=damping)
+    twin.dynamics.set_parameters(twin.dynamics.parameters._replace(internal_damping=damping))
     seen = [energy(twin.advance(STILL, STEP)) for _ in range(40)]
     assert seen[-1] <= seen[0]
     assert np.isfinite(seen).all()

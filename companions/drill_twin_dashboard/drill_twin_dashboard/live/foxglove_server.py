@@ -72,7 +72,8 @@ class FoxgloveServer(WebServer):
 
     def publish(self, topic: str, raw: bytes, time: int) -> None:
         """Pass a message on, with the time at which it was received [ns]."""
-        self._loop.call_soon_threadsafe(self._publish, topic, raw, time)
+        with suppress(RuntimeError):  # the server has ended
+            self._loop.call_soon_threadsafe(self._publish, topic, raw, time)
 
     def _publish(self, topic: str, raw: bytes, time: int) -> None:
         if TOPICS[topic].latched:
@@ -102,7 +103,7 @@ class FoxgloveServer(WebServer):
             await send(connection, json.dumps({"op": "advertise", "channels": channels}))
             async for request in connection:
                 # No answer to what is no request of the protocol, or a request that this server does not offer.
-                with suppress(JsonError, AttributeError, KeyError, TypeError, ValueError):
+                with suppress(JsonError, AttributeError, KeyError, OverflowError, TypeError, ValueError):
                     self._take(connection, read_json(request))
 
     def _take(self, connection: ServerConnection, request: Any) -> None:
@@ -112,8 +113,8 @@ class FoxgloveServer(WebServer):
             viewer.numbers = {topic: number for topic, number in viewer.numbers.items() if number not in ended}
         elif request["op"] == "subscribe":
             for one in request["subscriptions"]:
-                topic, number = _CHANNELS[one["channelId"]], int(one["id"])
-                if 0 <= number < 1 << 32:
+                topic, number = _CHANNELS.get(one["channelId"], ""), int(one["id"])
+                if topic and 0 <= number < 1 << 32:
                     viewer.numbers[topic] = number
                     if topic in self._latched:
                         _pass_on(connection, viewer, topic, *self._latched[topic])

@@ -131,6 +131,6 @@ def _starts(search: ShapeSearch) -> Iterator[Array]:
 
 def _relaxed(turning: TurningEquations, whirl: SteadyWhirl, shortest: float) -> SteadyWhirl | None:
     """Equilibrium in the frame of the string near a first shape, by pseudo-transient continuation."""
-    pace = Pace(STEPS, shortest, (0.0, LONGEST_STEP * shortest), TOLERANCE, SETTLED / whirl.omega**2)
+    pace = Pace(STEPS, shortest, (0.0, LONGEST_STEP * shortest), TOLERANCE, SETTLED / max(whirl.omega**2, 1e-300))
     found = settled(turning, whirl, pace)
     return None if found is None else found[0]
