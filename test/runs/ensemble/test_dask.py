@@ -121,7 +121,7 @@ def test_a_lost_scheduler_and_workers_that_die_again_and_again_are_said(tmp_path
     monkeypatch.setenv("DASK_DISTRIBUTED__SCHEDULER__ALLOWED_FAILURES", "0")
     with cluster(tmp_path / "again") as broken:
         kill = killing(60, broken.worker())
-        with pytest.raises(RunError, match="workers that outlive their members, found that 1 died in the same ones"):
+        with pytest.raises(RunError, match="workers that outlive their members, found that 1 died in the same members"):
             made(broken, tmp_path, progress=kill)
 
 
