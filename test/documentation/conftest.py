@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The rules of style, `docs/style.py`, for tests of pages and of docstrings."""
+"""Modules beside the pages: the rules of style, `docs/style.py`, and the printed reference, `docs/_printed`."""
 
 import sys
+from importlib import import_module
 from pathlib import Path
 
 import pytest
@@ -9,11 +10,22 @@ import pytest
 DOCS = Path(__file__).parents[2] / "docs"
 
 
-@pytest.fixture(scope="session")
-def style():
+def _module(name):
+    """A module beside the pages."""
     sys.path.insert(0, str(DOCS))
     try:
-        import style
+        return import_module(name)
     finally:
         sys.path.remove(str(DOCS))
-    return style
+
+
+@pytest.fixture(scope="session")
+def style():
+    return _module("style")
+
+
+@pytest.fixture(scope="session")
+def printed():
+    """Function that prints a part of the reference, by name."""
+    pages = _module("_printed").PAGES
+    return lambda name: pages[name]()

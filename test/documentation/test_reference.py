@@ -6,25 +6,12 @@ import sys
 from importlib import metadata
 from pathlib import Path
 
-import pytest
-
 import drill_twin as dt
 from drill_twin.io.messages.diagnostics import decode_diagnostics
 from drill_twin.io.messages.topics import DIAGNOSTICS, OF_SUBS, TOPICS
 from drill_twin.physics.effects import EFFECTS
 
 DOCS = Path(__file__).parents[2] / "docs"
-
-
-@pytest.fixture(scope="module")
-def printed():
-    """Function that prints a part of the reference, by name."""
-    sys.path.insert(0, str(DOCS))
-    try:
-        import _printed
-    finally:
-        sys.path.remove(str(DOCS))
-    return lambda name: _printed.PAGES[name]()
 
 
 def _pinned():

@@ -15,7 +15,7 @@ _SETTLED = 1.0  # s of wall time in which one publisher alone was heard; a slowe
 class ClockSource:
     """Subscription to `/clock` that passes on the stamps of one publisher, and none while two are heard.
 
-    The middleware lists a process that was killed for about 20 s more. Sequence numbers tell whether it is heard:
+    The middleware lists a process that was killed for up to 20 s more. Sequence numbers tell whether it is heard:
     the numbers of one publisher follow each other, and where two are heard, they do not.
     """
 
