@@ -15,37 +15,27 @@ from types import SimpleNamespace
 from rclpy.context import Context
 from rclpy.node import Node
 
-from drill_twin.core.companions import COMPANIONS
 from drill_twin.ros.core.node import TwinNode
 from drill_twin.ros.core.node_main import init_context, print_help, run_in_order
 from drill_twin.ros.core.parameters import Parameter, declare, given_parameters
 from drill_twin.ros.core.stop_request import StopRequest
 from drill_twin.ros.deployment import readable_refusal
-from drill_twin.ros.entry_points import load
+from drill_twin.ros.entry_points import PACKAGE, SIMULATOR, TWIN, load, waits
 
-_OF_COMPANIONS = tuple(
-    (flag, node, companion.name)
-    for companion in COMPANIONS
-    for node, flag in companion.nodes.items()
-    if node not in companion.programs
-)
-"""Flag, name and package of each node of a companion."""
+_BESIDE = {name: row for name, row in TWIN.items() if name != SIMULATOR and row.has_parameters}
+"""Nodes beside the simulator that this process can run."""
 NAME, PURPOSE = "twin", "Nodes in one process, with a flag for each; a parameter reaches all that have it."
-PARAMETERS = (
-    Parameter("drive", True, "whether to run the rig driver"),
-    Parameter("analyze", True, "whether to run the analyzer"),
-    Parameter("record", False, "whether to record a bag"),
-    *(
-        Parameter(flag, False, f"whether to run the {node} (of {package}); its parameters then stand here too")
-        for flag, node, package in _OF_COMPANIONS
-    ),
+PARAMETERS = tuple(
+    Parameter(
+        row.flag,
+        row.runs,
+        f"whether to run the {name.replace('_', ' ')}"
+        + f" (of {row.package}); its parameters then stand here too" * (row.package != PACKAGE),
+    )
+    for name, row in _BESIDE.items()
 )
-_ALWAYS_KNOWN = ("simulator", "rig_driver", "analyzer", "recorder")
+_ALWAYS_KNOWN = tuple(name for name, row in TWIN.items() if row.package == PACKAGE)
 """Nodes whose parameters the process takes whether they run or not."""
-_FLAGS = {"analyze": "analyzer", "record": "recorder"} | {flag: node for flag, node, _ in _OF_COMPANIONS}
-"""Nodes by their flag, without the rig driver, which comes after them."""
-_WAITED_FOR = ("analyzer", "recorder")
-"""Nodes that must miss no message."""
 Kind = Callable[[Context, Iterable[str]], TwinNode]
 """Class of a node, or a function that makes one, from a context and the names of the parameters of other nodes."""
 
@@ -102,15 +92,13 @@ def run(arguments: Sequence[str], stop: StopRequest, *observers: Kind) -> None:
     try:
         with stop.at_once(), readable_refusal():
             flags = _flags(context)
-            wanted = [name for flag, name in _FLAGS.items() if getattr(flags, flag)]
+            wanted = [name for name, row in _BESIDE.items() if getattr(flags, row.flag)]
             kinds |= {name: load(name) for name in wanted}
             table = _table(kinds.values())
-            nodes: list[TwinNode] = [kinds[name](context, table) for name in wanted]
-            if flags.drive:
-                waited = " ".join(["simulator", *(name for name in wanted if name in _WAITED_FOR)])
-                nodes.insert(0, kinds["rig_driver"](context, table, wait_for=waited))
+            running = {SIMULATOR, *wanted}
+            nodes: list[TwinNode] = [kinds[name](context, table, **waits(name, running)) for name in wanted]
             nodes += [observer(context, table) for observer in observers]
-            simulator = kinds["simulator"](context, table)
+            simulator = kinds[SIMULATOR](context, table)
             # Imported while there is one thread: a signal during an import would leave the others a partial module.
             for module in ("drill_twin.dynamics.twin.twin", "drill_twin.io.whirl_pipeline"):
                 importlib.import_module(module)

@@ -1,6 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """Entry points of the nodes: signals first, then the imports, then the node; one line and an exit code for an error.
 
+`TWIN` and `REPLAY` are the nodes that are started together, by which the launch files, the process of all nodes and the
+demo go. This module needs the standard library alone: `ros2 launch` may run in another Python environment.
+
 Exit codes: 0 ended as asked (also by SIGINT or SIGTERM), 1 the run could not go on, 2 refused to start.
 
 A new node is a class of `core.node.TwinNode`, a row in `NODES` (in another package: an entry point of `GROUP`), its
@@ -13,9 +16,9 @@ from __future__ import annotations
 
 import importlib
 import sys
-from collections.abc import Sequence
+from collections.abc import Collection, Mapping, Sequence
 from importlib.util import find_spec
-from typing import Any, NoReturn
+from typing import Any, NamedTuple, NoReturn
 
 from drill_twin.core.companions import COMPANIONS, entries, entry_of, not_installed
 from drill_twin.core.errors import DrillTwinError, RunError, printable
@@ -43,12 +46,86 @@ PROGRAMS = {
 """Module and function of a program that starts several nodes, or takes other arguments than ROS's."""
 GROUP = "drill_twin.nodes"
 """Entry-point group of nodes in other packages: a class of `TwinNode`, or a function as in `PROGRAMS`."""
-_OF_COMPANIONS = {name: companion.name for companion in COMPANIONS for name in companion.nodes}
+_PACKAGES = {name: companion.name for companion in COMPANIONS for name in companion.nodes}
+
+PACKAGE = "drill_twin"
+NOT_TEXT = ("duration", "rate", "loop", "use_sim_time")
+"""Launch arguments whose parameter is a number, or true or false."""
+
+
+class Row(NamedTuple):
+    """A node among others."""
+
+    flag: str
+    """Launch argument, and parameter of the process of all nodes, that asks for the node; empty: it always runs."""
+    runs: bool
+    """Whether it runs where the flag is not given."""
+    purpose: str
+    """What `ros2 launch --show-args` says of the flag."""
+    takes: Mapping[str, str]
+    """Parameter that a launch argument sets, by the name of the argument."""
+    package: str = PACKAGE
+    has_parameters: bool = True
+    """Whether it has a parameter file of its own."""
+
+
+def _same(*names: str) -> dict[str, str]:
+    return {name: name for name in names}
+
+
+SIMULATOR, RIG_DRIVER, ANALYZER, RECORDER, REPLAYER = "simulator", "rig_driver", "analyzer", "recorder", "replayer"
+_OF_COMPANIONS = {
+    "advisor": ("Advisor, which compares the set-points with a map.", _same("map")),
+    "estimator": ("Estimator, which follows what is measured.", _same("scene", "free")),
+    "gateway": ("Gateway to rig software by OPC UA; its parameters are given in params_file.", {}),
+    "watch": ("Page in the browser; its address is in the output.", {}),
+}
+TWIN = {
+    SIMULATOR: Row(
+        "simulate",
+        True,
+        "Simulator; without it, the other nodes go by one that runs elsewhere.",
+        _same("scene", "overrides", "accuracy", "pace", "duration", "checkpoint", "frame_prefix"),
+    ),
+    RIG_DRIVER: Row(
+        "drive",
+        True,
+        "Rig driver, which plays the set-points; without it, others command the simulator.",
+        {**_same("scene", "overrides", "table"), "wob": "weight_on_bit", "rpm": "rotation"},
+    ),
+    ANALYZER: Row("analyze", True, "Analyzer, which finds the onset of whirl.", {}),
+    RECORDER: Row("record", False, "Recorder of a bag.", _same("bag")),
+    **{
+        node: Row(flag, False, *_OF_COMPANIONS[node], companion.name, node not in companion.programs)
+        for companion in COMPANIONS
+        for node, flag in companion.nodes.items()
+    },
+}
+"""Nodes of a twin by name."""
+REPLAY = {
+    REPLAYER: Row("", True, "", _same("bag", "rate", "map", "loop", "twin")),
+    ANALYZER: Row("analyze", True, "Analyse afresh; the recorded findings are then left out.", {}),
+}
+"""Nodes of a replay by name."""
+RUNS_OUT = (SIMULATOR, REPLAYER)
+"""Nodes with whose end the run is over."""
+_SENDS_FIRST = (RIG_DRIVER, REPLAYER)
+_MISSES_NOTHING = (SIMULATOR, ANALYZER, RECORDER)
+
+
+def waits(node: str, running: Collection[str]) -> dict[str, str]:
+    """Parameter of a node that sends first: the running nodes that must miss no message; no parameter of other nodes.
+
+    Args:
+        node: Name of the node.
+        running: Names of the nodes that run beside it, here or elsewhere.
+    """
+    return {"wait_for": " ".join(name for name in _MISSES_NOTHING if name in running)} if node in _SENDS_FIRST else {}
 
 
 def executables() -> tuple[str, ...]:
     """Names of all nodes and programs, also of companions that are not installed."""
-    return tuple(dict.fromkeys((*NODES, *_OF_COMPANIONS, *(entry.name for entry in entries(GROUP)), *PROGRAMS)))
+    return tuple(dict.fromkeys((*NODES, *_PACKAGES, *(entry.name for entry in entries(GROUP)), *PROGRAMS)))
 
 
 def node_names() -> tuple[str, ...]:
@@ -67,7 +144,7 @@ def load(name: str) -> Any:
         raise DrillTwinError(f"expected one of {', '.join(known)}, found {name!r}")
     place = {**NODES, **PROGRAMS}.get(name) or getattr(entry_of(GROUP, name), "value", "")
     if not place:
-        raise not_installed(f"the node {name}", _OF_COMPANIONS[name])
+        raise not_installed(f"the node {name}", _PACKAGES[name])
     module, _, attribute = place.partition(":")
     try:
         if find_spec("rclpy") is None:  # a program may import it late

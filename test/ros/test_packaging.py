@@ -236,61 +236,45 @@ def test_the_parameter_file_of_the_twin_holds_defaults_of_its_nodes():
     assert len({(p.name, p.default) for p in all_known}) == len({p.name for p in all_known})
 
 
-def _name(call):
-    return getattr(call.func, "id", "")
-
-
-FLAGS = {
-    "twin": {
-        "simulator": "simulate",
-        "rig_driver": "drive",
-        "analyzer": "analyze",
-        "recorder": "record",
-        "advisor": "advise",
-        "estimator": "estimate",
-        "gateway": "gateway",
-        "watch": "watch",
-        "rviz2": "rviz",
-    },
-    "replay": {"replayer": None, "analyzer": "analyze"},
-}
-"""Executables of the launch files, and the flag that starts each."""
-
-
-def _condition(call):
-    """Flag of a `Node(...)` or `_node(...)`."""
-    given = next((word.value for word in call.keywords if word.arg == "condition"), None)
-    return None if given is None else next(word.value for word in ast.walk(given) if isinstance(word, ast.Constant))
-
-
-@pytest.mark.parametrize("name", ["twin", "replay"])
-def test_a_launch_file_names_executables_and_parameters_that_exist(name):
+@pytest.mark.parametrize(("name", "table"), [("twin", entry_points.TWIN), ("replay", entry_points.REPLAY)])
+def test_a_launch_starts_executables_with_parameters_that_exist(name, table):
     """`launch` is not among the wheels, so the file is read here; `test_launch.py` runs it where there is one."""
-    file = ROOT / "config" / "launch" / f"{name}.launch.py"
-    tree = ast.parse(file.read_text("utf-8"))
-    compile(tree, str(file), "exec")
-    calls = [node for node in ast.walk(tree) if isinstance(node, ast.Call)]
-    nodes = [call for call in calls if _name(call) == "_node"]
-    started = {call.args[0].value: _condition(call) for call in nodes}
-    for call in (call for call in calls if _name(call) == "Node"):
-        executable = next(word.value for word in call.keywords if word.arg == "executable")
-        if isinstance(executable, ast.Constant):
-            started[executable.value] = _condition(call)
-    assert started == FLAGS[name]
-    assigned = [node for node in ast.walk(tree) if isinstance(node, ast.Assign)]
-    dictionaries = {node.targets[0].id: node.value for node in assigned if isinstance(node.targets[0], ast.Name)}
-    for call in nodes:
-        given = call.args[1]
-        given = dictionaries[given.id] if isinstance(given, ast.Name) else given
-        known = {parameter.name for parameter in NODES[call.args[0].value].PARAMETERS} if given.keys else set()
-        assert {key.value for key in given.keys} <= known
-    declared = {call.args[0].value: call for call in calls if _name(call) in {"DeclareLaunchArgument", "_flag"}
-                if isinstance(call.args[0], ast.Constant)}  # fmt: skip
-    uses = [call.args[0] for call in calls if _name(call) in {"LaunchConfiguration", "_text", "_asked"}]
-    used = {use.value for use in uses if isinstance(use, ast.Constant)}
-    assert used == set(declared)
-    for call in declared.values():
-        assert _name(call) == "_flag" or any(keyword.arg == "description" for keyword in call.keywords)
+    parts = list(ast.walk(ast.parse((ROOT / f"config/launch/{name}.launch.py").read_text("utf-8"))))
+    calls = [part for part in parts if isinstance(part, ast.Call)]
+    makers = {"argument", "DeclareLaunchArgument"}
+    declared = {call.args[0].value for call in calls if getattr(call.func, "id", "") in makers}
+    keys = [part.slice for part in parts if isinstance(part, ast.Subscript)]
+    used = {key.value for key in keys if isinstance(key, ast.Constant)}
+    assert table.keys() <= set(entry_points.executables())
+    for node, row in table.items():
+        parameters = {parameter.name for parameter in NODES[node].PARAMETERS} if row.has_parameters else set()
+        assert {*row.takes.values(), *entry_points.waits(node, table)} <= parameters
+        assert row.package == "drill_twin" or FOLDERS[row.package]
+    flags = {row.flag for row in table.values() if row.flag}
+    takes = {argument for row in table.values() for argument in row.takes}
+    assert takes <= declared <= takes | used
+    assert len(flags) + len(declared) == len(flags | declared)
+
+
+def test_a_launch_needs_no_package_to_read_the_table_of_nodes():
+    """`ros2 launch` runs with the Python of ROS, the nodes with the Python of their environment."""
+    words = "import sys; import drill_twin.ros.entry_points; print(*sys.modules)"
+    found = subprocess.run([sys.executable, "-c", words], capture_output=True, text=True, timeout=60, check=True)
+    plain = subprocess.run(
+        [sys.executable, "-c", "import sys; print(*sys.modules)"],
+        capture_output=True,
+        text=True,
+        timeout=60,
+        check=True,
+    )
+    loaded = {name.partition(".")[0] for name in set(found.stdout.split()) - set(plain.stdout.split())}
+    assert loaded <= {"drill_twin", *sys.stdlib_module_names}
+
+
+def test_who_sends_first_waits_for_the_running_nodes_that_must_miss_no_message():
+    assert entry_points.waits("rig_driver", {"recorder", "advisor", "simulator"}) == {"wait_for": "simulator recorder"}
+    assert entry_points.waits("replayer", {"replayer", "analyzer"}) == {"wait_for": "analyzer"}
+    assert entry_points.waits("analyzer", {"simulator"}) == {}
 
 
 def test_the_installed_scenes_are_all_there():

@@ -32,6 +32,7 @@ from drill_twin.io.messages.topics import (
     WHIRL_STATE,
 )
 from drill_twin.io.whirl_pipeline import WhirlPipeline
+from drill_twin.ros.entry_points import REPLAY, waits
 
 INPUTS = (TWIN_SCENE, MARKS_STATE, RIG_STATE)
 """Topics that the analysis needs."""
@@ -98,6 +99,18 @@ def test_a_replay_gives_the_same_findings(bench, eager_bag, payloads, tmp_path, 
     topics = (*FINDINGS, MARKS_STATE, RIG_STATE, STRING_POSES, RIG_COMMAND, TWIN_SCENE, CLOCK_TOPIC)
     for topic in topics:
         assert payloads(again, topic) == payloads(eager_bag, topic), topic
+
+
+def test_a_replay_with_the_parameters_of_the_launch_waits_for_an_analyzer_that_comes_late(bench, eager_bag):
+    computed = {"leave_out": " ".join(FINDINGS), "keep_namespace": False, **waits("replayer", REPLAY)}
+    replayer = bench.start("replayer", bag=str(eager_bag), rate=0.0, **computed)
+    bench.until(lambda: "waiting for /analyzer: it is not there yet" in replayer.text, what="the wait")
+    found = bench.collect(WHIRL_STATE)
+    analyzer = bench.start("analyzer")
+    assert replayer.wait() == 0, bench.logs()
+    assert analyzer.end() == 0, bench.logs()
+    bench.drain()
+    assert len(found) == Bag(eager_bag).topics[WHIRL_STATE].count
 
 
 def test_a_split_bag_of_another_recorder_gives_the_same_findings_under_our_names(bench, eager_bag, payloads, tmp_path):
