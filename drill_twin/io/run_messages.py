@@ -33,17 +33,19 @@ def sensor_topics(scene: Scene) -> tuple[str, ...]:
 class Measurements:
     """Samples the sensors of a twin frame by frame, and encodes what they read."""
 
-    def __init__(self, twin: Twin) -> None:
-        """Begin with the present state of a twin."""
+    def __init__(self, twin: Twin, frame_prefix: str = "") -> None:
+        """Begin with the present state of a twin; the prefix is put before the names of frames."""
         scene, sensors = twin.scene, twin.scene.sensors
         subs = () if sensors is None else sensors.subs
         surface = None if sensors is None else sensors.surface
         self._subs = SubSampler(scene, twin.rod, twin.time, *twin.unknowns) if subs else None
         speed = float(twin.unknowns[1][-1, 6])
         self._surface = None if surface is None else SurfaceSampler(scene, surface, twin.time, speed)
-        self._imu = {sub.name: ImuEncoder(sub.name, sub.accelerometer.noise, sub.gyroscope.noise) for sub in subs}
-        self._summary = {sub.name: SummaryEncoder(sub.name) for sub in subs}
-        self._surface_encoder = SurfaceEncoder()
+        self._imu = {
+            sub.name: ImuEncoder(sub.name, sub.accelerometer.noise, sub.gyroscope.noise, frame_prefix) for sub in subs
+        }
+        self._summary = {sub.name: SummaryEncoder(sub.name, frame_prefix) for sub in subs}
+        self._surface_encoder = SurfaceEncoder(frame_prefix)
 
     def messages(self, time: float, u: Array, v: Array, rig: RigState) -> Iterator[tuple[str, bytes]]:
         """Topics and bytes of what is due after a frame.

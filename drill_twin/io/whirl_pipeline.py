@@ -278,6 +278,7 @@ class WhirlPipeline:
             frame = sample.marks.frame_id
         elif isinstance(sample, ImuReading) and isinstance(analyzer, SubAnalyzer):
             self.findings = analyzer.push(sample.stamp, sample.values)
+            frame = sample.frame_id.rpartition(self._sub.rpartition("/")[2])[0] + FRAME_ID  # with its prefix
         if self.findings is None:
             return
         yield from self._encoder.messages(self.findings, frame, rig)

@@ -104,7 +104,7 @@ class RunLoop:
         self.frames = 0
         self.missing_effects = MissingEffects(self.scene, twin.rod)
         self.rejected_steps = RejectedSteps()
-        self._measurements = Measurements(twin) if self.scene.sensors is not None else None
+        self._measurements = Measurements(twin, self._frame_prefix) if self.scene.sensors is not None else None
 
     @property
     def geometry(self) -> StringGeometry:
@@ -130,7 +130,7 @@ class RunLoop:
         checkpoint.restore(self.twin)
         self.rejected_steps = RejectedSteps()
         if self._measurements is not None:
-            self._measurements = Measurements(self.twin)
+            self._measurements = Measurements(self.twin, self._frame_prefix)
         self.frames = round(self.twin.time / self.period)
 
     def advance(

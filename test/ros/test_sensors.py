@@ -4,6 +4,8 @@
 import pytest
 
 import drill_twin as dt
+from drill_twin.io.messages.topics import RIG_STATE, SURFACE_STATE, TOPICS, WHIRL_STATE, imu_topic, summary_topic
+from drill_twin.io.messages.type_store import deserialize
 from drill_twin.report.summary import summarise
 
 SCENE = """
@@ -29,6 +31,23 @@ def test_the_analyzer_takes_a_sub_and_finds_what_its_bag_gives(bench, tmp_path):
     assert (live["messages"], live["differing"]) == (400, 0)
     assert result.recording.summary.quality.accepted > 200
     assert result.whirl_from_sub("low").to_dict() == result.recording.summary.to_dict()
+
+
+def test_every_frame_has_the_prefix(bench):
+    """Of the sensors, and of what an analyzer finds from a sub; bit, marks and subs: `test_transforms.py`."""
+    file = bench.folder / "rig.yaml"
+    file.write_text(f"{SCENE}\nrig:\n  rotation: {{shape: ramp, value: 4 rev/s, duration: 0.2 s}}\n", "utf-8")
+    topics = (RIG_STATE, SURFACE_STATE, imu_topic("low"), summary_topic("low"), WHIRL_STATE)
+    heard = {topic: bench.collect(topic) for topic in topics}
+    simulator = bench.start("simulator", scene=str(file), frame_prefix="rig2/", pace="fast", duration=4)
+    bench.start("analyzer", sub="low")
+    bench.start("rig_driver", scene=str(file), wait_for="simulator analyzer")
+    bench.until(lambda: simulator.code is not None, what="the run to end")
+    bench.drain()
+    frames = {topic: {deserialize(raw, TOPICS[topic].type_name).header.frame_id for raw in heard[topic]}
+              for topic in topics}  # fmt: skip
+    wanted = dict.fromkeys((RIG_STATE, SURFACE_STATE, WHIRL_STATE), {"rig2/hole"})
+    assert frames == {**wanted, **dict.fromkeys((imu_topic("low"), summary_topic("low")), {"rig2/low"})}
 
 
 @pytest.mark.long

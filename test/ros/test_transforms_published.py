@@ -3,15 +3,15 @@
 
 import pytest
 
-from drill_twin.ros.simulator.simulation import tf_message
+from drill_twin.io.messages.topics import TF, TOPICS
+from drill_twin.ros.core.topics import installed, message_class
 
 
 def test_tf_is_published_where_its_messages_are_installed(bench):
-    kind = tf_message()
-    if kind is None:
+    if not installed(TF):
         pytest.skip("needs tf2_msgs, which is in ROS 2 but not in the wheels")
     heard = []
-    bench.node.create_subscription(kind, "/tf", heard.append, 10)
+    bench.node.create_subscription(message_class(TOPICS[TF]), "/tf", heard.append, 10)
     simulator = bench.start("simulator", wait_for_command=False)
     bench.until(lambda: len(heard) > 5, what="/tf")
     assert next(one.child_frame_id for one in heard[-1].transforms) == "bit"

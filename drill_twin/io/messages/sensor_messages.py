@@ -15,7 +15,7 @@ from drill_twin.io.messages.cdr import JointStateTemplate, Template, check_finit
 from drill_twin.io.messages.decode import JointState
 from drill_twin.io.messages.stamps import header_stamp, stamp_ns
 from drill_twin.io.messages.topic_row import IMU
-from drill_twin.io.messages.topics import SURFACE_STATE, imu_topic, summary_topic
+from drill_twin.io.messages.topics import FRAME_ID, SURFACE_STATE, imu_topic, summary_topic
 from drill_twin.io.messages.type_store import deserialize, message
 
 _SURFACE_JOINTS = ("top_drive", "block")
@@ -30,6 +30,8 @@ class ImuReading(NamedTuple):
     """Specific force [m/s^2] and rate of rotation [rad/s] about the axes of the sub, shape (6,)."""
     noise: Array
     """Standard deviation of the noise of force and rate, 0 where it is unknown, shape (2,)."""
+    frame_id: str = ""
+    """Frame of the sub."""
 
 
 class ImuEncoder:
@@ -39,13 +41,14 @@ class ImuEncoder:
         MessageError: Raised by `encode` for a reading that is not finite.
     """
 
-    def __init__(self, sub: str, force_noise: float, rate_noise: float) -> None:
+    def __init__(self, sub: str, force_noise: float, rate_noise: float, prefix: str = "") -> None:
         """Make the template.
 
         Args:
             sub: Name of the sub, and of the frame.
             force_noise: Standard deviation of the noise of the accelerometers [m/s^2].
             rate_noise: Of the gyroscopes [rad/s].
+            prefix: Put before the name of the frame.
         """
         blocks = [sentinels(3, 1), sentinels(3, 2)]
         force, rate = (
@@ -53,7 +56,7 @@ class ImuEncoder:
         )
         content = message(
             IMU,
-            header=sentinel_header(sub),
+            header=sentinel_header(prefix + sub),
             orientation=message("geometry_msgs/msg/Quaternion", x=0.0, y=0.0, z=0.0, w=1.0),
             orientation_covariance=np.array([-1.0, *[0.0] * 8]),
             angular_velocity=rate,
@@ -79,9 +82,9 @@ class SummaryEncoder:
         MessageError: Raised by `encode` for a value that is not finite.
     """
 
-    def __init__(self, sub: str) -> None:
+    def __init__(self, sub: str, prefix: str = "") -> None:
         self._topic = summary_topic(sub)
-        self._template = JointStateTemplate(SUMMARY, velocity=False, effort=False, frame_id=sub)
+        self._template = JointStateTemplate(SUMMARY, velocity=False, effort=False, frame_id=prefix + sub)
 
     def encode(self, reading: Reading) -> bytes:
         """CDR of a summary, in the order of `SUMMARY`."""
@@ -99,8 +102,8 @@ class SurfaceEncoder:
         MessageError: Raised by `encode` for a value that is not finite.
     """
 
-    def __init__(self) -> None:
-        self._template = JointStateTemplate(_SURFACE_JOINTS)
+    def __init__(self, prefix: str = "") -> None:
+        self._template = JointStateTemplate(_SURFACE_JOINTS, frame_id=prefix + FRAME_ID)
         self._before: tuple[float, float] | None = None  # time and position of the block
         self._angle = 0.0
 
@@ -126,7 +129,7 @@ def read_imu(raw: bytes) -> ImuReading:
     force, rate = content.linear_acceleration, content.angular_velocity
     values = np.array([force.x, force.y, force.z, rate.x, rate.y, rate.z])
     covariances = (content.linear_acceleration_covariance[0], content.angular_velocity_covariance[0])
-    return ImuReading(header_stamp(content), values, np.sqrt(np.maximum(covariances, 0.0)))
+    return ImuReading(header_stamp(content), values, np.sqrt(np.maximum(covariances, 0.0)), content.header.frame_id)
 
 
 def read_summary(state: JointState) -> Array:

@@ -12,6 +12,8 @@ from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from rclpy.topic_endpoint_info import TopicEndpointInfo
 
+from drill_twin.io.messages.topics import TOPICS
+
 UNKNOWN_NAME = "_NODE_NAME_UNKNOWN_"
 """Name of a node whose publisher has been discovered and whose name has not."""
 NOT_NAMED_YET = f"_NODE_NAMESPACE_UNKNOWN_/{UNKNOWN_NAME}"
@@ -28,6 +30,14 @@ def unmet(wanted: QoSProfile, offered: QoSProfile) -> tuple[str, str, str] | Non
         if getattr(wanted, policy) == want and getattr(offered, policy) == lacks:
             return policy, expected, found
     return None
+
+
+def unlisted(node: Node) -> list[str]:
+    """Topics of subs and frames in the namespace of a node, which the contract finds by name and does not list."""
+    prefix, listed = node.get_namespace().rstrip("/"), tuple(TOPICS)
+    found = {name.removeprefix(prefix): types for name, types in node.get_topic_names_and_types()
+             if name.startswith(f"{prefix}/")}  # fmt: skip
+    return [name for name in found if name not in listed and name in TOPICS and TOPICS[name].type_name in found[name]]
 
 
 def full_name(info: TopicEndpointInfo) -> str:

@@ -6,16 +6,12 @@ The twin's tf is published where tf2_msgs is installed: in a whole ROS 2, not wi
 
 from __future__ import annotations
 
-import importlib
 import os
 import threading
 from datetime import UTC, datetime
 from pathlib import Path
-from typing import Any
 
 from rclpy.logging import get_logging_directory
-from rclpy.node import Node
-from rclpy.qos import DurabilityPolicy, QoSProfile
 
 from drill_twin.core.errors import CheckpointError, RunError, StoppedError
 from drill_twin.dynamics.twin.checkpoint import Checkpoint, save_failure
@@ -24,9 +20,10 @@ from drill_twin.io.messages.drawing.geometry import StringGeometry
 from drill_twin.io.messages.drawing.transforms import StringTransforms, TransformsTemplate, hole_transform
 from drill_twin.io.messages.encode import encode_string
 from drill_twin.io.messages.stamps import stamp_ns
-from drill_twin.io.messages.topics import COMMANDER
+from drill_twin.io.messages.topics import COMMANDER, OF_TF, TF, TF_STATIC
 from drill_twin.ros.core.node import TwinNode
 from drill_twin.ros.core.pacing import Pacer, Tick
+from drill_twin.ros.core.topics import NodeTopics, installed
 from drill_twin.ros.simulator.command_input import CommandInput
 from drill_twin.ros.simulator.start_up import CheckpointPlaces
 from drill_twin.runs.loop import RunLoop
@@ -34,49 +31,31 @@ from drill_twin.scene import Scene
 from drill_twin.scene.blocks.numerics import frame_period
 from drill_twin.scene.set_points.command import Command
 
-_DEPTH = 100
-
-
-def tf_message() -> Any:
-    """The class tf2_msgs/TFMessage; None where the package is not installed."""
-    try:
-        return importlib.import_module("tf2_msgs.msg").TFMessage
-    except ImportError:
-        return None
-
 
 class TfPublisher:
     """Publishes `tf` at the rate of the markers, and `tf_static` once."""
 
-    def __init__(self, node: Node, kind: Any, geometry: StringGeometry, inclination: float) -> None:
+    def __init__(self, topics: NodeTopics, geometry: StringGeometry, inclination: float) -> None:
         """Create both publishers.
 
         Args:
-            node: The simulator.
-            kind: `tf_message()`.
+            topics: Topics of the simulator.
             geometry: Of the string.
             inclination: Of the hole at the top clamp [rad].
         """
-        latched = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
-        self._node = node
-        self._moving = node.create_publisher(kind, "tf", _DEPTH)
-        self._fixed = node.create_publisher(kind, "tf_static", latched)
-        self._transforms = StringTransforms(geometry)
+        for topic in OF_TF:
+            topics.advertise(topic)
+        self._topics, self._transforms = topics, StringTransforms(geometry)
         self._template: TransformsTemplate | None = None
         hole = hole_transform(inclination, geometry.frame_prefix)
-        self._fixed.publish(TransformsTemplate([hole[:2]]).fill(0, [hole]))
+        topics.publish(TF_STATIC, TransformsTemplate([hole[:2]]).fill(0, [hole]))
 
     def publish(self, frame: Frame) -> None:
-        """Publish the frames of bit and marks."""
+        """Publish the frames of bit, marks and subs."""
         transforms = self._transforms.at(frame)
         if self._template is None:
             self._template = TransformsTemplate([one[:2] for one in transforms])
-        self._moving.publish(self._template.fill(stamp_ns(frame.time), transforms))
-
-    def destroy(self) -> None:
-        """Destroy both publishers."""
-        for publisher in (self._moving, self._fixed):
-            self._node.destroy_publisher(publisher)
+        self._topics.publish(TF, self._template.fill(stamp_ns(frame.time), transforms))
 
 
 _LOOK = 0.01  # s between two looks at what has come, where there is no wait
@@ -144,9 +123,8 @@ class SimulatorRun:
         self.checkpoints = CheckpointWriter()
         self.started = False
         self._commander: str | None = None  # as last told
-        kind = tf_message()
         geometry, inclination = self.loop.geometry, scene.hole.top_inclination
-        self._tf = None if kind is None else TfPublisher(node, kind, geometry, inclination)
+        self._tf = TfPublisher(node.topics, geometry, inclination) if installed(TF) else None
         self._markers: Tick | None = None
         self._checkpoint_due: Tick | None = None
 
@@ -259,8 +237,6 @@ class SimulatorRun:
     def close(self) -> None:
         """Write the last checkpoint, and report how the run went."""
         self.checkpoints.finish()
-        if self._tf is not None:
-            self._tf.destroy()
         if not self.loop.frames and not self.loop.rejected_steps.stopped:
             return
         node = self._node

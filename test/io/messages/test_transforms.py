@@ -6,12 +6,19 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from drill_twin.dynamics.sensors.motion import sub_motion
+from drill_twin.dynamics.sensors.subs import places_of, subs_of
 from drill_twin.dynamics.twin.frame import Frames
+from drill_twin.dynamics.twin.twin import Twin
 from drill_twin.io.messages.decode import read_joint_state, read_pose_array
 from drill_twin.io.messages.drawing.transforms import TF_TYPE, StringTransforms, TransformsTemplate, hole_transform
 from drill_twin.io.messages.encode import TwinEncoder
 from drill_twin.io.messages.topic_row import MARKER_ARRAY
 from drill_twin.io.messages.type_store import deserialize
+from drill_twin.io.scene_geometry import string_geometry
+from drill_twin.physics.model.strain import transverse_axes
+from drill_twin.scene import load_scene
+from drill_twin.scene.set_points.command import Command
 
 STAMP = 12_340_000_000
 
@@ -46,12 +53,35 @@ def test_a_mark_is_turned_with_the_spin_of_its_section(make_frame, make_geometry
         )
 
 
+def test_a_sub_is_where_its_sensor_is_with_the_axes_of_its_readings():
+    """As the readings are computed, from shape functions and by another formula for the axes."""
+    at = "distance_from_bit: 1700 mm, radius: 6 mm, rate: 100 Hz"
+    scene = load_scene("pa6_bench", overrides={
+        "sensors": f"{{subs: [{{name: low, {at}, angle: 40 deg}}, {{name: mark_2, {at}}}]}}",
+        "effects.bow.amplitude": "3 mm", "numerics.elements": "12"})  # fmt: skip
+    twin = Twin(scene)
+    for _ in range(20):
+        frame = twin.advance(Command(40.0, 20.0), 0.01)
+    transforms = {one.child: one for one in StringTransforms(string_geometry(twin)).at(frame)}
+    assert list(transforms) == ["bit", *(mark.name for mark in scene.string.marks), "low"]  # mark_2 has its place
+    places, (u, v) = places_of(subs_of(scene), twin.rod), twin.unknowns
+    motion, low = sub_motion(places, u, v), places.element[0]
+    x, y = transverse_axes(motion.tangent)
+    outwards = (np.cos(motion.spin)[:, None] * x + np.sin(motion.spin)[:, None] * y)[0]
+    ends = np.stack([u[low, 0:3], u[low, 3:6], u[low + 1, 0:3], u[low + 1, 3:6]])
+    where = places.shape[0, 0] @ ends + 0.006 * outwards
+    found = transforms["low"]
+    np.testing.assert_allclose(turned(found.rotation, np.array([1.0, 0.0, 0.0])), outwards, atol=1e-4)
+    np.testing.assert_allclose(turned(found.rotation, np.array([0.0, 0.0, 1.0])), motion.tangent[0], atol=1e-4)
+    np.testing.assert_allclose(found.translation, where, atol=1e-5)
+
+
 def test_plus_x_of_an_inclined_hole_is_its_low_side():
     """As gravity acts: along (sin i, 0, -cos i) of the hole."""
     hole = hole_transform(0.3)
     plumb = turned(hole.rotation, np.array([np.sin(0.3), 0.0, -np.cos(0.3)]))
     np.testing.assert_allclose(plumb, [0.0, 0.0, -1.0], atol=1e-12)
-    assert (hole.parent, hole.child) == ("map", "hole")
+    assert (hole.parent, hole.child) == ("rig", "hole")
 
 
 def test_the_bytes_are_a_message_of_tf(make_frame, make_geometry):
@@ -74,5 +104,5 @@ def test_frames_of_a_prefix_are_those_of_the_messages(make_geometry, make_frame)
     markers = deserialize(encoder.markers(Frames.of(frame))[0], MARKER_ARRAY).markers
     assert {marker.header.frame_id for marker in markers} == {"rig2/hole"}
     transforms = [hole_transform(0.3, geometry.frame_prefix), *StringTransforms(geometry).at(frame)]
-    assert {one.parent for one in transforms} == {"rig2/map", "rig2/hole"}
+    assert {one.parent for one in transforms} == {"rig2/rig", "rig2/hole"}
     assert all(one.child.startswith("rig2/") for one in transforms)

@@ -12,7 +12,7 @@ import json
 import logging
 import struct
 import time as clock
-from collections.abc import Collection
+from collections.abc import Collection, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, field
 from http import HTTPStatus
@@ -36,7 +36,6 @@ _LARGEST_REQUEST = 16_384  # bytes
 _MOST_WAITING = 1 << 20  # bytes for one viewer
 _LOG = logging.getLogger(__name__)
 _DATA = struct.Struct("<BIQ")  # operation 1, number of the subscription, time [ns]; the message follows
-_CHANNELS = dict(enumerate(TOPICS, 1))
 
 
 @dataclass
@@ -66,6 +65,7 @@ class FoxgloveServer(WebServer):
         listener = listening_socket(host, port, "viewers", "--foxglove")
         self.url = f"ws://{in_url(host)}:{listener.getsockname()[1]}"
         """Address for viewers."""
+        self._channels = dict(enumerate(TOPICS, 1))
         self._latched: dict[str, tuple[bytes, int]] = {}
         protocol = [Subprotocol("foxglove.sdk.v1")]
         super().__init__(listener, Access(allowed), "viewers", subprotocols=protocol, max_size=_LARGEST_REQUEST)
@@ -74,6 +74,15 @@ class FoxgloveServer(WebServer):
         """Pass a message on, with the time at which it was received [ns]."""
         with suppress(RuntimeError):  # the server has ended
             self._loop.call_soon_threadsafe(self._publish, topic, raw, time)
+
+    def offer(self, topic: str) -> None:
+        """Offer a topic of a sub or of frames too, which the contract finds by name and does not list."""
+        self._loop.call_soon_threadsafe(self._offer, topic)
+
+    def _offer(self, topic: str) -> None:
+        number = len(self._channels) + 1
+        self._channels[number] = topic
+        broadcast(self.places, _advertised({number: topic}))
 
     def _publish(self, topic: str, raw: bytes, time: int) -> None:
         if TOPICS[topic].latched:
@@ -93,14 +102,9 @@ class FoxgloveServer(WebServer):
 
     async def _converse(self, connection: ServerConnection) -> None:
         about = {"name": "drill_twin", "capabilities": [], "supportedEncodings": [], "metadata": {}}
-        channels = [
-            {"id": number, "topic": topic, "encoding": "cdr", "schemaName": TOPICS[topic].type_name,
-             "schema": definition(TOPICS[topic].type_name), "schemaEncoding": "ros2msg"}
-            for number, topic in _CHANNELS.items()
-        ]  # fmt: skip
         with suppress(ConnectionClosed):
             await send(connection, json.dumps({"op": "serverInfo", **about}))
-            await send(connection, json.dumps({"op": "advertise", "channels": channels}))
+            await send(connection, _advertised(self._channels))
             async for request in connection:
                 # No answer to what is no request of the protocol, or a request that this server does not offer.
                 with suppress(JsonError, AttributeError, KeyError, OverflowError, TypeError, ValueError):
@@ -113,11 +117,21 @@ class FoxgloveServer(WebServer):
             viewer.numbers = {topic: number for topic, number in viewer.numbers.items() if number not in ended}
         elif request["op"] == "subscribe":
             for one in request["subscriptions"]:
-                topic, number = _CHANNELS.get(one["channelId"], ""), int(one["id"])
+                topic, number = self._channels.get(one["channelId"], ""), int(one["id"])
                 if topic and 0 <= number < 1 << 32:
                     viewer.numbers[topic] = number
                     if topic in self._latched:
                         _pass_on(connection, viewer, topic, *self._latched[topic])
+
+
+def _advertised(channels: Mapping[int, str]) -> str:
+    """Request with which the server names channels."""
+    rows = [
+        {"id": number, "topic": topic, "encoding": "cdr", "schemaName": TOPICS[topic].type_name,
+         "schema": definition(TOPICS[topic].type_name), "schemaEncoding": "ros2msg"}
+        for number, topic in channels.items()
+    ]  # fmt: skip
+    return json.dumps({"op": "advertise", "channels": rows})
 
 
 def _pass_on(connection: ServerConnection, viewer: _Viewer, topic: str, raw: bytes, time: int) -> None:

@@ -27,9 +27,11 @@ from drill_twin.io.messages.diagnostics import Level, Status
 from drill_twin.io.messages.good_samples import GONE
 from drill_twin.io.messages.rig_messages import CommandEncoder
 from drill_twin.io.messages.topics import RIG_COMMAND, RPS_COMMAND, TOPICS, TWIN_SCENE, WOB_COMMAND
+from drill_twin.ros.core.graph import unlisted
 from drill_twin.ros.core.node import TwinNode
 from drill_twin.ros.core.node_main import init_context, run_in_order
 from drill_twin.ros.core.stop_request import StopRequest
+from drill_twin.ros.core.topics import installed
 from drill_twin.ros.deployment import readable_refusal
 from drill_twin.scene.set_points.command import Command
 from drill_twin_dashboard.live.alarms import parse_limit
@@ -38,6 +40,7 @@ from drill_twin_dashboard.live.page_state import INPUTS, PageState
 from drill_twin_dashboard.live.shown import Sources
 
 _DEPTH = 50  # messages; the page shows fewer
+_SEARCH_PERIOD = 0.5  # s; topics of subs and frames appear with a simulator
 _MATCHING = 3.0
 """Most time to wait for a simulator that takes a set-point [s]; not measured."""
 _CONTROLS = ("pause", "resume", "step", "reset")
@@ -75,8 +78,21 @@ class LivePage(TwinNode):
         """Create the subscriptions."""
         self.topics.subscribe_scenes(partial(self.page_state.update, TWIN_SCENE))
         for topic in set(INPUTS) - {TWIN_SCENE} if self._viewers is None else TOPICS:
-            depth = 1 if TOPICS[topic].latched else _DEPTH
-            self.topics.subscribe_raw(topic, partial(self._on_message, topic), depth=depth)
+            self._subscribe(topic)
+        if self._viewers is not None:
+            self._offered: set[str] = set()
+            self.every(_SEARCH_PERIOD, partial(self._offer_unlisted, self._viewers))
+
+    def _subscribe(self, topic: str) -> None:
+        depth = 1 if TOPICS[topic].latched else _DEPTH
+        self.topics.subscribe_raw(topic, partial(self._on_message, topic), depth=depth)
+
+    def _offer_unlisted(self, viewers: FoxgloveServer) -> None:
+        """Pass on the topics of subs and frames that have appeared."""
+        for topic in filter(installed, {*unlisted(self)} - self._offered):
+            self._offered.add(topic)
+            viewers.offer(topic)
+            self._subscribe(topic)
 
     def _on_message(self, topic: str, raw: bytes, info: Mapping[str, Any]) -> None:
         message = bytes(raw)

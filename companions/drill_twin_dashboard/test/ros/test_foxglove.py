@@ -12,10 +12,11 @@ from rclpy.serialization import deserialize_message
 from view_layouts import check_foxglove, check_plotjuggler, check_rviz, layout_topics
 from websockets.sync.client import connect
 
-from drill_twin.io.messages.topics import OF_EVERY_RUN, RIG_COMMAND, TOPICS
+from drill_twin.io.messages.topics import OF_EVERY_RUN, RIG_COMMAND, TOPICS, imu_topic, summary_topic
 from drill_twin.ros.core.topics import message_class
 
 STEADY = "rig.weight_on_bit.duration=0.1 s; rig.rotation.duration=0.1 s"
+OF_LOW = (imu_topic("low"), summary_topic("low"))
 DATA = struct.Struct("<BIQ")  # operation, subscription, time [ns]
 
 
@@ -23,7 +24,7 @@ def _messages(url, wanted):
     """Channels, and one message of each wanted topic."""
     with connect(url, subprotocols=["foxglove.sdk.v1"], max_size=None) as socket:
         channels = {}
-        while not set(TOPICS) <= channels.keys():
+        while not {*TOPICS, *wanted} <= channels.keys():
             told = json.loads(socket.recv(timeout=20.0))
             channels |= {one["topic"]: one for one in told.get("channels", [])}
         topics = dict(enumerate(wanted))
@@ -42,7 +43,8 @@ def _messages(url, wanted):
 
 def test_a_viewer_gets_every_topic_and_the_layouts_show_the_running_twin(bench):
     bench.start("analyzer")
-    bench.start("simulator", overrides=STEADY)
+    subs = "sensors={subs: [{name: low, distance_from_bit: 500 mm, rate: 100 Hz}]}"
+    bench.start("simulator", overrides=f"{STEADY}; {subs}")
     bench.start("rig_driver", overrides=STEADY)
     command = [sys.executable, "-m", "drill_twin.cli", "watch", "--no-browser", "--port", "0", "--foxglove", "0"]
     page = bench.command("watch", command)
@@ -50,8 +52,9 @@ def test_a_viewer_gets_every_topic_and_the_layouts_show_the_running_twin(bench):
     url = re.search(r"for Foxglove: (\S+)", page.text)[1]
     bench.until(lambda: bench.simulated_time() > 1.0, what="a second of the run")
     # The scene and the onset are latched, and come again to a late viewer.
-    channels, found = _messages(url, sorted(OF_EVERY_RUN))
-    for topic, row in TOPICS.items():
+    channels, found = _messages(url, sorted({*OF_EVERY_RUN, *OF_LOW}))
+    for topic in {*TOPICS, *OF_LOW}:
+        row = TOPICS[topic]
         assert channels[topic]["schemaName"] == row.type_name
         assert (channels[topic]["encoding"], channels[topic]["schemaEncoding"]) == ("cdr", "ros2msg")
     messages = {topic: deserialize_message(raw, message_class(TOPICS[topic])) for topic, raw in found.items()}

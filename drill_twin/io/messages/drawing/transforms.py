@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Orientation of a section, and transforms for tf2: the hole in the plumb frame `map`, bit and marks in the hole.
+"""Orientation of a section, and transforms for tf2: the hole in the plumb frame `rig`, bit, marks and subs in the hole.
 
 A section is turned by its spin about z, then by the shortest rotation of z onto the tangent.
 
@@ -12,11 +12,13 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
+from scipy.interpolate import CubicHermiteSpline
 
 from drill_twin.core.arrays import Array
 from drill_twin.dynamics.twin.frame import Frame
 from drill_twin.io.messages.cdr import Template, sentinel_header, sentinels
 from drill_twin.io.messages.drawing.geometry import ExaggeratedGeometry, StringGeometry
+from drill_twin.io.messages.topic_row import TF_TYPE
 from drill_twin.io.messages.topics import FRAME_ID
 from drill_twin.io.messages.type_store import message
 
@@ -62,9 +64,11 @@ def tangent_of(quaternions: Array) -> Array:
     return np.stack((2.0 * (x * z + w * y), 2.0 * (y * z - w * x), 1.0 - 2.0 * (x * x + y * y)), axis=-1)
 
 
-TF_TYPE = "tf2_msgs/msg/TFMessage"
-MAP = "map"
-"""Parent of `hole`: origin at the top clamp, z plumb up, x so that the hole is inclined in the plane of x and z."""
+RIG_FRAME = "rig"
+"""Parent of `hole`, fixed to the rig: origin at the top clamp, z plumb up, hole inclined in the plane of x and z.
+
+It is the root of the twin's tree. `map` and `earth` (REP 105) are the site's, which may give `rig` a place in them.
+"""
 BIT = "bit"
 
 
@@ -80,30 +84,42 @@ class Transform(NamedTuple):
 
 
 def hole_transform(inclination: float, prefix: str = "") -> Transform:
-    """Pose of the hole in `map`: its axis is inclined [rad] so that +x of the hole is the low side."""
+    """Pose of the hole in `rig`: its axis is inclined [rad] so that +x of the hole is the low side."""
     half = 0.5 * inclination
-    return Transform(prefix + MAP, prefix + FRAME_ID, np.zeros(3), np.array((0.0, np.sin(half), 0.0, np.cos(half))))
+    return Transform(
+        prefix + RIG_FRAME, prefix + FRAME_ID, np.zeros(3), np.array((0.0, np.sin(half), 0.0, np.cos(half)))
+    )
 
 
 class StringTransforms:
-    """Poses of the bit and of the marks of one string, in the hole."""
+    """Poses of the bit, of the marks and of the sensors of the subs of one string, in the hole."""
 
     def __init__(self, geometry: StringGeometry) -> None:
         self._hole = geometry.frame_id
-        self._names = [geometry.frame_prefix + name for name in (BIT, *geometry.mark_names)]
+        fixed = (BIT, *geometry.mark_names)
+        subs = [sub for sub in geometry.subs if sub.name not in {FRAME_ID, RIG_FRAME, *fixed}]  # a frame has one parent
+        self._names = [geometry.frame_prefix + name for name in (*fixed, *(sub.name for sub in subs))]
+        self._subs, self._radius, self._angle = (np.array([sub[k] for sub in subs], float) for k in (1, 2, 3))
         self._true = ExaggeratedGeometry(geometry, 1.0)
         distances = geometry.node_distances
         nodes = np.linspace(0.0, geometry.length, geometry.node_count) if distances is None else distances
         self._nodes, self._marks = nodes, np.array(geometry.mark_distances)
 
     def at(self, frame: Frame) -> list[Transform]:
-        """Poses of bit and marks in a frame of the twin."""
-        along = np.concatenate(([0.0], self._marks))
+        """Poses of bit, marks and subs in a frame of the twin."""
+        along = np.concatenate(([0.0], self._marks, self._subs))
         tangents = np.stack([np.interp(along, self._nodes, column) for column in frame.tangents.T], axis=1)
         tangents /= np.linalg.norm(tangents, axis=1, keepdims=True)
-        spin = np.concatenate((frame.spin[:1], frame.marks.spin))
-        places = np.concatenate((frame.positions[:1], self._true.marks(frame.marks.position)))
+        spin = np.concatenate(
+            (frame.spin[:1], frame.marks.spin, np.interp(self._subs, self._nodes, frame.spin) + self._angle)
+        )
         turns = orientation(tangents, spin, np.empty((spin.size, 4)))
+        at = len(spin) - self._subs.size
+        x, y, z, w = turns[at:].T
+        outwards = np.stack((1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y + z * w), 2.0 * (x * z - y * w)), axis=1)
+        sensors = CubicHermiteSpline(self._nodes, frame.positions, frame.tangents)(self._subs)
+        sensors += self._radius[:, None] * outwards
+        places = np.concatenate((frame.positions[:1], self._true.marks(frame.marks.position), sensors))
         return [Transform(self._hole, *row) for row in zip(self._names, places, turns, strict=True)]
 
 
