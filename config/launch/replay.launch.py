@@ -13,6 +13,7 @@ STARTER = load_python_launch_file_as_module(str(Path(__file__).with_name("starte
 argument = STARTER.argument
 FINDINGS = "/whirl/state /whirl/motion /whirl/onset /twin/summary"
 """Topics of a bag that a fresh analysis replaces."""
+FLAGS = {"analyze": "Analyse afresh; the recorded findings are then left out."}
 ARGUMENTS = (
     DeclareLaunchArgument("bag", description="Bag to replay: a folder, or a .mcap or .db3 file."),
     argument("rate", "1.0", "Times as fast as recorded; 0.0: as fast as it goes."),
@@ -26,7 +27,7 @@ ARGUMENTS = (
 
 def generate_launch_description() -> LaunchDescription:
     """Replayer, and an analyzer beside it when wanted, for which the replayer waits."""
-    starter = STARTER.Starter(REPLAY, required="replayer analyzer")
+    starter = STARTER.Starter(REPLAY, FLAGS, required="replayer analyzer")
 
     def start(context: LaunchContext) -> list[object]:
         left_out = FINDINGS if context.launch_configurations["analyze"] == "true" else ""

@@ -19,10 +19,12 @@ from launch_ros.parameter_descriptions import ParameterValue
 from launch_ros.substitutions import FindPackageShare
 
 from drill_twin.ros.core.stop_request import END_WITH_PARENT
-from drill_twin.ros.entry_points import NOT_TEXT, PACKAGE, RUNS_OUT, Row, waits
+from drill_twin.ros.entry_points import PACKAGE, REPLAYER, SIMULATOR, Row, waits
 
 IN_NAMESPACE = [("/clock", "clock"), ("/tf", "tf"), ("/tf_static", "tf_static")]
 """Global names of ROS that each twin has in its own namespace."""
+_NOT_TEXT = ("duration", "rate", "loop", "use_sim_time")  # arguments that are numbers, or true or false
+_RUNS_OUT = (SIMULATOR, REPLAYER)  # nodes with whose end the run is over
 _REFUSED = 2  # exit code of a node that cannot start with what it was given
 _RESPAWN_DELAY = 2.0  # s; a node that falls at once must not take the processor from the simulator
 
@@ -36,11 +38,14 @@ def argument(name: str, default: str, description: str, choices: Iterable[str] =
 class Starter:
     """Starts the nodes of a table as the arguments of a launch say."""
 
-    def __init__(self, table: Mapping[str, Row], required: str, elsewhere: Iterable[str] = ()) -> None:
+    def __init__(
+        self, table: Mapping[str, Row], purposes: Mapping[str, str], required: str, elsewhere: Iterable[str] = ()
+    ) -> None:
         """Take what differs between launch files.
 
         Args:
             table: The nodes by name.
+            purposes: What each flag asks for.
             required: Default of the argument `required`.
             elsewhere: Nodes that are waited for although this launch does not start them.
         """
@@ -48,7 +53,7 @@ class Starter:
         self._given: set[str] = set()
         self._failed: set[str] = set()
         self._shared = (
-            *(argument(row.flag, str(row.runs).lower(), row.purpose) for row in table.values() if row.flag),
+            *(argument(row.flag, str(row.runs).lower(), purposes[row.flag]) for row in table.values() if row.flag),
             argument("required", required, "Nodes whose failure ends the launch, separated by spaces."),
             argument("respawn", "false", "Start a node again that failed and is not required."),
             argument("namespace", "", "Namespace of all nodes and topics."),
@@ -114,7 +119,7 @@ class Starter:
         defaults = PathJoinSubstitution([FindPackageShare(row.package), "nodes", f"{name}.yaml"])
         takes = {**row.takes, "use_sim_time": "use_sim_time"}
         arguments = {
-            parameter: _value(yaml.safe_load(given[word]) if word in NOT_TEXT else given[word])
+            parameter: _value(yaml.safe_load(given[word]) if word in _NOT_TEXT else given[word])
             for word, parameter in takes.items()
             if word in self._given
         }
@@ -139,7 +144,7 @@ class Starter:
         failed, refused = event.returncode != 0, event.returncode == _REFUSED
         if failed and (required or (refused and name not in self._failed)):
             raise RuntimeError(f"{event.process_name} ended with exit code {event.returncode}, so the launch ends")
-        if not failed and name in RUNS_OUT:
+        if not failed and name in _RUNS_OUT:
             return [EmitEvent(event=Shutdown(reason=f"{name} ended"))]
         self._failed.add(name)
         # A node that ended as asked, or would be refused again, is not started again.

@@ -13,6 +13,16 @@ from drill_twin.ros.entry_points import PACKAGE, TWIN
 
 STARTER = load_python_launch_file_as_module(str(Path(__file__).with_name("starter.py")))
 argument = STARTER.argument
+FLAGS = {
+    "simulate": "Simulator; without it, the other nodes go by one that runs elsewhere.",
+    "drive": "Rig driver, which plays the set-points; without it, others command the simulator.",
+    "analyze": "Analyzer, which finds the onset of whirl.",
+    "record": "Recorder of a bag.",
+    "advise": "Advisor, which compares the set-points with a map.",
+    "estimate": "Estimator, which follows what is measured.",
+    "gateway": "Gateway to rig software by OPC UA; its parameters are given in params_file.",
+    "watch": "Page in the browser; its address is in the output.",
+}
 ARGUMENTS = (
     argument("scene", "pa6_bench", "Scene: an installed one by name, or a scene file by path."),
     argument(
@@ -50,7 +60,7 @@ ARGUMENTS = (
 
 def generate_launch_description() -> LaunchDescription:
     """Nodes of a twin; without simulator and driver a launch has nothing to show, so both are required."""
-    starter = STARTER.Starter(TWIN, required="simulator rig_driver", elsewhere=("simulator",))
+    starter = STARTER.Starter(TWIN, FLAGS, required="simulator rig_driver", elsewhere=("simulator",))
 
     def start(context: LaunchContext) -> list[object]:
         given = context.launch_configurations

@@ -14,7 +14,7 @@ from drill_twin.core.errors import DrillTwinError
 from drill_twin.dynamics.discretisation.discretise import survey_of
 from drill_twin.dynamics.sensors.subs import REAL, subs_by_name, subs_of
 from drill_twin.dynamics.twin.twin import Twin
-from drill_twin.io.messages.drawing.geometry import Step, StringGeometry, SubPlace
+from drill_twin.io.messages.drawing.geometry import Step, StringGeometry
 from drill_twin.io.messages.topics import TWIN_SCENE, imu_topic, sub_of
 from drill_twin.scene import Scene, parse_scene
 from drill_twin.scene.blocks.sensors import Sub
@@ -43,7 +43,7 @@ def string_geometry(twin: Twin) -> StringGeometry:
         string_steps=string_steps(scene),
         node_distances=twin.rod.arc,
         axis_at=None if line is None else line.at,
-        subs=tuple(SubPlace(sub.name, sub.distance_from_bit, sub.radius, sub.angle) for sub in subs_of(scene)),
+        subs=tuple(subs_of(scene)),
         section_names=() if scene.effects.fatigue is None else tuple(s.name for s in scene.effects.fatigue.sections),
     )
 

@@ -40,27 +40,27 @@ Kind = Callable[[Context, Iterable[str]], TwinNode]
 """Class of a node, or a function that makes one, from a context and the names of the parameters of other nodes."""
 
 
-class NodeThread:
-    """Runs a node in a thread of its own."""
+def _run_beside(node: TwinNode, all_stop: StopRequest, errors: list[BaseException]) -> Callable[[], None]:
+    """Run a node in a thread of its own; returns a function that asks the node to end, and waits until it has.
 
-    def __init__(self, node: TwinNode, all_stop: StopRequest, errors: list[BaseException]) -> None:
-        """Start the thread; an error of the node is appended to `errors`, and asks all nodes to stop."""
-        self._stop = StopRequest()
+    An error of the node is appended to `errors`, and asks all nodes to stop.
+    """
+    stop = StopRequest()
 
-        def run() -> None:
-            try:
-                run_in_order(node, self._stop)
-            except BaseException as error:  # noqa: BLE001 - raised by the main thread
-                errors.append(error)
-                all_stop.set()
+    def run() -> None:
+        try:
+            run_in_order(node, stop)
+        except BaseException as error:  # noqa: BLE001 - raised by the main thread
+            errors.append(error)
+            all_stop.set()
 
-        self._thread = threading.Thread(target=run, name=node.NAME)
-        self._thread.start()
+    def end() -> None:
+        stop.set()
+        thread.join()
 
-    def end(self) -> None:
-        """Request the node to stop, and wait until it has."""
-        self._stop.set()
-        self._thread.join()
+    thread = threading.Thread(target=run, name=node.NAME)
+    thread.start()
+    return end
 
 
 def _flags(context: Context) -> SimpleNamespace:
@@ -87,7 +87,7 @@ def run(arguments: Sequence[str], stop: StopRequest, *observers: Kind) -> None:
     if print_help(NAME, PURPOSE, tuple(_table(kinds.values()).values()), arguments):
         return
     context = init_context(arguments, stop)
-    threads: list[NodeThread] = []
+    ends: list[Callable[[], None]] = []
     errors: list[BaseException] = []  # the first is the cause; the other nodes were stopped because of it
     try:
         with stop.at_once(), readable_refusal():
@@ -103,13 +103,13 @@ def run(arguments: Sequence[str], stop: StopRequest, *observers: Kind) -> None:
             for module in ("drill_twin.dynamics.twin.twin", "drill_twin.io.whirl_pipeline"):
                 importlib.import_module(module)
         # Ended in this order: subscribers after publishers.
-        threads = [NodeThread(node, stop, errors) for node in nodes]
+        ends = [_run_beside(node, stop, errors) for node in nodes]
         run_in_order(simulator, stop)
     except BaseException as error:  # noqa: BLE001 - raised below
         errors.append(error)
     finally:
-        for thread in threads:
-            thread.end()
+        for end in ends:
+            end()
         context.try_shutdown()
     if errors:
         raise errors[0]

@@ -8,8 +8,7 @@ from __future__ import annotations
 
 import argparse
 import json
-import time
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 from contextlib import suppress
 from functools import partial
 from pathlib import Path
@@ -17,7 +16,7 @@ from typing import ClassVar
 
 from rclpy.context import Context
 from rich.console import Console
-from rich.progress import BarColumn, Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
+from rich.progress import Progress
 
 from drill_twin.core.errors import BagError, DrillTwinError, RunError
 from drill_twin.core.files.output import RESULTS, make_folder, new_folder
@@ -31,7 +30,6 @@ from drill_twin.ros.core.stop_request import Stopped, StopRequest
 from drill_twin.ros.deployment import own_domain
 
 _STARTING_TIME = 150.0  # s in which the nodes compile and connect; not measured
-_STALL_TIME = 20.0  # s between two changes of the simulated time; not measured
 _LAST = 0.3  # s in which the last messages arrive
 
 
@@ -59,29 +57,18 @@ def run(arguments: Sequence[str], stop: StopRequest) -> None:
         "bag": str(bag.absolute()),
         "wait_timeout": _STARTING_TIME,
     }
-    # JSON is YAML; a text is quoted, because it may look like a number.
-    words = [
-        word
-        for name, value in parameters.items()
-        for word in ("-p", f"{name}:={json.dumps(value, ensure_ascii=False)}")
-    ]
-    columns = (
-        SpinnerColumn(),
-        TextColumn("{task.description}"),
-        BarColumn(),
-        TextColumn("{task.completed:5.1f} of {task.total:g} s"),
-        TimeElapsedColumn(),
-    )
+    file = (out / "log" / "parameters.yaml").absolute()
+    file.write_text(json.dumps({"/**": {"ros__parameters": parameters}}), "utf-8")  # JSON is YAML
     with own_domain((out / "log").absolute()) as domain, suppress(Stopped):
         console.print(
             f"{scene.name}: {duration:g} s, {given.pace}; in another terminal: "
             f"[bold]ROS_DOMAIN_ID={domain} drill-twin ros doctor[/], or ros2 with ROS sourced"
         )
-        with Progress(*columns, console=console, transient=True) as progress:
+        with Progress(console=console, transient=True) as progress:
             # The nodes log to files only: lines on the console would tear the bar.
             observer = partial(DemoObserver, progress, float(duration))
             try:
-                composed_twin.run(["--ros-args", "--disable-stdout-logs", *words], stop, observer)
+                composed_twin.run(["--ros-args", "--disable-stdout-logs", "--params-file", str(file)], stop, observer)
             except DrillTwinError as error:
                 raise RunError(str(error)) from error
     if stop:
@@ -104,8 +91,7 @@ class DemoObserver(TwinNode):
         """Begin to show a run of a duration [s]; `TwinNode` explains the other arguments."""
         super().__init__(context, others)
         self._progress, self._task = progress, progress.add_task("compiling and connecting", total=duration)
-        self._tell, self._stall = progress.console.print, StallDetector()
-        self._duration, self._time = duration, 0.0  # s, simulated
+        self._tell, self._time = progress.console.print, 0.0  # s, simulated
         self._onset: OnsetMessage | None = None
         self._motion = self._compiling = self._factor = ""
         self._problems: set[str] = set()
@@ -122,14 +108,8 @@ class DemoObserver(TwinNode):
         self.drain(_LAST)
 
     def step(self) -> None:
-        """Show what has come.
-
-        Raises:
-            RunError: Simulated time stands still.
-        """
+        """Show what has come."""
         self.spin_once(0.1)
-        if self._time < self._duration:  # afterwards the recorder may take long to finish its bag
-            self._stall.check(self._time, compiling=bool(self._compiling))
         if self._compiling:
             self._progress.update(self._task, description=self._compiling)
         if self._time > 0.0:
@@ -162,31 +142,6 @@ class DemoObserver(TwinNode):
             if status.level in {Level.WARN, Level.ERROR} and problem not in self._problems:
                 self._problems.add(problem)
                 self._tell(problem)
-
-
-class StallDetector:
-    """Ends a run whose simulated time stands still."""
-
-    def __init__(self, clock: Callable[[], float] = time.monotonic) -> None:
-        self._clock = clock
-        self._since, self._time = clock(), 0.0
-
-    def check(self, simulated: float, *, compiling: bool = False) -> None:
-        """Compare the simulated time with the last call's.
-
-        Args:
-            simulated: Simulated time [s].
-            compiling: Whether the simulator says that it compiles: no stall, however long.
-
-        Raises:
-            RunError: The simulated time has not changed for too long.
-        """
-        now = self._clock()
-        if compiling or simulated != self._time:
-            self._since, self._time = now, simulated
-        limit = _STALL_TIME if simulated else _STARTING_TIME
-        if now - self._since > limit:
-            raise RunError(f"simulated time has stood at {simulated:.2f} s for {limit:g} s; see the logs of the nodes")
 
 
 # --- the result -------------------------------------------------------------------------------------------------------

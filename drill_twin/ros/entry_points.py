@@ -49,8 +49,6 @@ GROUP = "drill_twin.nodes"
 _PACKAGES = {name: companion.name for companion in COMPANIONS for name in companion.nodes}
 
 PACKAGE = "drill_twin"
-NOT_TEXT = ("duration", "rate", "loop", "use_sim_time")
-"""Launch arguments whose parameter is a number, or true or false."""
 
 
 class Row(NamedTuple):
@@ -60,8 +58,6 @@ class Row(NamedTuple):
     """Launch argument, and parameter of the process of all nodes, that asks for the node; empty: it always runs."""
     runs: bool
     """Whether it runs where the flag is not given."""
-    purpose: str
-    """What `ros2 launch --show-args` says of the flag."""
     takes: Mapping[str, str]
     """Parameter that a launch argument sets, by the name of the argument."""
     package: str = PACKAGE
@@ -69,46 +65,26 @@ class Row(NamedTuple):
     """Whether it has a parameter file of its own."""
 
 
-def _same(*names: str) -> dict[str, str]:
-    return {name: name for name in names}
+def _same(names: str) -> dict[str, str]:
+    return {name: name for name in names.split()}
 
 
 SIMULATOR, RIG_DRIVER, ANALYZER, RECORDER, REPLAYER = "simulator", "rig_driver", "analyzer", "recorder", "replayer"
-_OF_COMPANIONS = {
-    "advisor": ("Advisor, which compares the set-points with a map.", _same("map")),
-    "estimator": ("Estimator, which follows what is measured.", _same("scene", "free")),
-    "gateway": ("Gateway to rig software by OPC UA; its parameters are given in params_file.", {}),
-    "watch": ("Page in the browser; its address is in the output.", {}),
-}
+_TAKES = {"advisor": "map", "estimator": "scene free"}
 TWIN = {
-    SIMULATOR: Row(
-        "simulate",
-        True,
-        "Simulator; without it, the other nodes go by one that runs elsewhere.",
-        _same("scene", "overrides", "accuracy", "pace", "duration", "checkpoint", "frame_prefix"),
-    ),
-    RIG_DRIVER: Row(
-        "drive",
-        True,
-        "Rig driver, which plays the set-points; without it, others command the simulator.",
-        {**_same("scene", "overrides", "table"), "wob": "weight_on_bit", "rpm": "rotation"},
-    ),
-    ANALYZER: Row("analyze", True, "Analyzer, which finds the onset of whirl.", {}),
-    RECORDER: Row("record", False, "Recorder of a bag.", _same("bag")),
+    SIMULATOR: Row("simulate", True, _same("scene overrides accuracy pace duration checkpoint frame_prefix")),
+    RIG_DRIVER: Row("drive", True, {**_same("scene overrides table"), "wob": "weight_on_bit", "rpm": "rotation"}),
+    ANALYZER: Row("analyze", True, {}),
+    RECORDER: Row("record", False, _same("bag")),
     **{
-        node: Row(flag, False, *_OF_COMPANIONS[node], companion.name, node not in companion.programs)
+        node: Row(flag, False, _same(_TAKES.get(node, "")), companion.name, node not in companion.programs)
         for companion in COMPANIONS
         for node, flag in companion.nodes.items()
     },
 }
 """Nodes of a twin by name."""
-REPLAY = {
-    REPLAYER: Row("", True, "", _same("bag", "rate", "map", "loop", "twin")),
-    ANALYZER: Row("analyze", True, "Analyse afresh; the recorded findings are then left out.", {}),
-}
+REPLAY = {REPLAYER: Row("", True, _same("bag rate map loop twin")), ANALYZER: TWIN[ANALYZER]}
 """Nodes of a replay by name."""
-RUNS_OUT = (SIMULATOR, REPLAYER)
-"""Nodes with whose end the run is over."""
 _SENDS_FIRST = (RIG_DRIVER, REPLAYER)
 _MISSES_NOTHING = (SIMULATOR, ANALYZER, RECORDER)
 

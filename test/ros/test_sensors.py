@@ -46,8 +46,7 @@ def test_every_frame_has_the_prefix(bench):
     bench.drain()
     frames = {topic: {deserialize(raw, TOPICS[topic].type_name).header.frame_id for raw in heard[topic]}
               for topic in topics}  # fmt: skip
-    wanted = dict.fromkeys((RIG_STATE, SURFACE_STATE, WHIRL_STATE), {"rig2/hole"})
-    assert frames == {**wanted, **dict.fromkeys((imu_topic("low"), summary_topic("low")), {"rig2/low"})}
+    assert frames == {topic: {"rig2/low" if topic.startswith("/downhole") else "rig2/hole"} for topic in topics}
 
 
 @pytest.mark.long

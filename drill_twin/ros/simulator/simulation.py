@@ -16,47 +16,19 @@ from rclpy.logging import get_logging_directory
 from drill_twin.core.errors import CheckpointError, RunError, StoppedError
 from drill_twin.dynamics.twin.checkpoint import Checkpoint, save_failure
 from drill_twin.dynamics.twin.frame import Frame
-from drill_twin.io.messages.drawing.geometry import StringGeometry
-from drill_twin.io.messages.drawing.transforms import StringTransforms, TransformsTemplate, hole_transform
+from drill_twin.io.messages.drawing.transforms import StringTransforms, static_message
 from drill_twin.io.messages.encode import encode_string
 from drill_twin.io.messages.stamps import stamp_ns
 from drill_twin.io.messages.topics import COMMANDER, OF_TF, TF, TF_STATIC
 from drill_twin.ros.core.node import TwinNode
 from drill_twin.ros.core.pacing import Pacer, Tick
-from drill_twin.ros.core.topics import NodeTopics, installed
+from drill_twin.ros.core.topics import installed
 from drill_twin.ros.simulator.command_input import CommandInput
 from drill_twin.ros.simulator.start_up import CheckpointPlaces
 from drill_twin.runs.loop import RunLoop
 from drill_twin.scene import Scene
 from drill_twin.scene.blocks.numerics import frame_period
 from drill_twin.scene.set_points.command import Command
-
-
-class TfPublisher:
-    """Publishes `tf` at the rate of the markers, and `tf_static` once."""
-
-    def __init__(self, topics: NodeTopics, geometry: StringGeometry, inclination: float) -> None:
-        """Create both publishers.
-
-        Args:
-            topics: Topics of the simulator.
-            geometry: Of the string.
-            inclination: Of the hole at the top clamp [rad].
-        """
-        for topic in OF_TF:
-            topics.advertise(topic)
-        self._topics, self._transforms = topics, StringTransforms(geometry)
-        self._template: TransformsTemplate | None = None
-        hole = hole_transform(inclination, geometry.frame_prefix)
-        topics.publish(TF_STATIC, TransformsTemplate([hole[:2]]).fill(0, [hole]))
-
-    def publish(self, frame: Frame) -> None:
-        """Publish the frames of bit, marks and subs."""
-        transforms = self._transforms.at(frame)
-        if self._template is None:
-            self._template = TransformsTemplate([one[:2] for one in transforms])
-        self._topics.publish(TF, self._template.fill(stamp_ns(frame.time), transforms))
-
 
 _LOOK = 0.01  # s between two looks at what has come, where there is no wait
 _BURST = 200  # frames; as fast as possible must not be faster than the readers
@@ -123,8 +95,11 @@ class SimulatorRun:
         self.checkpoints = CheckpointWriter()
         self.started = False
         self._commander: str | None = None  # as last told
-        geometry, inclination = self.loop.geometry, scene.hole.top_inclination
-        self._tf = TfPublisher(node.topics, geometry, inclination) if installed(TF) else None
+        self._transforms = StringTransforms(self.loop.geometry) if installed(TF) else None
+        if self._transforms is not None:
+            for topic in OF_TF:
+                node.topics.advertise(topic)
+            node.topics.publish(TF_STATIC, static_message(scene.hole.top_inclination, node.settings.frame_prefix))
         self._markers: Tick | None = None
         self._checkpoint_due: Tick | None = None
 
@@ -171,13 +146,18 @@ class SimulatorRun:
         command = self.commands.arbiter.set_point(self.loop.period)
         exaggeration = self._node.settings.exaggeration or None
         markers = self._markers_due()
-        tf = self._tf.publish if markers and self._tf is not None else None
         try:
-            self.loop.advance(command, markers=markers, exaggeration=exaggeration, also=tf)
+            self.loop.advance(
+                command, markers=markers, exaggeration=exaggeration, also=self._send_transforms if markers else None
+            )
         except StoppedError as error:
             raise RunError(f"{error}; {self._save_failure(command, error)}") from error
         if self._checkpoint_due is not None and self._checkpoint_due.due():
             self.keep()
+
+    def _send_transforms(self, frame: Frame) -> None:
+        if self._transforms is not None:
+            self._node.topics.publish(TF, self._transforms.message(frame))
 
     def keep_pace(self, *, steps: bool = False) -> None:
         """Process what comes until the next frame is due; the frames of a step are due as fast as possible."""

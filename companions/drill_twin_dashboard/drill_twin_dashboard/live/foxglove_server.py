@@ -44,6 +44,8 @@ class _Viewer:
 
     numbers: dict[str, int] = field(default_factory=dict)
     """Number of its subscription by topic."""
+    told: bool = False
+    """True once the channels are sent to it; it is then told of a new one."""
     had_room: float = 0.0
     """Monotonic time at which no more than `_MOST_WAITING` waited for it [s]."""
 
@@ -65,7 +67,7 @@ class FoxgloveServer(WebServer):
         listener = listening_socket(host, port, "viewers", "--foxglove")
         self.url = f"ws://{in_url(host)}:{listener.getsockname()[1]}"
         """Address for viewers."""
-        self._channels = dict(enumerate(TOPICS, 1))
+        self._channels: dict[int, str] = {}
         self._latched: dict[str, tuple[bytes, int]] = {}
         protocol = [Subprotocol("foxglove.sdk.v1")]
         super().__init__(listener, Access(allowed), "viewers", subprotocols=protocol, max_size=_LARGEST_REQUEST)
@@ -76,13 +78,14 @@ class FoxgloveServer(WebServer):
             self._loop.call_soon_threadsafe(self._publish, topic, raw, time)
 
     def offer(self, topic: str) -> None:
-        """Offer a topic of a sub or of frames too, which the contract finds by name and does not list."""
+        """Offer a topic to the viewers that are here, and to later ones."""
         self._loop.call_soon_threadsafe(self._offer, topic)
 
     def _offer(self, topic: str) -> None:
         number = len(self._channels) + 1
         self._channels[number] = topic
-        broadcast(self.places, _advertised({number: topic}))
+        told = [connection for connection, viewer in self.places.items() if viewer.told]
+        broadcast(told, _advertised({number: topic}))
 
     def _publish(self, topic: str, raw: bytes, time: int) -> None:
         if TOPICS[topic].latched:
@@ -104,6 +107,7 @@ class FoxgloveServer(WebServer):
         about = {"name": "drill_twin", "capabilities": [], "supportedEncodings": [], "metadata": {}}
         with suppress(ConnectionClosed):
             await send(connection, json.dumps({"op": "serverInfo", **about}))
+            self.places[connection].told = True
             await send(connection, _advertised(self._channels))
             async for request in connection:
                 # No answer to what is no request of the protocol, or a request that this server does not offer.

@@ -11,7 +11,7 @@ import argparse
 import math
 import threading
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from contextlib import ExitStack
 from functools import partial
 from typing import Any, ClassVar
@@ -77,22 +77,19 @@ class LivePage(TwinNode):
     def configure(self) -> None:
         """Create the subscriptions."""
         self.topics.subscribe_scenes(partial(self.page_state.update, TWIN_SCENE))
-        for topic in set(INPUTS) - {TWIN_SCENE} if self._viewers is None else TOPICS:
-            self._subscribe(topic)
+        self._followed: set[str] = set()
+        self._follow(set(INPUTS) - {TWIN_SCENE} if self._viewers is None else TOPICS)
         if self._viewers is not None:
-            self._offered: set[str] = set()
-            self.every(_SEARCH_PERIOD, partial(self._offer_unlisted, self._viewers))
+            self.every(_SEARCH_PERIOD, lambda: self._follow(unlisted(self)))
 
-    def _subscribe(self, topic: str) -> None:
-        depth = 1 if TOPICS[topic].latched else _DEPTH
-        self.topics.subscribe_raw(topic, partial(self._on_message, topic), depth=depth)
-
-    def _offer_unlisted(self, viewers: FoxgloveServer) -> None:
-        """Pass on the topics of subs and frames that have appeared."""
-        for topic in filter(installed, {*unlisted(self)} - self._offered):
-            self._offered.add(topic)
-            viewers.offer(topic)
-            self._subscribe(topic)
+    def _follow(self, topics: Iterable[str]) -> None:
+        """Subscribe to topics, and offer them to viewers."""
+        for topic in filter(installed, set(topics) - self._followed):
+            self._followed.add(topic)
+            if self._viewers is not None:
+                self._viewers.offer(topic)
+            depth = 1 if TOPICS[topic].latched else _DEPTH
+            self.topics.subscribe_raw(topic, partial(self._on_message, topic), depth=depth)
 
     def _on_message(self, topic: str, raw: bytes, info: Mapping[str, Any]) -> None:
         message = bytes(raw)

@@ -13,7 +13,7 @@ from websockets.exceptions import InvalidStatus
 from websockets.sync.client import connect
 
 from drill_twin.core.errors import RunError
-from drill_twin.io.messages.topics import RIG_STATE
+from drill_twin.io.messages.topics import RIG_STATE, imu_topic
 from drill_twin_dashboard.live.foxglove_server import MOST_VIEWERS, FoxgloveServer
 
 DATA = struct.Struct("<BIQ")  # operation, subscription, time [ns]
@@ -22,6 +22,7 @@ DATA = struct.Struct("<BIQ")  # operation, subscription, time [ns]
 @pytest.fixture
 def server():
     opened = FoxgloveServer("127.0.0.1", 0, ["app.foxglove.dev", "file://"])
+    opened.offer(RIG_STATE)
     yield opened
     opened.close()
 
@@ -43,6 +44,17 @@ def _refused(status):
     with pytest.raises(InvalidStatus) as caught:
         yield
     assert caught.value.response.status_code == status
+
+
+def test_a_viewer_is_told_of_a_topic_that_comes_later(server):
+    """As of a simulator whose scene has a sub, which is started after the viewer."""
+    with _connected(server) as socket:
+        told = [json.loads(socket.recv(timeout=10.0)) for _ in range(2)]
+        assert [one["topic"] for one in told[1]["channels"]] == [RIG_STATE]
+        server.offer(imu_topic("low"))
+        (channel,) = json.loads(socket.recv(timeout=10.0))["channels"]
+    assert (channel["topic"], channel["schemaName"]) == (imu_topic("low"), "sensor_msgs/msg/Imu")
+    assert channel["id"] != told[1]["channels"][0]["id"]
 
 
 @pytest.mark.parametrize("origin", [None, "https://app.foxglove.dev", "file://", "own"])

@@ -6,7 +6,6 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import NamedTuple
 
 import numpy as np
 
@@ -14,24 +13,13 @@ from drill_twin.core.arrays import Array
 from drill_twin.io.messages.topics import FRAME_ID
 from drill_twin.physics.model.strain import transverse_axes
 from drill_twin.physics.model.wellbore import Axis, from_hole_coordinates, offsets
+from drill_twin.scene.blocks.sensors import Sub
 
 _RING_SEGMENTS = 32
 
 
 Step = tuple[float, float, float]
 """Begin, end and radius of an interval of one radius [m]."""
-
-
-class SubPlace(NamedTuple):
-    """Place of the sensor of a downhole sub."""
-
-    name: str
-    distance: float
-    """Arc length from the bit [m]."""
-    radius: float
-    """Distance from the axis of the collar [m]."""
-    angle: float
-    """Direction from the zero of the spin [rad]."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,7 +50,7 @@ class StringGeometry:
     """Axis of a curved hole at measured depths [m]; None where it is straight."""
     section_names: tuple[str, ...] = ()
     """Names of the sections whose stress is counted."""
-    subs: tuple[SubPlace, ...] = ()
+    subs: tuple[Sub, ...] = ()
     """Downhole subs."""
     frame_prefix: str = ""
     """Put before the names of all frames, so that two twins can share a tf tree."""

@@ -18,6 +18,7 @@ from drill_twin.core.arrays import Array
 from drill_twin.dynamics.twin.frame import Frame
 from drill_twin.io.messages.cdr import Template, sentinel_header, sentinels
 from drill_twin.io.messages.drawing.geometry import ExaggeratedGeometry, StringGeometry
+from drill_twin.io.messages.stamps import stamp_ns
 from drill_twin.io.messages.topic_row import TF_TYPE
 from drill_twin.io.messages.topics import FRAME_ID
 from drill_twin.io.messages.type_store import message
@@ -83,6 +84,12 @@ class Transform(NamedTuple):
     """Unit quaternion x y z w, shape (4,)."""
 
 
+def static_message(inclination: float, prefix: str) -> bytes:
+    """`/tf_static` of a twin."""
+    hole = hole_transform(inclination, prefix)
+    return TransformsTemplate([hole[:2]]).fill(0, [hole])
+
+
 def hole_transform(inclination: float, prefix: str = "") -> Transform:
     """Pose of the hole in `rig`: its axis is inclined [rad] so that +x of the hole is the low side."""
     half = 0.5 * inclination
@@ -99,7 +106,9 @@ class StringTransforms:
         fixed = (BIT, *geometry.mark_names)
         subs = [sub for sub in geometry.subs if sub.name not in {FRAME_ID, RIG_FRAME, *fixed}]  # a frame has one parent
         self._names = [geometry.frame_prefix + name for name in (*fixed, *(sub.name for sub in subs))]
-        self._subs, self._radius, self._angle = (np.array([sub[k] for sub in subs], float) for k in (1, 2, 3))
+        self._subs = np.array([sub.distance_from_bit for sub in subs])
+        self._radius, self._angle = np.array([sub.radius for sub in subs]), np.array([sub.angle for sub in subs])
+        self._template = TransformsTemplate([(self._hole, name) for name in self._names])
         self._true = ExaggeratedGeometry(geometry, 1.0)
         distances = geometry.node_distances
         nodes = np.linspace(0.0, geometry.length, geometry.node_count) if distances is None else distances
@@ -121,6 +130,10 @@ class StringTransforms:
         sensors += self._radius[:, None] * outwards
         places = np.concatenate((frame.positions[:1], self._true.marks(frame.marks.position), sensors))
         return [Transform(self._hole, *row) for row in zip(self._names, places, turns, strict=True)]
+
+    def message(self, frame: Frame) -> bytes:
+        """`/tf` of a frame of the twin."""
+        return self._template.fill(stamp_ns(frame.time), self.at(frame))
 
 
 class TransformsTemplate:
