@@ -46,8 +46,6 @@ PROGRAMS = {
 """Module and function of a program that starts several nodes, or takes other arguments than ROS's."""
 GROUP = "drill_twin.nodes"
 """Entry-point group of nodes in other packages: a class of `TwinNode`, or a function as in `PROGRAMS`."""
-_PACKAGES = {name: companion.name for companion in COMPANIONS for name in companion.nodes}
-
 PACKAGE = "drill_twin"
 
 
@@ -57,12 +55,12 @@ class Row(NamedTuple):
     flag: str
     """Launch argument, and parameter of the process of all nodes, that asks for the node; empty: it always runs."""
     runs: bool
-    """Whether it runs where the flag is not given."""
+    """Default of the flag."""
     takes: Mapping[str, str]
     """Parameter that a launch argument sets, by the name of the argument."""
     package: str = PACKAGE
     has_parameters: bool = True
-    """Whether it has a parameter file of its own."""
+    """False for a program, which has none."""
 
 
 def _same(names: str) -> dict[str, str]:
@@ -101,7 +99,7 @@ def waits(node: str, running: Collection[str]) -> dict[str, str]:
 
 def executables() -> tuple[str, ...]:
     """Names of all nodes and programs, also of companions that are not installed."""
-    return tuple(dict.fromkeys((*NODES, *_PACKAGES, *(entry.name for entry in entries(GROUP)), *PROGRAMS)))
+    return tuple(dict.fromkeys((*NODES, *TWIN, *(entry.name for entry in entries(GROUP)), *PROGRAMS)))
 
 
 def node_names() -> tuple[str, ...]:
@@ -120,7 +118,7 @@ def load(name: str) -> Any:
         raise DrillTwinError(f"expected one of {', '.join(known)}, found {name!r}")
     place = {**NODES, **PROGRAMS}.get(name) or getattr(entry_of(GROUP, name), "value", "")
     if not place:
-        raise not_installed(f"the node {name}", _PACKAGES[name])
+        raise not_installed(f"the node {name}", TWIN[name].package)
     module, _, attribute = place.partition(":")
     try:
         if find_spec("rclpy") is None:  # a program may import it late
