@@ -13,6 +13,7 @@ STARTER = load_python_launch_file_as_module(str(Path(__file__).with_name("starte
 argument = STARTER.argument
 FINDINGS = "/whirl/state /whirl/motion /whirl/onset /twin/summary"
 """Topics of a bag that a fresh analysis replaces."""
+ANALYZER_STARTS = 120.0  # s, at most; as the rig driver waits
 FLAGS = {"analyze": "Analyse afresh; the recorded findings are then left out."}
 ARGUMENTS = (
     DeclareLaunchArgument("bag", description="Bag to replay: a folder, or a .mcap or .db3 file."),
@@ -31,6 +32,7 @@ def generate_launch_description() -> LaunchDescription:
 
     def start(context: LaunchContext) -> list[object]:
         left_out = FINDINGS if context.launch_configurations["analyze"] == "true" else ""
-        return starter.nodes(context, replayer={"parameters": {"leave_out": left_out, "keep_namespace": False}})
+        replayer = {"leave_out": left_out, "keep_namespace": False, "wait_timeout": ANALYZER_STARTS}
+        return starter.nodes(context, replayer={"parameters": replayer})
 
     return starter.description(ARGUMENTS, start)

@@ -102,7 +102,12 @@ def test_a_replay_gives_the_same_findings(bench, eager_bag, payloads, tmp_path, 
 
 
 def test_a_replay_with_the_parameters_of_the_launch_waits_for_an_analyzer_that_comes_late(bench, eager_bag):
-    computed = {"leave_out": " ".join(FINDINGS), "keep_namespace": False, **waits("replayer", REPLAY)}
+    computed = {
+        "leave_out": " ".join(FINDINGS),
+        "keep_namespace": False,
+        "wait_timeout": 120.0,
+        **waits("replayer", REPLAY),
+    }
     replayer = bench.start("replayer", bag=str(eager_bag), rate=0.0, **computed)
     bench.until(lambda: "waiting for /analyzer: it is not there yet" in replayer.text, what="the wait")
     found = bench.collect(WHIRL_STATE)
