@@ -27,10 +27,10 @@ from pathlib import Path
 
 import numpy as np
 
-from drill_twin.core.compile.kernel_cache import NotCachedError, fingerprint, from_cache_only, permanent_folder
-from drill_twin.core.compile.object_cache import read_own
+from drill_twin.core.compile.kernel_cache import NotCachedError, fingerprint, from_cache_only
 from drill_twin.core.errors import RunStopped
 from drill_twin.core.files.json_files import read_json
+from drill_twin.core.files.kept_files import permanent_folder, read_own
 from drill_twin.core.files.output import PRIVATE, write_whole
 from drill_twin.core.process import child_environment
 from drill_twin.dynamics.solver.slices import checked

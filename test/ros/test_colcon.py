@@ -12,7 +12,7 @@ from zipfile import ZipFile
 import pytest
 
 import drill_twin
-from drill_twin.core.compile.kernel_cache import cache_folder
+from drill_twin.core.files.kept_files import cache_folder
 from drill_twin.ros.entry_points import node_names
 
 ROOT = Path(__file__).resolve().parents[2]

@@ -2,7 +2,10 @@
 """Texts with units become SI floats; what is not one is refused with a reason."""
 
 import math
+import os
 import re
+import subprocess
+import sys
 
 import pytest
 from hypothesis import example, given, settings
@@ -188,3 +191,26 @@ def test_inches_and_feet_by_their_signs(text, value):
     assert parse(text, dim.LENGTH) == pytest.approx(value, rel=1e-15)
     with pytest.raises(UnitError, match=r"\(length\)"):
         parse(text, dim.FORCE)
+
+
+def _factor_in_a_new_process(folder, unit):
+    code = (
+        "import sys; from drill_twin.core.units.registry import si_factor; "
+        f"print(si_factor({unit!r}), 'pint' in sys.modules)"
+    )
+    environment = {**os.environ, "DRILL_TWIN_CACHE": str(folder)}
+    done = subprocess.run([sys.executable, "-c", code], env=environment, capture_output=True, text=True, check=True)
+    return done.stdout.rsplit(maxsplit=1)
+
+
+def test_factors_of_earlier_processes_need_no_pint_and_are_its_factors(tmp_path):
+    folder = tmp_path / "cache"
+    found, with_pint = _factor_in_a_new_process(folder, "kN m/deg")
+    assert with_pint == "True"
+    assert _factor_in_a_new_process(folder, "kN m/deg") == [found, "False"]
+    (kept,) = folder.glob("units.*.factors")
+    kept.write_bytes(kept.read_bytes()[:-1])  # damaged: found anew
+    assert _factor_in_a_new_process(folder, "kN m/deg") == [found, "True"]
+    folder.chmod(0o500)
+    assert _factor_in_a_new_process(folder, "daN/ft")[1] == "True"
+    assert _factor_in_a_new_process(tmp_path / "cache" / "no" / "folder", "daN/ft")[1] == "True"

@@ -9,14 +9,11 @@ expected in the cache.
 
 import hashlib
 import logging
-import os
 import platform
-import stat
 import sys
-import tempfile
 import threading
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
 from functools import cache
 from importlib import import_module
 from pathlib import Path
@@ -30,9 +27,9 @@ import numpy as np
 from numba.core.dispatcher import Dispatcher
 
 from drill_twin.core.compile.jit import is_inlined, start
-from drill_twin.core.compile.object_cache import CheckedFiles, is_open, keep_machine_code, keep_parts
+from drill_twin.core.compile.object_cache import keep_machine_code, keep_parts
 from drill_twin.core.compile.source_hash import PARSED, modules_reached, source_hash
-from drill_twin.core.errors import RunError
+from drill_twin.core.files.kept_files import CheckedFiles, cached_file, permanent_folder
 from drill_twin.core.files.output import PRIVATE, write_whole
 
 start()  # numba is imported, so that functions become dispatchers
@@ -40,69 +37,6 @@ _LOG = logging.getLogger(__name__)
 
 ONE_THREAD = RLock()
 """One thread makes a module: no other thread may see half a module, and Python 3.11 loses count in two `ast.parse`."""
-
-
-def cache_folder() -> Path:
-    """Folder of compiled kernels: the permanent folder, else a temporary folder.
-
-    Raises:
-        RunError: The folder named by ``$DRILL_TWIN_CACHE`` cannot be made, or belongs to another user.
-    """
-    return permanent_folder() or _temporary_folder()
-
-
-def cached_file(name: str) -> Path:
-    """File of the cache: the kept file, even in a folder that cannot be written to; else the path for a new file.
-
-    Raises:
-        RunError: As `cache_folder`.
-    """
-    kept = _kept_folder()
-    return kept / name if kept and (kept / name).is_file() else cache_folder() / name
-
-
-def permanent_folder() -> Path | None:
-    """Folder shared by the processes of this user, if it can be written to.
-
-    Raises:
-        RunError: As `cache_folder`.
-    """
-    kept = _kept_folder()
-    return kept if kept and os.access(kept, os.W_OK) else None
-
-
-def _kept_folder() -> Path | None:
-    """``$DRILL_TWIN_CACHE``, else the folder in the user's cache folder; None where no folder can be trusted.
-
-    Files in the folder are run as programs: only this user, or only root, may write to the folder.
-    """
-    named = os.environ.get("DRILL_TWIN_CACHE")
-    folder = Path(named) if named else Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "drill_twin"
-    try:
-        folder.mkdir(mode=stat.S_IRWXU, parents=True, exist_ok=True)
-        if folder.stat().st_uid == os.geteuid() and stat.S_IMODE(folder.stat().st_mode) & ~stat.S_IRWXU:
-            with suppress(OSError):  # on a disk that is mounted read-only
-                folder.chmod(folder.stat().st_mode & stat.S_IRWXU)
-        found = folder.stat()
-        if found.st_uid not in {os.geteuid(), 0}:
-            reason = f"a folder of user {found.st_uid}, who could put programs there"
-        elif is_open(found):
-            reason = "a folder in which other users could put programs"
-        else:
-            return folder
-    except OSError as error:
-        reason = error.strerror or str(error)
-    if named:
-        raise RunError(
-            f"DRILL_TWIN_CACHE: expected a folder of your own that can be written to, found {named}: {reason}; "
-            "name another, or unset it"
-        )
-    return None
-
-
-@cache
-def _temporary_folder() -> Path:
-    return Path(tempfile.mkdtemp(prefix="drill_twin_kernels_"))
 
 
 def load_generated(kind: str, text: str, *more: str, packages: tuple[str, ...] = ()) -> ModuleType:
@@ -137,7 +71,10 @@ def _kept_parsing() -> Iterator[None]:
         yield
         return
     method = hashlib.sha256(Path(__file__).with_name("source_hash.py").read_bytes()).hexdigest()
-    key, file = (platform.python_version(), __file__, method), CheckedFiles(folder, "sources", "parsed", logging.DEBUG)
+    key, file = (
+        (platform.python_version(), __file__, method),
+        CheckedFiles(folder, "sources", "parsed", level=logging.DEBUG),
+    )
     if not PARSED:
         PARSED.update(file.load(key) or {})
     before = dict(PARSED)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Machine code on disk: files of this user alone, checked by content hash, written again where damaged.
+"""Machine code on disk, in files of this user alone.
 
 numba's own cache fails for ever on a damaged index, and runs what another user has put there.
 
@@ -10,14 +10,8 @@ another set types and lowers the loop around the effects only.
 
 from __future__ import annotations
 
-import hashlib
-import logging
-import os
-import pickle
-import stat
 import sys
 from collections.abc import Callable, Iterable
-from contextlib import suppress
 from functools import cache
 from importlib import import_module
 from pathlib import Path
@@ -28,32 +22,9 @@ from numba.core.dispatcher import Dispatcher
 
 from drill_twin.core.compile.inlined_compiler import inlined_parts, lasting_name, restore_inlined, type_text
 from drill_twin.core.compile.jit import is_inlined
-from drill_twin.core.files.output import PRIVATE, write_whole
+from drill_twin.core.files.kept_files import CheckedFiles
 
 _CACHING: Any = import_module("numba.core.caching")
-_HASH = hashlib.sha256().digest_size
-_LOG = logging.getLogger(__name__)
-
-
-def is_open(found: os.stat_result) -> bool:
-    """True for a file or folder that others than its owner can write to."""
-    return bool(found.st_mode & (stat.S_IWGRP | stat.S_IWOTH))
-
-
-def read_own(path: Path) -> bytes | None:
-    """Content of a file that only this user, or only root, can write; None if there is none, which is logged."""
-    try:
-        with path.open("rb") as stream:
-            found = os.fstat(stream.fileno())
-            if found.st_uid in {os.geteuid(), 0} and not is_open(found):
-                return stream.read()
-    except FileNotFoundError:
-        return None
-    except OSError as error:
-        _LOG.warning("%s: cannot be read (%s), made again", path, error.strerror or error)
-        return None
-    _LOG.warning("%s: of another user, or writable by others; not used, made again", path)
-    return None
 
 
 def keep_machine_code(dispatcher: Any, before_compilation: Callable[[], None]) -> None:
@@ -91,38 +62,8 @@ class _Implementation(_CACHING.CompileResultCacheImpl):  # type: ignore[misc]
     _locator_classes = (_Locator,)
 
 
-class CheckedFiles:
-    """One file for each signature: hash, then key and machine code. No index that processes would share."""
-
-    def __init__(self, folder: Path, base: str, suffix: str = "machine_code", level: int = logging.WARNING) -> None:
-        self._folder, self._base, self._suffix, self._level = folder, base, suffix, level
-
-    def path(self, key: Any) -> Path:
-        """File of a signature and processor."""
-        return self._folder / f"{self._base}.{hashlib.sha256(repr(key).encode()).hexdigest()[:16]}.{self._suffix}"
-
-    def load(self, key: Any) -> Any:
-        """Machine code of a signature; None where no file of it can be used."""
-        path = self.path(key)
-        content = read_own(path)
-        if content is None:
-            return None
-        if hashlib.sha256(content[_HASH:]).digest() == content[:_HASH]:
-            with suppress(Exception):  # written by another version in some way
-                known, data = pickle.loads(content[_HASH:])  # noqa: S301  of this user, and whole
-                if repr(known) == repr(key):
-                    return data
-        _LOG.log(self._level, "%s: damaged, compiled again", path)
-        return None
-
-    def save(self, key: Any, data: Any) -> None:
-        """Save the machine code of a signature, if there is room."""
-        content = _CACHING.dumps((key, data))
-        path = self.path(key)
-        try:
-            write_whole(path, hashlib.sha256(content).digest() + content, PRIVATE)
-        except OSError as error:
-            _LOG.warning("%s: compiled, but not kept: %s", path, error.strerror or error)
+def _files(folder: Path, base: str, suffix: str) -> CheckedFiles:
+    return CheckedFiles(folder, base, suffix, dumps=_CACHING.dumps)
 
 
 class _Cache(_CACHING.FunctionCache):  # type: ignore[misc]
@@ -130,7 +71,7 @@ class _Cache(_CACHING.FunctionCache):  # type: ignore[misc]
 
     def __init__(self, function: Any, before_compilation: Callable[[], None]) -> None:
         super().__init__(function)
-        self._cache_file = CheckedFiles(Path(self._cache_path), self._impl.filename_base)
+        self._cache_file = _files(Path(self._cache_path), self._impl.filename_base, "machine_code")
         self._before_compilation = before_compilation
 
     def load_overload(self, sig: Any, target_context: Any) -> Any:
@@ -181,7 +122,7 @@ class _KeptPart(_CACHING.NullCache):  # type: ignore[misc]
     def _files(self) -> CheckedFiles:
         module = self._function.__module__
         base = f"part_{module}.{self._function.__name__}_{self._fingerprint(module)}"
-        return CheckedFiles(self._folder, base, "bitcode")
+        return _files(self._folder, base, "bitcode")
 
 
 def _is_shared(argument_types: Any) -> bool:

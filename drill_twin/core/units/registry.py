@@ -5,12 +5,18 @@ pint does the algebra. Its own registry of a thousand units takes 0.2 s to load;
 and laboratories, with the angle as a dimension: `2 Hz` is then not mistaken for a speed of rotation.
 """
 
+import atexit
+import logging
 import re
+from contextlib import suppress
 from functools import cache
+from importlib.metadata import version
+from pathlib import Path
 from tokenize import TokenError
 from typing import TYPE_CHECKING
 
-from drill_twin.core.errors import SceneError
+from drill_twin.core.errors import RunError, SceneError
+from drill_twin.core.files.kept_files import CheckedFiles, permanent_folder
 
 if TYPE_CHECKING:
     import pint
@@ -79,6 +85,8 @@ Dimensionality = tuple[tuple[str, float], ...]
 """Base dimensions and their powers, sorted; empty for a number."""
 
 _LONGEST_UNIT = 40
+_MOST_KEPT = 1000
+"""Unit texts that are kept on disk; scenes, records and schema have some 300."""
 _UNIT = re.compile(r"(?:\s*(?:1\s*)?/)?(?:[A-Za-zµμ%°()·*/\s]|(?<=[A-Za-zµμ%)])\^\(?-?\d(?:\.\d{1,2})?(?![\d.]))*")
 _POWER = re.compile(r"(?<=[A-Za-z])(?=[23](?![\d.]))")
 """Place of the sign of a power in `cm3`."""
@@ -106,8 +114,28 @@ def registry() -> "pint.UnitRegistry[float]":
 
 
 @cache
+def _kept() -> dict[str, tuple[float, Dimensionality]]:
+    """Factors that pint found in earlier processes, by unit text; what this process adds is kept at its end."""
+    with suppress(RunError):  # a folder that cannot be used is refused where kernels are kept
+        if folder := permanent_folder():
+            key = (DEFINITIONS, version("pint"), Path(__file__).read_bytes())
+            file = CheckedFiles(folder, "units", "factors", level=logging.DEBUG)
+            found: dict[str, tuple[float, Dimensionality]] = file.load(key) or {}
+            before = len(found)
+            atexit.register(lambda: file.save(key, found) if before < len(found) <= _MOST_KEPT else None)
+            return found
+    return {}
+
+
 def si_factor(unit: str) -> tuple[float, Dimensionality]:
     """SI factor and dimensionality of a unit text; raises UnitError if there is no such unit."""
+    known = _kept()
+    if unit not in known:
+        known[unit] = _si_factor(unit)
+    return known[unit]
+
+
+def _si_factor(unit: str) -> tuple[float, Dimensionality]:
     if course := _COURSE.fullmatch(unit.strip()):
         factor, dimensionality = si_factor(f"{course[1]}/{course[3]}")
         return tidy(factor / float(course[2])), dimensionality

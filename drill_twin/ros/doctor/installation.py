@@ -118,7 +118,7 @@ def _package(name: str) -> Check:
 
 def _kernel_cache() -> Iterator[Check]:
     try:
-        from drill_twin.core.compile.kernel_cache import permanent_folder
+        from drill_twin.core.files.kept_files import permanent_folder
 
         folder = permanent_folder()
     except (ImportError, DrillTwinError) as error:

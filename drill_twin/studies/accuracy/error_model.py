@@ -20,9 +20,8 @@ from pydantic import Field, TypeAdapter
 
 from drill_twin.core import __version__
 from drill_twin.core.arrays import number_or_none
-from drill_twin.core.compile.kernel_cache import cache_folder, cached_file
-from drill_twin.core.compile.object_cache import read_own
 from drill_twin.core.files.json_files import LARGEST_TEXT
+from drill_twin.core.files.kept_files import cache_folder, cached_file, read_own
 from drill_twin.core.files.output import PRIVATE, write_whole
 from drill_twin.scene import Scene
 from drill_twin.scene.paths import config_dir

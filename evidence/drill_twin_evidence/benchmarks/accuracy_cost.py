@@ -60,7 +60,7 @@ def run(scene: str, accuracy: str, changes: dict[str, str]) -> dict[str, Any]:
 
 def expected_against_used() -> Iterator[tuple[str, Any]]:
     """Names of the runs and functions that make them, in order."""
-    from drill_twin.core.compile.kernel_cache import cache_folder
+    from drill_twin.core.files.kept_files import cache_folder
     from drill_twin.studies.accuracy.error_model import FOLDER
 
     for scene, changes in SCENES.items():

@@ -81,7 +81,7 @@ def test_a_part_is_shared_made_again_and_never_stale(package):
     said, lines = use(package, 3)
     assert said == "9.0 total probe"
     assert len(lines) == 1
-    assert re.search(r"bitcode: damaged, compiled again$", lines[0])
+    assert re.search(r"bitcode: damaged, made again$", lines[0])
 
     part.chmod(0o666)
     said, lines = use(package, 8)

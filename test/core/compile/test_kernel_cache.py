@@ -15,10 +15,10 @@ import numpy as np
 import pytest
 from variants import one_of
 
-from drill_twin.core.compile import kernel_cache
-from drill_twin.core.compile import object_cache as machine_code
-from drill_twin.core.compile.kernel_cache import cache_folder, load_generated
+from drill_twin.core.compile.kernel_cache import load_generated
 from drill_twin.core.errors import RunError
+from drill_twin.core.files import kept_files
+from drill_twin.core.files.kept_files import cache_folder
 from drill_twin.studies.accuracy import error_model
 from drill_twin.studies.accuracy.error_model import ErrorModel, load_model, save_model
 
@@ -104,7 +104,7 @@ def test_a_damaged_cache_is_made_again_with_one_line(damage, folder):
     said, lines = use(folder)
     assert said == "6.0 compiled"
     assert len(lines) == 1
-    assert re.search(r"machine_code: damaged, compiled again$", lines[0])
+    assert re.search(r"machine_code: damaged, made again$", lines[0])
     assert use(folder) == ("6.0 hit", [])
 
 
@@ -122,7 +122,7 @@ def test_a_full_disk(tmp_path):
     said, lines = use(tmp_path / "kernels", "limited")
     assert said == "6.0 compiled"
     assert len(lines) == 1
-    assert "compiled, but not kept: File too large" in lines[0]
+    assert "made, but not kept: File too large" in lines[0]
     assert not list((tmp_path / "kernels").glob("*.part"))
     assert use(tmp_path / "kernels") == ("6.0 compiled", [])
 
@@ -156,7 +156,7 @@ def test_what_another_user_made_is_refused(folder, monkeypatch, tmp_path):
     (tmp_path / "home" / "drill_twin").mkdir(parents=True)
     os.chown(tmp_path / "home" / "drill_twin", 12345, -1)
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "home"))
-    assert kernel_cache.cache_folder().stat().st_uid == 0
+    assert cache_folder().stat().st_uid == 0
 
 
 GOOD_MODEL = {
@@ -194,7 +194,7 @@ def test_a_damaged_error_model_counts_as_none(content, bench_scene, monkeypatch,
     save_model(ErrorModel(key, None, 1.0, 8, 0.01, "reached", ()))
     file.chmod(0o666)
     assert load_model(bench_scene) is None
-    assert machine_code.read_own(file) is None
+    assert kept_files.read_own(file) is None
 
 
 def test_an_error_model_is_read_as_it_was_written(tmp_path):
