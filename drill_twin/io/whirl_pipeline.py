@@ -55,6 +55,7 @@ class WhirlPipeline:
         marks: Sequence[str] = (),
         infos: Sequence[MarkInfo] = (),
         sub: str = "",
+        run: int = 0,
     ) -> None:
         """Start the analysis, or wait for a scene if neither `scene` nor `infos` is given.
 
@@ -65,6 +66,7 @@ class WhirlPipeline:
             infos: The marks themselves, for a stream without a scene.
             sub: Name of a downhole sub whose readings are analysed instead of the marks, `measured/NAME` for a sub of a
                 real rig.
+            run: Number of the run, from 1, at whose end the analysis ends; later runs are only counted. 0: the last.
 
         Raises:
             AnalysisError: `marks` has a name that `scene` or `infos` has not, or `scene` does not list `sub`.
@@ -75,7 +77,7 @@ class WhirlPipeline:
         self.trouble = ""
         self._given = scene
         self._infos = () if sub else tuple(infos)
-        self._selected = tuple(marks)
+        self._selected, self._run = tuple(marks), run
         self._without_rig, self._without_marks = RIG_STATE in lacks, MARKS_STATE in lacks
         self._sub, self._readings = sub, readings_topic(sub) if sub else ""
         self.bit_only = BitOnlyAnalyzer() if self._without_marks and not sub else None
@@ -88,6 +90,11 @@ class WhirlPipeline:
         self._clear()
         if scene is not None or self._infos:
             self._start_run(scene)
+
+    @property
+    def over(self) -> bool:
+        """True once the run whose findings are wanted has ended."""
+        return 0 < self._run < self.runs
 
     @property
     def unpaired(self) -> int:
@@ -161,7 +168,12 @@ class WhirlPipeline:
             The findings of each; None where they must be taken one by one.
         """
         analyzer = self._analyzer
-        if not isinstance(analyzer, Analyzer) or self._pairing.waits or samples.spin.shape[1] != len(self.marks):
+        if (
+            not isinstance(analyzer, Analyzer)
+            or self.over
+            or self._pairing.waits
+            or samples.spin.shape[1] != len(self.marks)
+        ):
             return None
         fast = any((np.abs(speed) > FASTEST).any() for speed in (samples.top_speed, samples.bit_speed))
         if fast or stamps[0] <= self._order.latest or not all(map(operator.lt, stamps, stamps[1:])):
@@ -221,6 +233,10 @@ class WhirlPipeline:
         return messages
 
     def _start_run(self, scene: Scene | None) -> list[Message]:
+        self.runs += 1
+        self._order = SampleOrder[Sample | ImuReading]()
+        if self.over:
+            return []
         if self._sub and scene is not None:
             self._analyzer = sub_analyzer(scene, self._sub)
             self.marks = (self._analyzer.mark,)
@@ -231,9 +247,7 @@ class WhirlPipeline:
             self._analyzer = None if self.bit_only is not None else Analyzer(self.marks)
         self._encoder = FindingsEncoder(self.marks)
         self._mark_reader = MarkReader([mark.name for mark in self.marks])
-        self._order = SampleOrder[Sample | ImuReading]()
         self.scene, self.findings, self.trouble = scene, None, ""
-        self.runs += 1
         return [self._encoder.no_onset()]
 
     def _clear(self) -> None:
@@ -257,6 +271,8 @@ class WhirlPipeline:
 
     def _on_rig(self, state: JointState) -> list[Message]:
         found = rig_of(state)
+        if self.bit_only is not None and self.over:
+            return []
         if self.bit_only is not None:
             changed, bit = self.bit_only.push(state.stamp, found.top_speed, found.bit_speed), self.bit_only.bit
             motion = [FindingsEncoder.bit_only(state.stamp, bit)] if changed else []
@@ -271,7 +287,9 @@ class WhirlPipeline:
             self._before_scene.append(sample)
             return
         frame, rig = FRAME_ID, None
-        if isinstance(sample, Sample) and isinstance(analyzer, Analyzer):
+        if self.over:
+            pass
+        elif isinstance(sample, Sample) and isinstance(analyzer, Analyzer):
             position, spin, force = self._mark_reader.read(sample.marks)
             rig, known_spin = sample.rig, self._known_spin(spin)
             self.findings = analyzer.push(sample.stamp, position, known_spin, rig.top_speed, force, rig.bit_speed)
@@ -280,7 +298,8 @@ class WhirlPipeline:
             self.findings = analyzer.push(sample.stamp, sample.values)
         if self.findings is None:
             return
-        yield from self._encoder.messages(self.findings, frame, rig)
+        if not self.over:
+            yield from self._encoder.messages(self.findings, frame, rig)
         if behind := self._order.note(sample):
             yield from self._start_run(self.scene)
             for again in behind:

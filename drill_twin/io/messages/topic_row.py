@@ -14,6 +14,7 @@ FLOAT64 = "std_msgs/msg/Float64"
 STRING = "std_msgs/msg/String"
 CLOCK = "rosgraph_msgs/msg/Clock"
 TIME_REFERENCE = "sensor_msgs/msg/TimeReference"
+TF_TYPE = "tf2_msgs/msg/TFMessage"
 
 
 @dataclass(frozen=True)

@@ -15,6 +15,7 @@ from drill_twin.io.messages.topic_row import (
     MARKER_ARRAY,
     POSE_ARRAY,
     STRING,
+    TF_TYPE,
     TIME_REFERENCE,
     Topic,
 )
@@ -50,6 +51,7 @@ TWIN_SUMMARY = "/twin/summary"
 REALTIME_FACTOR = "/twin/realtime_factor"
 DIAGNOSTICS = "/diagnostics"
 CLOCK_TOPIC = "/clock"
+TF, TF_STATIC = "/tf", "/tf_static"
 
 _FULL_RATE = "every frame (100-200 Hz)"
 
@@ -248,20 +250,27 @@ OF_SUBS = (
     Topic(f"{MEASURED}/downhole/{_SUB}/summary", JOINT_STATE, _OF_A_RIG, "as sent up", _SUMMARY_MEANING, optional=True),
 )
 """Topics of downhole subs, with SUB for the name of the sub."""
+OF_TF = {
+    TF: Topic(TF, TF_TYPE, "simulator", "20-30 Hz", "frames of the string", depth=100, optional=True),
+    TF_STATIC: Topic(TF_STATIC, TF_TYPE, "simulator", "once", "frame of the hole", True, 100, optional=True),
+}
+"""Topics of frames, where the package tf2_msgs is installed; a bag may hold frames of any node."""
 _NAMED = re.compile(r"(?:/measured)?/downhole/([A-Za-z][A-Za-z0-9_]{0,59})/(?:imu|summary)")
 
 
 class _Contract(dict[str, Topic]):
-    """Topics by name. Topics of subs are found by name too, but not listed."""
+    """Topics by name. Topics of subs and frames are found by name too, but not listed."""
 
     def __missing__(self, name: str) -> Topic:
+        if name in OF_TF:
+            return OF_TF[name]
         if not (sub := sub_of(name)):
             raise KeyError(name)
         rows = {row.name.replace(_SUB, sub): row for row in OF_SUBS}
         return replace(rows[name], name=name)
 
     def __contains__(self, name: object) -> bool:
-        return super().__contains__(name) or (isinstance(name, str) and bool(sub_of(name)))
+        return super().__contains__(name) or name in OF_TF or (isinstance(name, str) and bool(sub_of(name)))
 
 
 def sub_of(topic: str) -> str:
@@ -281,10 +290,10 @@ def summary_topic(sub: str) -> str:
 
 
 TOPICS: dict[str, Topic] = _Contract({row.name: row for row in _ROWS})
-"""Topics of the contract by name; topics of subs (`OF_SUBS`) are found, not listed."""
+"""Topics of the contract by name; topics of subs (`OF_SUBS`) and frames (`OF_TF`) are found, not listed."""
 
 OF_EVERY_RUN = tuple(name for name, topic in TOPICS.items() if not topic.optional)
 """Topics that each run has."""
 
-GENERIC = frozenset({DIAGNOSTICS, CLOCK_TOPIC})
+GENERIC = frozenset({DIAGNOSTICS, CLOCK_TOPIC, *OF_TF})
 """Topics of any ROS system; a bag with no other topics is not of this package."""

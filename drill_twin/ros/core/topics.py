@@ -8,6 +8,7 @@ import importlib
 import inspect
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
+from importlib.util import find_spec
 from typing import Any
 
 from rclpy.exceptions import InvalidParameterTypeException
@@ -20,12 +21,12 @@ from rclpy.subscription import Subscription
 from drill_twin.core.errors import MessageError
 from drill_twin.io.messages.readers import reader_of
 from drill_twin.io.messages.topic_row import Topic
-from drill_twin.io.messages.topics import CLOCK_TOPIC, DIAGNOSTICS, RPS_COMMAND, TOPICS, TWIN_SCENE, WOB_COMMAND
+from drill_twin.io.messages.topics import CLOCK_TOPIC, DIAGNOSTICS, RPS_COMMAND, TF, TOPICS, TWIN_SCENE, WOB_COMMAND
 from drill_twin.ros.core.graph import UNKNOWN_NAME, full_name, unmet
 from drill_twin.ros.core.parameters import ParameterError, given_parameters
 from drill_twin.ros.core.queues import DropCounter, SceneGate
 
-_SEVERAL_PUBLISHERS = (DIAGNOSTICS, WOB_COMMAND, RPS_COMMAND)  # their sequence numbers cannot be told apart
+_SEVERAL_PUBLISHERS = (DIAGNOSTICS, WOB_COMMAND, RPS_COMMAND, TF)  # their sequence numbers cannot be told apart
 _QOS_OVERRIDES = "qos_overrides."
 _OVERRIDABLE = QoSOverridingOptions(
     (QoSPolicyKind.HISTORY, QoSPolicyKind.DEPTH, QoSPolicyKind.RELIABILITY, QoSPolicyKind.DURABILITY)
@@ -52,6 +53,11 @@ def message_class(topic: Topic) -> Any:
     """Message class of a topic in rclpy, which has no common base class."""
     package, _, name = topic.type_name.split("/")
     return getattr(importlib.import_module(f"{package}.msg"), name)
+
+
+def installed(topic: str) -> bool:
+    """True where the package of a topic's messages is installed; the wheels lack tf2_msgs."""
+    return find_spec(TOPICS[topic].type_name.partition("/")[0]) is not None
 
 
 def quality(topic: Topic, *, depth: int = 0, latched: bool | None = None) -> QoSProfile:
@@ -151,6 +157,11 @@ class NodeTopics:
         """Pass on the scenes that wait, if their turn has come."""
         for gate in self._gates:
             gate.work()
+
+    @property
+    def scene_waits(self) -> bool:
+        """True while a scene waits for its turn."""
+        return any(gate.waits for gate in self._gates)
 
     @property
     def scenes_put_off(self) -> int:

@@ -17,6 +17,7 @@ from drill_twin.core.arrays import Array
 from drill_twin.dynamics.twin.frame import Frame
 from drill_twin.io.messages.cdr import Template, sentinel_header, sentinels
 from drill_twin.io.messages.drawing.geometry import ExaggeratedGeometry, StringGeometry
+from drill_twin.io.messages.topic_row import TF_TYPE
 from drill_twin.io.messages.topics import FRAME_ID
 from drill_twin.io.messages.type_store import message
 
@@ -62,7 +63,6 @@ def tangent_of(quaternions: Array) -> Array:
     return np.stack((2.0 * (x * z + w * y), 2.0 * (y * z - w * x), 1.0 - 2.0 * (x * x + y * y)), axis=-1)
 
 
-TF_TYPE = "tf2_msgs/msg/TFMessage"
 MAP = "map"
 """Parent of `hole`: origin at the top clamp, z plumb up, x so that the hole is inclined in the plane of x and z."""
 BIT = "bit"
