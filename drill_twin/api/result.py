@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 
 
 class Result(Plots):
-    """Arrays, findings and figures of a run; of a bag with several runs, the last.
+    """Arrays, findings and figures of a run; of a bag with several runs, the last or the chosen one.
 
     Everything is read on first use. T samples, m marks in the order of the scene, n + 1 nodes from the bit (0) to the
     top clamp (n). Positions are in the frame `hole`: origin at the top clamp, z up along the hole, x to the low side.

@@ -91,7 +91,7 @@ def test_a_policy_allows_what_the_running_node_does_and_no_more(bench, small_bag
     # counts stress where it asks for fatigue.
     absent = {
         "gateway": {RIG_COMMAND, MEASURED_RIG_STATE},
-        "replayer": set(TOPICS) - set(OF_EVERY_RUN),
+        "replayer": {*TOPICS, *OF_TF} - set(OF_EVERY_RUN),
         "simulator": {STRING_STRESS, SURFACE_STATE},
     }
     followed = {RIG_STATE} if node == "estimator" else set()  # where its topic is mapped so, as by the launch file

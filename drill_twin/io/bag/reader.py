@@ -120,7 +120,7 @@ def recorded_names(
             raise BagError(f"{where}: expected the topic {name} to read as {wanted}, found {', '.join(sorted(topics))}")
         present = namespace + wanted
         if present in topics and topics[present].count and present not in remappings:
-            raise BagError(f"{where}: expected no topic {present} beside {name} that is to be read as it, found one")
+            raise BagError(f"{where}: expected no topic {present} beside {name}, which is to be read so, found both")
     inside = {name.removeprefix(namespace): name for name in topics if name.startswith(namespace)}
     own = {known: name for known, name in inside.items() if known in TOPICS}
     others = {name: name for name in topics if name not in TOPICS and name not in own.values()}
@@ -227,7 +227,7 @@ class Bag:
                 if recorded == self._unchecked:
                     self._unchecked = ""
                     if _OLD_JOINT in raw:
-                        raise self._too_old(f"no joint bit_torque on {RIG_STATE}, found one")
+                        raise self._too_old(f"no joint bit_torque on {RIG_STATE}, found this joint")
                 if recorded != DIAGNOSTICS or not is_of_another_twin(raw, self.namespace):
                     yield ours[recorded], stamp, raw
 

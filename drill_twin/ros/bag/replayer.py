@@ -166,8 +166,8 @@ class Replayer(TwinNode):
         chosen = [name for name in chosen if name not in missing]
         if not chosen:
             raise ParameterError(
-                f"parameters topics and leave_out: expected topics that the bag holds, {', '.join(held)}, found none "
-                f"of them chosen by topics {' '.join(wanted) or '(all)'} without {' '.join(unwanted) or 'none'}"
+                f"parameters topics and leave_out: expected them to leave a topic of the bag, {', '.join(held)}, "
+                f'found topics "{" ".join(wanted)}" and leave_out "{" ".join(unwanted)}"'
             )
         return chosen
 
