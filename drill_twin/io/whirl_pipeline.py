@@ -38,12 +38,9 @@ class WhirlPipeline:
     downhole `sub`, whirl and stick-slip of the sub's section are found.
 
     Attributes:
-        scene: The scene of the marks; None until it is known.
-        findings: The latest findings; None before the first sample.
-        malformed: Number of messages that could not be used.
-        trouble: The last error, as text; empty without one.
-        runs: Number of runs so far.
-        marks: The marks that are analysed.
+        scene, findings: The scene of the marks and the latest findings; None until there are any.
+        malformed: Number of messages that could not be used; `trouble` is the last error, as text.
+        runs, marks: Number of runs so far, and the marks that are analysed.
         bit_only: Analysis of the bit where the scene or the stream has no marks; else None.
     """
 
@@ -125,20 +122,12 @@ class WhirlPipeline:
         """Analysis of the section of a sub; None where marks are analysed."""
         return self._analyzer if isinstance(self._analyzer, SubAnalyzer) else None
 
-    @property
-    def onset_announced(self) -> bool:
-        """True once an onset has been found and encoded."""
-        return self._encoder is not None and self._encoder.onset_announced
-
     def start(self) -> list[Message]:
         """Messages to publish before the first sample, if the scene or the marks were given."""
         return [] if self._encoder is None else [self._encoder.no_onset()]
 
     def take(self, topic: str, raw: bytes) -> list[Message]:
-        """Process one message and return the messages that follow from it.
-
-        Errors in its content are not raised, but counted as `malformed` and described in `trouble`.
-        """
+        """Process one message and return the messages that follow; an error in it is counted, not raised."""
         try:
             if self._sub and topic == self._readings:
                 return list(self._analyse(read_imu(raw)))
@@ -218,8 +207,6 @@ class WhirlPipeline:
             )
         return self._analyzer.summary()
 
-    # --- runs -----------------------------------------------------------------------------------------------------
-
     def _on_scene(self, text: str) -> list[Message]:
         if (scene := self._texts.new_scene(text)) is None:
             return []
@@ -233,9 +220,9 @@ class WhirlPipeline:
         return messages
 
     def _start_run(self, scene: Scene | None) -> list[Message]:
-        self.runs += 1
-        self._order = SampleOrder[Sample | ImuReading]()
-        if self.over:
+        if 0 < self._run <= self.runs:
+            self.runs += 1
+            self._order = SampleOrder[Sample | ImuReading]()
             return []
         if self._sub and scene is not None:
             self._analyzer = sub_analyzer(scene, self._sub)
@@ -247,7 +234,9 @@ class WhirlPipeline:
             self._analyzer = None if self.bit_only is not None else Analyzer(self.marks)
         self._encoder = FindingsEncoder(self.marks)
         self._mark_reader = MarkReader([mark.name for mark in self.marks])
+        self._order = SampleOrder[Sample | ImuReading]()
         self.scene, self.findings, self.trouble = scene, None, ""
+        self.runs += 1
         return [self._encoder.no_onset()]
 
     def _clear(self) -> None:
@@ -256,8 +245,6 @@ class WhirlPipeline:
         self._read_marks, self._read_rig = JointStateReader().read, JointStateReader().read
         self._pairing.clear()
         self._before_scene: deque[Sample | ImuReading] = deque(maxlen=WAITING)
-
-    # --- samples --------------------------------------------------------------------------------------------------
 
     def _on_marks(self, state: JointState) -> list[Message]:
         if self.bit_only is not None:
@@ -271,9 +258,9 @@ class WhirlPipeline:
 
     def _on_rig(self, state: JointState) -> list[Message]:
         found = rig_of(state)
-        if self.bit_only is not None and self.over:
-            return []
         if self.bit_only is not None:
+            if self.over:
+                return []
             changed, bit = self.bit_only.push(state.stamp, found.top_speed, found.bit_speed), self.bit_only.bit
             motion = [FindingsEncoder.bit_only(state.stamp, bit)] if changed else []
             return motion + ([] if self._encoder is None else self._encoder.bit_summary(state.stamp, bit, found))

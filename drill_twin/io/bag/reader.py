@@ -143,14 +143,13 @@ class Bag:
         path: Bag folder or file.
         topics: Topics by name; topics of a twin in a namespace have their names without the namespace.
         namespace: Namespace of the twin, as "/rig2"; "" for the root.
-        start: Earliest time of recording [ns].
-        end: Latest time of recording [ns].
+        origin: Time from which header stamps are counted [ns]; 0: as recorded.
+        start, end: Earliest and latest time of recording [ns].
         damage: Sentences on missing or damaged parts; the rest of the bag can be read.
     """
 
     namespace = ""
-    origin = 0
-    """Time from which header stamps are counted [ns]; 0: as recorded."""
+    origin = 0  # ns
     _unchecked = ""  # name of the rig states whose first message has not been seen
 
     def __init__(
@@ -210,7 +209,7 @@ class Bag:
             yield topic, stamp, counted_from(raw, origin) if topic in stamped else raw
 
     def count_from_start(self) -> bool:
-        """Count stamps from the first, where stamps are dates; False where there is none."""
+        """Count stamps from the first, where they are dates; False without stamps."""
         self._stamped = {name for name, topic in self.topics.items() if topic.type_name in _STAMPED}
         first = [raw_header_stamp(raw) for _, _, raw in islice(self.recorded_messages(self._stamped), _FIRST)]
         stray = stray_stamps(first)
