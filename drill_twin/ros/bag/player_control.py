@@ -100,7 +100,7 @@ class PlayerControl:
         return self.resume() if self._head.paused else self.pause()
 
     def is_paused(self, _: Any) -> dict[str, Any]:
-        """Whether it rests."""
+        """State: paused or not."""
         return {"paused": self._head.paused}
 
     def play_next(self, _: Any) -> dict[str, Any]:
