@@ -36,7 +36,7 @@ setup(
     install_requires=[
         "lz4>=4.0.2",
         "matplotlib>=3.10.8",  # 3.6 lacks legends outside and titles that are read; up to 3.10.0, pyparsing 3.3 warns
-        "mcap>=1.6,<1.7",  # io/bag/mcap_writer.py uses private names of its Writer
+        "mcap>=1.6,<1.7",  # io/bag/file_writer.py uses private names of its Writer
         "numba>=0.63.1,<0.69",  # core/compile uses private names of it: evidence/docs/private_compiler.md
         "numpy>=1.26.4,<2.6",  # 1.26: what Ubuntu 24.04 gives ROS Jazzy; 2.6: what numba does not take yet
         "pint>=0.24.4",

@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 
 
 class Result(Plots):
-    """Arrays, findings and figures of a run; of a bag with several runs, the last.
+    """Arrays, findings and figures of a run; of a bag with several runs, the last or the chosen one.
 
     Everything is read on first use. T samples, m marks in the order of the scene, n + 1 nodes from the bit (0) to the
     top clamp (n). Positions are in the frame `hole`: origin at the top clamp, z up along the hole, x to the low side.
@@ -274,6 +274,7 @@ def read_bag(
     end: float = math.inf,
     namespace: str | None = None,
     sub: str = "",
+    run: int = 0,
 ) -> Result:
     """Open a bag, or the bag in the folder of a run, and analyse it.
 
@@ -284,12 +285,13 @@ def read_bag(
         end: Samples after this time are left out [s].
         namespace: Namespace of the twin, as "/rig2", where the bag holds several.
         sub: Downhole sub whose readings are analysed instead of the marks, `measured/NAME` for a sub of a real rig.
+        run: Number of the run, from 1, in a bag with several; 0: the last.
 
     Raises:
         BagError: Not a bag of this package, nothing in it that could be analysed, or several twins without a choice.
         TableError: The record cannot be read.
     """
-    selection = Selection(begin=begin, end=end, namespace=namespace, sub=sub)
+    selection = Selection(begin=begin, end=end, namespace=namespace, sub=sub, run=run)
     result = Result(open_bag(path, selection), scene, selection)
     _ = result.recording
     return result

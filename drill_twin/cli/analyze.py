@@ -67,6 +67,7 @@ def analyze(
         ),
     ] = None,
     units: options.UnitsOption = "",
+    run: options.RunOption = 0,
 ) -> None:
     """Find whirl in a bag, its onset, frequencies and motion states, and stick-slip of the bit.
 
@@ -91,7 +92,7 @@ def analyze(
         room = in_si("--clearance", clearance, LENGTH) if clearance else None
         rim = in_si("--rim", outer_radius, LENGTH) if outer_radius else 0.0
         names = parse_remappings(topics, "--remap")
-        selection = Selection(chosen, begin, end, names, namespace or None, room, rim, sub or "", units)
+        selection = Selection(chosen, begin, end, names, namespace or None, room, rim, sub or "", run, units)
         recording = _recording(bag, scene, selection)
         summary = summarise(recording)
         if states:
@@ -121,6 +122,7 @@ def report(
     namespace: options.NamespaceOption = "",
     states: StatesOption = False,
     units: options.UnitsOption = "",
+    run: options.RunOption = 0,
 ) -> None:
     """Draw the report of a bag: report.html, which needs no network, and its figures as PNG."""
     from drill_twin.report.selection import Selection
@@ -130,7 +132,7 @@ def report(
     if existing.exists() and not replace:
         raise BagError(f"{existing}: expected none yet, found one; choose another folder with --out, or --replace")
     with shown_progress("analysing the bag"):
-        selection = Selection(begin=begin, end=end, namespace=namespace or None, units=units)
+        selection = Selection(begin=begin, end=end, namespace=namespace or None, run=run, units=units)
         recording = _recording(bag, scene, selection)
     files = draw(recording, folder, states=states)
     figures = {name: str(path) for name, path in files.figures.items()}

@@ -108,6 +108,12 @@ NamespaceOption = Annotated[
 ]
 FromOption = Annotated[float, time_option("--from", "Leave out all samples before this time", shown=False)]
 ToOption = Annotated[float, time_option("--to", "Leave out all samples after this time", shown=False)]
+RunOption = Annotated[
+    int,
+    typer.Option(
+        "--run", metavar="N", help="Number of the run, in a bag with several.", min=0, show_default="the last"
+    ),
+]
 RemapOption = Annotated[
     list[str],
     typer.Option(

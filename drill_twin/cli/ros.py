@@ -65,6 +65,7 @@ def replay(
         list[str], typer.Option("--wait-for", metavar="NODE", help="Start when this node is ready; repeatable.")
     ] = [],  # noqa: B006
     loop: Annotated[bool, typer.Option("--loop", help="Start again at the end.")] = False,
+    offset: Annotated[float, time_option("--start-offset", "Begin this long after the start of the bag")] = 0.0,
     namespace: NamespaceOption = "",
 ) -> None:
     """Publish a bag again over DDS, with /clock, at any rate: the replayer node. Needs ROS 2 (rclpy).
@@ -75,7 +76,7 @@ def replay(
 
     given = {
         "bag": str(bag), "rate": rate, "loop": loop, "map": " ".join(names), "leave_out": " ".join(leave_out),
-        "wait_for": " ".join(wait_for), "twin": namespace,
+        "wait_for": " ".join(wait_for), "twin": namespace, "start_offset": offset,
     }  # fmt: skip
     arguments = [argument for name, value in given.items() for argument in ("-p", f"{name}:={dumps(value)}")]
     raise typer.Exit(start("replayer", ["--ros-args", *arguments]))

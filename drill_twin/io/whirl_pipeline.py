@@ -38,12 +38,9 @@ class WhirlPipeline:
     downhole `sub`, whirl and stick-slip of the sub's section are found.
 
     Attributes:
-        scene: The scene of the marks; None until it is known.
-        findings: The latest findings; None before the first sample.
-        malformed: Number of messages that could not be used.
-        trouble: The last error, as text; empty without one.
-        runs: Number of runs so far.
-        marks: The marks that are analysed.
+        scene, findings: The scene of the marks and the latest findings; None until there are any.
+        malformed: Number of messages that could not be used; `trouble` is the last error, as text.
+        runs, marks: Number of runs so far, and the marks that are analysed.
         bit_only: Analysis of the bit where the scene or the stream has no marks; else None.
     """
 
@@ -55,6 +52,7 @@ class WhirlPipeline:
         marks: Sequence[str] = (),
         infos: Sequence[MarkInfo] = (),
         sub: str = "",
+        run: int = 0,
     ) -> None:
         """Start the analysis, or wait for a scene if neither `scene` nor `infos` is given.
 
@@ -65,6 +63,7 @@ class WhirlPipeline:
             infos: The marks themselves, for a stream without a scene.
             sub: Name of a downhole sub whose readings are analysed instead of the marks, `measured/NAME` for a sub of a
                 real rig.
+            run: Number of the run, from 1, at whose end the analysis ends; later runs are only counted. 0: the last.
 
         Raises:
             AnalysisError: `marks` has a name that `scene` or `infos` has not, or `scene` does not list `sub`.
@@ -75,7 +74,7 @@ class WhirlPipeline:
         self.trouble = ""
         self._given = scene
         self._infos = () if sub else tuple(infos)
-        self._selected = tuple(marks)
+        self._selected, self._run = tuple(marks), run
         self._without_rig, self._without_marks = RIG_STATE in lacks, MARKS_STATE in lacks
         self._sub, self._readings = sub, readings_topic(sub) if sub else ""
         self.bit_only = BitOnlyAnalyzer() if self._without_marks and not sub else None
@@ -88,6 +87,11 @@ class WhirlPipeline:
         self._clear()
         if scene is not None or self._infos:
             self._start_run(scene)
+
+    @property
+    def over(self) -> bool:
+        """True once the run whose findings are wanted has ended."""
+        return 0 < self._run < self.runs
 
     @property
     def unpaired(self) -> int:
@@ -118,20 +122,12 @@ class WhirlPipeline:
         """Analysis of the section of a sub; None where marks are analysed."""
         return self._analyzer if isinstance(self._analyzer, SubAnalyzer) else None
 
-    @property
-    def onset_announced(self) -> bool:
-        """True once an onset has been found and encoded."""
-        return self._encoder is not None and self._encoder.onset_announced
-
     def start(self) -> list[Message]:
         """Messages to publish before the first sample, if the scene or the marks were given."""
         return [] if self._encoder is None else [self._encoder.no_onset()]
 
     def take(self, topic: str, raw: bytes) -> list[Message]:
-        """Process one message and return the messages that follow from it.
-
-        Errors in its content are not raised, but counted as `malformed` and described in `trouble`.
-        """
+        """Process one message and return the messages that follow; an error in it is counted, not raised."""
         try:
             if self._sub and topic == self._readings:
                 return list(self._analyse(read_imu(raw)))
@@ -161,7 +157,12 @@ class WhirlPipeline:
             The findings of each; None where they must be taken one by one.
         """
         analyzer = self._analyzer
-        if not isinstance(analyzer, Analyzer) or self._pairing.waits or samples.spin.shape[1] != len(self.marks):
+        if (
+            not isinstance(analyzer, Analyzer)
+            or self.over
+            or self._pairing.waits
+            or samples.spin.shape[1] != len(self.marks)
+        ):
             return None
         fast = any((np.abs(speed) > FASTEST).any() for speed in (samples.top_speed, samples.bit_speed))
         if fast or stamps[0] <= self._order.latest or not all(map(operator.lt, stamps, stamps[1:])):
@@ -206,8 +207,6 @@ class WhirlPipeline:
             )
         return self._analyzer.summary()
 
-    # --- runs -----------------------------------------------------------------------------------------------------
-
     def _on_scene(self, text: str) -> list[Message]:
         if (scene := self._texts.new_scene(text)) is None:
             return []
@@ -221,6 +220,10 @@ class WhirlPipeline:
         return messages
 
     def _start_run(self, scene: Scene | None) -> list[Message]:
+        if 0 < self._run <= self.runs:
+            self.runs += 1
+            self._order = SampleOrder[Sample | ImuReading]()
+            return []
         if self._sub and scene is not None:
             self._analyzer = sub_analyzer(scene, self._sub)
             self.marks = (self._analyzer.mark,)
@@ -243,8 +246,6 @@ class WhirlPipeline:
         self._pairing.clear()
         self._before_scene: deque[Sample | ImuReading] = deque(maxlen=WAITING)
 
-    # --- samples --------------------------------------------------------------------------------------------------
-
     def _on_marks(self, state: JointState) -> list[Message]:
         if self.bit_only is not None:
             return []
@@ -258,6 +259,8 @@ class WhirlPipeline:
     def _on_rig(self, state: JointState) -> list[Message]:
         found = rig_of(state)
         if self.bit_only is not None:
+            if self.over:
+                return []
             changed, bit = self.bit_only.push(state.stamp, found.top_speed, found.bit_speed), self.bit_only.bit
             motion = [FindingsEncoder.bit_only(state.stamp, bit)] if changed else []
             return motion + ([] if self._encoder is None else self._encoder.bit_summary(state.stamp, bit, found))
@@ -271,7 +274,9 @@ class WhirlPipeline:
             self._before_scene.append(sample)
             return
         frame, rig = FRAME_ID, None
-        if isinstance(sample, Sample) and isinstance(analyzer, Analyzer):
+        if self.over:
+            pass
+        elif isinstance(sample, Sample) and isinstance(analyzer, Analyzer):
             position, spin, force = self._mark_reader.read(sample.marks)
             rig, known_spin = sample.rig, self._known_spin(spin)
             self.findings = analyzer.push(sample.stamp, position, known_spin, rig.top_speed, force, rig.bit_speed)
@@ -281,7 +286,8 @@ class WhirlPipeline:
             frame = sample.frame_id.rpartition(self._sub.rpartition("/")[2])[0] + FRAME_ID  # with its prefix
         if self.findings is None:
             return
-        yield from self._encoder.messages(self.findings, frame, rig)
+        if not self.over:
+            yield from self._encoder.messages(self.findings, frame, rig)
         if behind := self._order.note(sample):
             yield from self._start_run(self.scene)
             for again in behind:

@@ -7,9 +7,9 @@ compared byte for byte.
 
 from __future__ import annotations
 
-from collections import deque
 from collections.abc import Callable, Collection
 from contextlib import suppress
+from itertools import islice
 from pathlib import Path
 
 import numpy as np
@@ -61,10 +61,11 @@ SHAPES = 600
 
 
 class Recording:
-    """A run read from a bag; where a bag holds several runs, the last one.
+    """A run read from a bag; where a bag holds several runs, the last one or the selected one.
 
     Attributes:
-        bag: The bag.
+        bag, path: The bag, and its path.
+        rotation_from_spin: Whether the rotation was taken from the spin of the marks, since the bag has no rig states.
         selection: The part of it that is analysed.
         marks: Positions and spins of the marks.
         rig: State of the rig.
@@ -78,7 +79,7 @@ class Recording:
         sub: Downhole sub whose readings are analysed instead of marks; empty without.
         summary: Findings of the analysis for the whole run.
         units: Units in which people read it: the selection's, else the scene's, else the record's, else `si`.
-        runs: Number of runs in the bag; the recording is of the last.
+        run, runs: Number of this run, from 1, and of runs in the bag.
         unpaired: Number of states of the marks or the rig without a partner of the same stamp.
     """
 
@@ -94,30 +95,36 @@ class Recording:
             BagError: The bag holds neither marks nor rig states, or marks but no scene.
             AnalysisError: The scene lacks a selected mark.
         """
-        self.bag = bag
-        self.selection = selection or Selection()
+        self.bag, self.path = bag, bag.path
+        chosen = self.selection = selection or Selection()
         self.log = RunLog()
         self.skipped = SkippedMessages()
         infos = marks_without_scene(bag, self.selection) if scene is None else ()
         self._missing = missing_topics(bag)
+        self.rotation_from_spin = RIG_STATE in self._missing
         self.sub = self.selection.sub or (sub_without_marks(bag) if MARKS_STATE in self._missing else "")
         self._sub_topic = readings_topic(self.sub) if self.sub else ""
         self._pipeline = WhirlPipeline(
-            scene, lacks=self._missing, marks=self.selection.marks, infos=infos, sub=self.sub
+            scene, lacks=self._missing, marks=chosen.marks, infos=infos, sub=self.sub, run=chosen.run
         )
         self._pipeline.start()
         self._messages = SelectedMessages(bag, self.selection, {self._sub_topic} if self.sub else set())
+        self._poses_before = 0  # poses of the string in earlier runs
         self._reset()
         for batch in self._messages.batches(tuple(self._readers), self.skipped):
             taken = self._take_rows(batch)  # many at once where they are as drill_twin records them
             for topic, raw, time in batch:
                 if topic not in taken:
                     self._take_message(topic, raw, time)
+        self.runs = max(1, self._pipeline.runs)
+        self.run = self.selection.run or self.runs
+        if self.run > self.runs:
+            raise BagError(f"--run: expected a run of {self.path}, 1 to {self.runs}, found {self.run}")
         self._skip_other_layouts()
         self.summary: Summary = self._checked_summary()
         own = self.scene.unit_system.name if self.scene_known else bag.units if isinstance(bag, RecordBag) else "si"
         self.units = unit_system(self.selection.units or own)
-        self.runs, self.unpaired = max(1, self._pipeline.runs), self._pipeline.unpaired
+        self.unpaired = self._pipeline.unpaired
 
     def _reset(self) -> None:
         """Begin a new run."""
@@ -170,7 +177,10 @@ class Recording:
     def _take_message(self, topic: str, raw: bytes, time: float) -> None:
         runs, malformed, reason = self._pipeline.runs, self._pipeline.malformed, ""
         messages = self._pipeline.take(topic, raw)
+        if self._pipeline.over:
+            return
         if self._pipeline.runs > max(runs, 1):
+            self._poses_before += self.poses.seen
             self._reset()
         if self._pipeline.malformed > malformed:
             reason = self._pipeline.trouble
@@ -215,11 +225,6 @@ class Recording:
         return summary
 
     @property
-    def path(self) -> Path:
-        """Path of the bag."""
-        return self.bag.path
-
-    @property
     def scene(self) -> Scene:
         """Scene of the run.
 
@@ -252,11 +257,6 @@ class Recording:
         return self._pipeline.findings
 
     @property
-    def rotation_from_spin(self) -> bool:
-        """True where the rotation was taken from the spin of the marks, since the bag has no rig states."""
-        return RIG_STATE in self._missing
-
-    @property
     def duration(self) -> float:
         """Simulated time of the last sample [s]."""
         if self._pipeline.bit_only is not None:
@@ -272,7 +272,7 @@ class Recording:
         """Poses of the string's nodes at all samples of the run, read from the bag again."""
         series = PoseSeries()
         messages = (raw for _, raw, _ in self._messages.read((STRING_POSES,), SkippedMessages()))
-        for raw in deque(messages, maxlen=self.poses.seen):  # the last of several runs
+        for raw in islice(messages, self._poses_before, self._poses_before + self.poses.seen):
             with suppress(MessageError):  # counted already
                 series.add_message(raw)
         return series

@@ -10,11 +10,11 @@ import math
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from drill_twin.core.errors import BagError, MessageError
-from drill_twin.io.bag.reader import Bag
+from drill_twin.io.bag.reader import DATED, Bag
 from drill_twin.io.bag.reading.files import bag_path
 from drill_twin.io.bag.skipped import SkippedMessages, stray_stamps
 from drill_twin.io.bag.virtual_bags import RecordBag, is_record
@@ -57,6 +57,8 @@ class Selection:
     sub: str = ""
     """Downhole sub whose readings are analysed instead of the marks; empty: the one with most readings in a bag without
     marks."""
+    run: int = 0
+    """Number of the run in a bag with several, from 1; 0: the last."""
     units: str = ""
     """Units that people read (`drill_twin.core.units.system`); empty: the scene's."""
 
@@ -74,6 +76,19 @@ class Selection:
         """True if all marks and times are analysed, as by the live analyzer."""
         return not self.marks and self.begin == -math.inf and self.end == math.inf
 
+    @property
+    def window(self) -> tuple[float, float] | None:
+        """Start and end [s]; None where all times are selected."""
+        ends = self.begin, self.end
+        return ends if any(map(math.isfinite, ends)) else None
+
+    def counted_from(self, origin: int) -> Selection:
+        """The selection with times from the start of the record [ns], where they are given as dates."""
+        if not origin:
+            return self
+        begin, end = (at - seconds(origin) if at >= DATED else at for at in (self.begin, self.end))
+        return replace(self, begin=begin, end=end)
+
     def holds(self, stamp: int) -> bool:
         """True if a header stamp [ns] is within the selected time."""
         return self.begin <= stamp * 1e-9 <= self.end
@@ -88,11 +103,16 @@ def open_bag(path: str | Path, selection: Selection) -> Bag:
     """
     path = bag_path(path)
     if is_record(path):
-        return RecordBag(path)
-    window = (
-        (selection.begin, selection.end) if math.isfinite(selection.begin) or math.isfinite(selection.end) else None
-    )
-    return Bag(path, names=selection.topics, namespace=selection.namespace, window=window)
+        record = RecordBag(path)
+        record.count_from_start()
+        return record
+    names, namespace = selection.topics, selection.namespace
+    bag = Bag(path, names=names, namespace=namespace, window=selection.window)
+    found = bag.count_from_start()
+    if selection.window is not None and (bag.origin or not found):  # the window may be counted from the first stamp
+        bag = Bag(path, names=names, namespace=namespace)
+        bag.count_from_start()
+    return bag
 
 
 def missing_topics(bag: Bag) -> list[str]:
@@ -148,7 +168,8 @@ class SelectedMessages:
             selection: The part of it that is read.
             with_header: Topics whose messages begin with a header, besides the contract's topics.
         """
-        self._bag, self._selection = bag, selection
+        self._bag, selection = bag, selection.counted_from(bag.origin)
+        self._selection = selection
         self._with_header = _WITH_HEADER | with_header
         stamps: dict[str, list[int]] = {}
         for topic, _, raw in bag.messages(self._with_header):

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import asdict
+from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +14,7 @@ import numpy as np
 from drill_twin.core.files.plain_json import plain
 from drill_twin.dynamics.twin.frame import COUNTS
 from drill_twin.io.bag.reader import Bag
+from drill_twin.io.messages.stamps import seconds
 from drill_twin.report.quantities import applied, fatigue, loads, precession, settled_from, soft_wall, wall_depth
 from drill_twin.report.recording import Recording, read_recording
 from drill_twin.report.severity import severity
@@ -37,8 +39,10 @@ def summarise(bag: Recording | Bag | str | Path) -> dict[str, Any]:
         bag: A recording, an open bag, or the path of one.
 
     Returns:
-        By key; times in simulated seconds:
+        By key; times in simulated seconds, or in seconds from `start_utc`:
 
+        * `run`, `runs`: number of the run, and of runs in the bag. `start_utc`: date of time 0 where the stamps of the
+          bag are dates, else None.
         * `onset_s`, `onset_mark`, `onset_confidence`: the onset of whirl; None where there was none. `whirl_end_s`:
           time since which the string whirls no more, where the whirl was a transient. `onset_uncertainty_s`,
           `onset_dated`: from a downhole sub, how far off the time may be, and whether it is known within a revolution.
@@ -92,6 +96,9 @@ def summarise(bag: Recording | Bag | str | Path) -> dict[str, Any]:
     found, run, log = bag.summary, bag.log.info, bag.log
     onset, wall, kept = found.onset, wall_depth(bag), without_spikes(bag)
     summary = {
+        "run": bag.run,
+        "runs": bag.runs,
+        "start_utc": start_utc(bag.bag),
         "scene": bag.scene.name if bag.scene_known else None,
         "units": bag.units.name,
         "whirl_observable": found.observable,
@@ -133,13 +140,20 @@ def summarise(bag: Recording | Bag | str | Path) -> dict[str, Any]:
         "damage": bag.bag.damage,
         "notes": [*found.notes, *_notes(bag), *soft_wall(wall, bag.units)],
         "live": {
-            "onset_s": bag.live.onset.time if bag.live.onset else None,
+            "onset_s": bag.live.onset.time - seconds(bag.bag.origin) if bag.live.onset else None,
             "messages": bag.live.messages,
             "differing": bag.live.differing,
         },
     }
     result: dict[str, Any] = plain(summary)
     return result
+
+
+def start_utc(bag: Bag) -> str | None:
+    """Date of time 0; None where the stamps of a bag are no dates."""
+    if not bag.origin:
+        return None
+    return datetime.fromtimestamp(seconds(bag.origin), UTC).isoformat(" ", "milliseconds").removesuffix("+00:00")
 
 
 def timeline(periods: tuple[MotionPeriod, ...], end: float) -> list[dict[str, Any]]:
@@ -189,8 +203,6 @@ def _notes(bag: Recording) -> list[str]:
         )
     elif bag.rotation_from_spin and bag.places:
         notes.append("the bag holds no rig states: the rotation is taken from the spin of the marks")
-    if bag.runs > 1:
-        notes.append(f"the bag holds {bag.runs} runs; this is the last of them")
     notes += bag.skipped.sentences()
     if bag.unpaired:
         notes.append(f"{bag.unpaired} states of the marks or the rig have no partner with the same stamp")

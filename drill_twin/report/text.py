@@ -70,7 +70,12 @@ def _over_time(summary: Summary, found: Mapping[str, float], quantity: str) -> s
 
 
 def findings(summary: Summary) -> Iterator[Row]:
-    """Rows of the findings, most important first."""
+    """Rows of the findings, most important first, after what run and which time they are of."""
+    if summary["runs"] > 1:
+        last = ", the last" * (summary["run"] == summary["runs"])
+        yield "run", f"{summary['run']} of {summary['runs']} in the bag{last}; --run N chooses another"
+    if summary["start_utc"]:
+        yield "times", f"in seconds from {summary['start_utc']} UTC"
     if not summary["whirl_observable"]:
         yield "whirl", "not observable: no positions of marks"
         yield "rotation", rotation(summary, units_of(summary))

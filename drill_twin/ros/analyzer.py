@@ -121,6 +121,8 @@ class Analyzer(TwinNode):
         """Reason why it cannot analyse yet: no scene, or a topic without a connected publisher."""
         if self._pipeline is None or self._pipeline.scene is None:
             return f"no scene on {TWIN_SCENE} yet"
+        if self.topics.scene_waits:
+            return f"a scene on {TWIN_SCENE} waits to be read"
         late = [topic.topic_name for topic in self._inputs if not topic.get_publisher_count()]
         return f"not yet connected to the publishers of {', '.join(late)}" if late else ""
 

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from command_fixtures import call, inside
 
 from drill_twin.core.rig_channels import RIG_JOINTS
 from drill_twin.io.bag.writer import BagWriter
@@ -17,6 +18,8 @@ from drill_twin.io.messages.encode import MARK_AXES, encode_string
 from drill_twin.io.messages.topics import DIAGNOSTICS, MARKS_STATE, RIG_STATE, STRING_POSES, TWIN_SCENE
 from drill_twin.report import ReportFiles, build_report
 from drill_twin.scene import Scene, load_scene
+
+__all__ = ["call", "inside"]
 
 ROTATION, WHIRL = 2.0, -0.6  # rev/s, Hz
 BOW, ORBIT = 0.001, 0.030  # m

@@ -217,7 +217,7 @@ def test_last_of_several_runs_counts_and_is_said(messages, write):
     found = summarise(write([*messages, *second]))
     assert found["samples"] == 200
     assert found["onset_s"] is None
-    assert any("holds 2 runs" in note for note in found["notes"])
+    assert (found["run"], found["runs"]) == (2, 2)
 
 
 def read_text(raw: bytes) -> str:

@@ -24,12 +24,14 @@ from drill_twin.io.messages.topics import (
     REALTIME_FACTOR,
     RIG_COMMAND,
     RIG_STATE,
+    RPS_COMMAND,
     STRING_POSES,
     TWIN_SCENE,
     TWIN_SUMMARY,
     WHIRL_MOTION,
     WHIRL_ONSET,
     WHIRL_STATE,
+    WOB_COMMAND,
 )
 from drill_twin.io.whirl_pipeline import WhirlPipeline
 from drill_twin.ros.entry_points import REPLAY, waits
@@ -178,6 +180,31 @@ def test_two_runs_in_lockstep_are_alike(bench, eager_bag, payloads, tmp_path):
         assert second == first, topic
 
 
+def test_a_recorder_takes_what_its_four_parameters_let_pass(bench, small_bag, tmp_path):
+    topics = {
+        "twice": {"topics": f"{RIG_STATE} {MARKS_STATE} {RIG_STATE}"},
+        "regex": {
+            "topics": CLOCK_TOPIC,
+            "regex": "^/rig/.*",
+            "exclude_topics": RIG_COMMAND,
+            "exclude_regex": "mander$",
+        },
+    }
+    recorders = {
+        name: bench.start("recorder", "-r", f"__node:={name}", bag=str(tmp_path / f"{name}_0"), **given)
+        for name, given in topics.items()
+    }
+    replayer = bench.start("replayer", bag=str(small_bag), rate=0.0, wait_for="twice regex")
+    assert replayer.wait() == 0, bench.logs()
+    for recorder in recorders.values():
+        assert recorder.end() == 0, bench.logs()
+    bags = {name: {topic: held.count for topic, held in Bag(tmp_path / f"{name}_0").topics.items()} for name in topics}
+    count = Bag(small_bag).topics[RIG_STATE].count
+    assert bags["twice"] == {RIG_STATE: count, MARKS_STATE: count}
+    assert set(bags["regex"]) == {CLOCK_TOPIC, RIG_STATE, RPS_COMMAND, WOB_COMMAND}
+    assert bags["regex"][RIG_STATE] == count
+
+
 @pytest.mark.fault("recorder killed (-9)", "all but the last second can be read")
 def test_a_killed_recorder_leaves_a_readable_bag(bench, tmp_path):
     simulator = bench.start("simulator", wait_for_command=False)
@@ -319,8 +346,7 @@ def test_the_onset_reaches_who_joins_late(bench, eager_bag, payloads):
     replayer = bench.start("replayer", bag=str(eager_bag), rate=0.0, leave_out=" ".join(FINDINGS), wait_for="analyzer")
     assert replayer.wait() == 0, bench.logs()
     late = bench.collect(WHIRL_ONSET, latched=True)
-    bench.until(lambda: bool(late))
-    assert bytes(late[-1]) == payloads(eager_bag, WHIRL_ONSET)[-1]
+    bench.until(lambda: late and bytes(late[-1]) == payloads(eager_bag, WHIRL_ONSET)[-1], what="the onset")
     assert analyzer.end() == 0
 
 

@@ -55,6 +55,10 @@ def _set(**parameters):
         ("rig_driver", {"table": "/no/such/table.csv"}, ["/no/such/table.csv"]),
         ("analyzer", {"marks_scene": "no_such_scene"}, ["no_such_scene"]),
         ("recorder", {"topics": "/camera/image"}, ["topics", "/rig/command", "/camera/image"]),
+        ("recorder", {"topics": "/tf"}, ["expected topics whose messages are installed", "/tf", "tf2_msgs"]),
+        ("recorder", {"exclude_topics": "/rig/stat"}, ["exclude_topics", "/rig/state", "/rig/stat"]),
+        ("recorder", {"regex": "'/rig('"}, ["regex", "expected a regular expression", "/rig("]),
+        ("recorder", {"exclude_regex": "/"}, ["exclude_regex", "found none that all four let pass"]),
         ("recorder", {"bag": "/proc/no/bag_0"}, ["/proc/no/bag_0"]),
         ("replayer", {}, ["bag", "expected the path of a bag"]),
         ("replayer", {"bag": "/no/such/bag"}, ["/no/such/bag"]),
@@ -114,6 +118,13 @@ def test_a_table_with_wrong_columns_lists_what_is_there(refusal, tmp_path):
     said = refusal("rig_driver", *_set(table=table))
     assert "alpha" in said
     assert "beta" in said
+
+
+def test_a_replay_of_no_topic_is_refused(refusal, small_bag):
+    said = refusal("replayer", *_set(bag=small_bag, topics="/advice/state", loop="true"))
+    assert "expected them to leave a topic of the bag, " in said
+    assert 'found topics "/advice/state" and leave_out ""' in said
+    assert "expected a place in the bag" in refusal("replayer", *_set(bag=small_bag, start_offset="1e6"))
 
 
 def test_what_is_not_a_bag_is_refused(refusal, tmp_path):

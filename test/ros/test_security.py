@@ -13,22 +13,27 @@ from drill_twin.io.messages.topics import (
     MEASURED_RIG_STATE,
     OF_EVERY_RUN,
     OF_SUBS,
+    OF_TF,
     RIG_COMMAND,
     RIG_STATE,
     STRING_STRESS,
     SURFACE_STATE,
     TOPICS,
 )
+from drill_twin.ros.bag import player_control
 from drill_twin.ros.entry_points import node_names
 from drill_twin.ros.simulator.run_control import SERVICES
 
-ALL_TOPICS = {*TOPICS, *(row.name.replace("SUB", "*") for row in OF_SUBS)}
+ALL_TOPICS = {*TOPICS, *OF_TF, *(row.name.replace("SUB", "*") for row in OF_SUBS)}
 OF_ROS = {"/parameter_events", "/rosout", "/tf", "/tf_static"}
 WHERE_INSTALLED = {
     "tf2_msgs": {"/tf", "/tf_static"},
     "simulation_interfaces": {f"/simulator/{name}" for name in SERVICES},
+    "rosbag2_interfaces": {
+        f"/replayer/{name}" for name in player_control.SERVICES.keys() - player_control.WITHOUT_NUMBERS
+    },
 }
-"""Topics and services that the simulator has if these packages are installed; the wheels have neither."""
+"""Topics and services that nodes have if these packages are installed; the wheels have none of them."""
 
 
 @pytest.mark.parametrize("node", node_names())
@@ -71,7 +76,7 @@ def test_a_policy_allows_what_the_running_node_does_and_no_more(bench, small_bag
 
     wanted = _allowed(node)
     for package, more in WHERE_INSTALLED.items():
-        if node == "simulator" and find_spec(package) is None:
+        if find_spec(package) is None:
             wanted = {right: names - more for right, names in wanted.items()}
 
     def done():
@@ -86,7 +91,7 @@ def test_a_policy_allows_what_the_running_node_does_and_no_more(bench, small_bag
     # counts stress where it asks for fatigue.
     absent = {
         "gateway": {RIG_COMMAND, MEASURED_RIG_STATE},
-        "replayer": set(TOPICS) - set(OF_EVERY_RUN),
+        "replayer": {*TOPICS, *OF_TF} - set(OF_EVERY_RUN),
         "simulator": {STRING_STRESS, SURFACE_STATE},
     }
     followed = {RIG_STATE} if node == "estimator" else set()  # where its topic is mapped so, as by the launch file

@@ -7,14 +7,17 @@ Names of topics of a twin in a namespace, or of another package, are read as nam
 from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from itertools import islice
 from pathlib import Path
 
 from drill_twin.core.errors import BagError
 from drill_twin.io.bag.metadata import RecordedTopic
 from drill_twin.io.bag.reading.bag_file import BagFile
 from drill_twin.io.bag.reading.files import open_files
+from drill_twin.io.bag.skipped import stray_stamps
 from drill_twin.io.messages.decode import read_string
-from drill_twin.io.messages.topic_row import DIAGNOSTIC_ARRAY
+from drill_twin.io.messages.stamps import NANOSECONDS, counted_from, raw_header_stamp
+from drill_twin.io.messages.topic_row import DIAGNOSTIC_ARRAY, IMU, JOINT_STATE, POSE_ARRAY
 from drill_twin.io.messages.topics import (
     DIAGNOSTICS,
     GENERIC,
@@ -24,12 +27,14 @@ from drill_twin.io.messages.topics import (
     TOPICS,
     TWIN_SCENE,
     WHIRL_ONSET,
-    sub_of,
 )
 
 _HARDWARE = "drill_twin"
 _OLD_JOINT = b"bit_torque\0"
 _NAMED = 8  # namespaces in an error
+_STAMPED = frozenset({JOINT_STATE, POSE_ARRAY, IMU})
+_FIRST = 64  # messages that tell whether stamps are dates
+DATED = 1e9  # s; stamps from 2001 on are dates: no run is simulated for 31 years
 
 
 def parse_remappings(pairs: Iterable[str], option: str) -> dict[str, str]:
@@ -115,10 +120,9 @@ def recorded_names(
             raise BagError(f"{where}: expected the topic {name} to read as {wanted}, found {', '.join(sorted(topics))}")
         present = namespace + wanted
         if present in topics and topics[present].count and present not in remappings:
-            raise BagError(f"{where}: expected no topic {present} beside {name} that is to be read as it, found one")
-    own = {known: namespace + known for known in TOPICS if namespace + known in topics}
+            raise BagError(f"{where}: expected no topic {present} beside {name}, which is to be read so, found both")
     inside = {name.removeprefix(namespace): name for name in topics if name.startswith(namespace)}
-    own |= {known: name for known, name in inside.items() if sub_of(known)}
+    own = {known: name for known, name in inside.items() if known in TOPICS}
     others = {name: name for name in topics if name not in TOPICS and name not in own.values()}
     generic = {name: name for name in GENERIC if name in topics and name not in own}
     given = {wanted: name for name, wanted in remappings.items()}
@@ -139,12 +143,13 @@ class Bag:
         path: Bag folder or file.
         topics: Topics by name; topics of a twin in a namespace have their names without the namespace.
         namespace: Namespace of the twin, as "/rig2"; "" for the root.
-        start: Earliest time of recording [ns].
-        end: Latest time of recording [ns].
+        origin: Time from which header stamps are counted [ns]; 0: as recorded.
+        start, end: Earliest and latest time of recording [ns].
         damage: Sentences on missing or damaged parts; the rest of the bag can be read.
     """
 
     namespace = ""
+    origin = 0  # ns
     _unchecked = ""  # name of the rig states whose first message has not been seen
 
     def __init__(
@@ -191,7 +196,7 @@ class Bag:
         return sum(topic.count for topic in self.topics.values())
 
     def messages(self, topics: Collection[str] | None = None) -> Iterator[tuple[str, int, bytes]]:
-        """Topic, time of recording [ns] and CDR of each message, in recorded order.
+        """Topic, time of recording [ns] and CDR of each message, in recorded order, with stamps from `origin` on.
 
         Args:
             topics: Names of topics to read; by default all.
@@ -199,6 +204,21 @@ class Bag:
         Raises:
             BagError: Its rig states are of before release 0.1.0.
         """
+        origin, stamped = self.origin, self._stamped if self.origin else ()
+        for topic, stamp, raw in self.recorded_messages(topics):
+            yield topic, stamp, counted_from(raw, origin) if topic in stamped else raw
+
+    def count_from_start(self) -> bool:
+        """Count stamps from the first, where they are dates; False without stamps."""
+        self._stamped = {name for name, topic in self.topics.items() if topic.type_name in _STAMPED}
+        first = [raw_header_stamp(raw) for _, _, raw in islice(self.recorded_messages(self._stamped), _FIRST)]
+        stray = stray_stamps(first)
+        earliest = min((stamp for k, stamp in enumerate(first) if k not in stray), default=0)
+        self.origin = earliest if earliest >= DATED * NANOSECONDS else 0
+        return bool(first)
+
+    def recorded_messages(self, topics: Collection[str] | None = None) -> Iterator[tuple[str, int, bytes]]:
+        """As `messages`, with stamps as they were recorded."""
         wanted = {self._recorded[name] for name in (self.topics if topics is None else topics) if name in self.topics}
         ours = {recorded: name for name, recorded in self._recorded.items()}
         for file in self._files:
@@ -206,7 +226,7 @@ class Bag:
                 if recorded == self._unchecked:
                     self._unchecked = ""
                     if _OLD_JOINT in raw:
-                        raise self._too_old(f"no joint bit_torque on {RIG_STATE}, found one")
+                        raise self._too_old(f"no joint bit_torque on {RIG_STATE}, found this joint")
                 if recorded != DIAGNOSTICS or not is_of_another_twin(raw, self.namespace):
                     yield ours[recorded], stamp, raw
 

@@ -66,8 +66,8 @@ class MemoryBag(Bag):
         for message in messages:
             self.write(*message)
 
-    def messages(self, topics: Collection[str] | None = None) -> Iterator[tuple[str, int, bytes]]:
-        """As `Bag.messages`."""
+    def recorded_messages(self, topics: Collection[str] | None = None) -> Iterator[tuple[str, int, bytes]]:
+        """As of `Bag`."""
         yield from (message for message in self._messages if topics is None or message[0] in topics)
 
     def snapshot(self) -> MemoryBag:
@@ -89,7 +89,7 @@ def copy_bag(bag: Bag, folder: str | Path) -> Path:
         BagError: The folder exists or cannot be written, or the bag cannot be read.
     """
     with BagWriter(folder, topics=[replace(topic, count=0) for topic in bag.topics.values()]) as writer:
-        for topic, stamp, raw in bag.messages():
+        for topic, stamp, raw in bag.recorded_messages():
             writer.write(topic, stamp, raw)
     return writer.folder
 
@@ -152,8 +152,8 @@ class RecordBag(Bag):
             topic.count = dated.size
         self.start, self.end = (int(self._stamps[0]), int(self._stamps.max())) if dated.size else (0, 0)
 
-    def messages(self, topics: Collection[str] | None = None) -> Iterator[tuple[str, int, bytes]]:
-        """As `Bag.messages`."""
+    def recorded_messages(self, topics: Collection[str] | None = None) -> Iterator[tuple[str, int, bytes]]:
+        """As of `Bag`."""
         if topics is not None and RIG_STATE not in topics:
             return
         template = JointStateTemplate(RIG_JOINTS)

@@ -52,6 +52,16 @@ def within_range(stamp: int) -> int:
     return min(stamp, 2**31 * NANOSECONDS - 1)
 
 
+def counted_from(raw: bytes, origin: int) -> bytes:
+    """The message with its header stamp counted from a time [ns]; an earlier stamp stays."""
+    stamp = raw_header_stamp(raw)
+    if stamp < origin:
+        return raw
+    counted = bytearray(raw)
+    pack_stamp(counted, _STAMP_AT, stamp - origin)
+    return bytes(counted)
+
+
 def pack_stamp(buffer: bytearray, offset: int, stamp: int) -> None:
     """Write a stamp [ns] into CDR bytes.
 

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import re
 import time
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
@@ -15,14 +16,18 @@ from drill_twin.core.errors import BagError, RunError
 from drill_twin.io.bag.metadata import RecordedTopic, contract_topic
 from drill_twin.io.bag.writer import BagWriter
 from drill_twin.io.messages.diagnostics import Level, Status
-from drill_twin.io.messages.topics import DIAGNOSTICS, TOPICS, sub_of
+from drill_twin.io.messages.topics import DIAGNOSTICS, OF_TF, TOPICS, sub_of
 from drill_twin.ros.core.node import AUTOSTART, TwinNode
 from drill_twin.ros.core.parameters import Parameter, ParameterError
-from drill_twin.ros.core.topics import Received
+from drill_twin.ros.core.topics import Received, installed
 
 _DEPTH = 2000  # messages of one topic; 10 s at 200 Hz
 _QUIET, _LONGEST = 0.3, 1.5  # s
-_NOT_AT_A_RATE = {DIAGNOSTICS, *(name for name, topic in TOPICS.items() if topic.latched or topic.rate == "on change")}
+_NOT_AT_A_RATE = {
+    DIAGNOSTICS,
+    *OF_TF,
+    *(name for name, topic in TOPICS.items() if topic.latched or topic.rate == "on change"),
+}
 _SEARCH_PERIOD = 0.5  # s; topics of downhole subs appear during a run
 _BATCH_TIME = 0.01  # s; waking up for each message would cost as much as writing it
 
@@ -41,9 +46,14 @@ class Recorder(TwinNode):
         Parameter(
             "topics",
             "",
-            'topics to record, separated by spaces; "": all of the contract',
+            'topics to record, separated by spaces; "": all of the contract, and tf where tf2_msgs is installed',
             such_as="/rig/state /marks/state",
         ),
+        Parameter(
+            "regex", "", "also topics in whose full name this regular expression is found", such_as="/rig/|/marks/"
+        ),
+        Parameter("exclude_topics", "", "topics not to record, separated by spaces", such_as="/string/markers"),
+        Parameter("exclude_regex", "", "nor topics in whose full name this is found", such_as="/string/.*"),
         AUTOSTART,
     )
     _bag: BagWriter | None = None
@@ -53,11 +63,8 @@ class Recorder(TwinNode):
         self._namespace = self.get_namespace().rstrip("/")
         self._told = 0  # sentences on changes of the bag by other programs
         self._failure = ""  # a bag that failed once is not written to again, so that the first error is reported
-        topics = self.settings.topics.split() or list(TOPICS)
-        if unknown := [topic for topic in topics if topic not in TOPICS]:
-            raise ParameterError(
-                f"parameter topics: expected topics of {', '.join(TOPICS)}, found {', '.join(unknown)}"
-            )
+        self._arrived: list[tuple[str, int, bytes]] = []  # messages that are not in the bag yet
+        topics = self._chosen()
         bag = self._bag = BagWriter(
             self.settings.bag or _new_folder(),
             topics=[self._described(topic) for topic in topics],
@@ -65,21 +72,52 @@ class Recorder(TwinNode):
             largest=self.settings.max_bagfile_size * 1e6,
             longest=self.settings.max_bagfile_duration,
         )
-        self._inputs = [self.topics.subscribe_raw(topic, self._writer_of(bag, topic), depth=_DEPTH) for topic in topics]
+        self._inputs = [self.topics.subscribe_raw(topic, self._taker_of(topic), depth=_DEPTH) for topic in topics]
         self._recorded = set(topics)
         self.every(_SEARCH_PERIOD, self._record_subs)
         self.get_logger().info(f"recording {len(topics)} topics to {bag.folder}")
 
+    def _chosen(self) -> list[str]:
+        """Topics to record from the start; topics of subs come once they are there."""
+        settings = self.settings
+        named, excluded = settings.topics.split(), settings.exclude_topics.split()
+        for name, topics in (("topics", named), ("exclude_topics", excluded)):
+            if unknown := [topic for topic in topics if topic not in TOPICS]:
+                raise ParameterError(
+                    f"parameter {name}: expected topics of {', '.join(TOPICS)}, found {', '.join(unknown)}"
+                )
+        if missing := [topic for topic in named if not installed(topic)]:
+            raise ParameterError(
+                f"parameter topics: expected topics whose messages are installed, found {', '.join(missing)} of "
+                f"{TOPICS[missing[0]].type_name}; install the package of this type"
+            )
+        also, but = _pattern("regex", settings.regex), _pattern("exclude_regex", settings.exclude_regex)
+
+        def takes(topic: str) -> bool:
+            name = self._recorded_name(topic)
+            listed = topic in named or bool(also and also.search(name)) or not (named or also)
+            return listed and topic not in excluded and not (but and but.search(name))
+
+        self._takes = takes
+        known = dict.fromkeys((*named, *TOPICS, *OF_TF))
+        if chosen := [topic for topic in known if takes(topic) and installed(topic)]:
+            return chosen
+        raise ParameterError(
+            f"parameters topics, regex, exclude_topics and exclude_regex: expected topics of {', '.join(TOPICS)}, "
+            "found none that all four let pass"
+        )
+
     def _record_subs(self) -> None:
         """Record the topics of downhole subs that have appeared in the namespace of this node."""
-        if self._bag is None or self.settings.topics:
+        if self._bag is None:
             return
         for name, types in self.get_topic_names_and_types():
             topic = name.removeprefix(self._namespace) if name.startswith(self._namespace) else ""
-            if sub_of(topic) and topic not in self._recorded and TOPICS[topic].type_name in types:
+            new = sub_of(topic) and topic not in self._recorded and self._takes(topic)
+            if new and TOPICS[topic].type_name in types:
                 with self._writing():
                     self._bag.add_topic(self._described(topic))
-                self._inputs.append(self.topics.subscribe_raw(topic, self._writer_of(self._bag, topic), depth=_DEPTH))
+                self._inputs.append(self.topics.subscribe_raw(topic, self._taker_of(topic), depth=_DEPTH))
                 self._recorded.add(topic)
 
     def _described(self, topic: str) -> RecordedTopic:
@@ -89,18 +127,24 @@ class Recorder(TwinNode):
     def _recorded_name(self, topic: str) -> str:
         return topic if topic == DIAGNOSTICS else self._namespace + topic
 
-    def _writer_of(self, bag: BagWriter, topic: str) -> Received:
+    def _taker_of(self, topic: str) -> Received:
         name, at_a_rate = self._recorded_name(topic), topic not in _NOT_AT_A_RATE
 
-        def write(raw: bytes, info: Mapping[str, Any]) -> None:
+        def take(raw: bytes, info: Mapping[str, Any]) -> None:
             if self._failure:
                 return
-            with self._writing():
-                bag.write(name, info["received_timestamp"], raw)
+            self._arrived.append((name, info["received_timestamp"], raw))
             if at_a_rate:
                 self.samples.take(topic)
 
-        return write
+        return take
+
+    def _write(self, bag: BagWriter) -> None:
+        """Write what has arrived."""
+        arrived, self._arrived = self._arrived, []
+        with self._writing():
+            bag.write_all(arrived)
+            bag.flush_if_due()
 
     @contextmanager
     def _writing(self) -> Iterator[None]:
@@ -120,8 +164,7 @@ class Recorder(TwinNode):
         self.spin_all()
         if self._bag is None:
             return
-        with self._writing():
-            self._bag.flush_if_due()
+        self._write(self._bag)
         for text in self._bag.damage[self._told :]:
             self.get_logger().error(f"{text}; going on in {self._bag.file}")
         self._told = len(self._bag.damage)
@@ -138,6 +181,7 @@ class Recorder(TwinNode):
         try:
             if not self._failure:
                 self.drain(_QUIET, _LONGEST)
+                self._write(bag)
                 self.publish_diagnostics()
                 with self._writing():
                     bag.close()
@@ -194,3 +238,11 @@ def _new_folder() -> str:
     """Folder named by date and time, with the first number of which there is no folder yet."""
     stem = time.strftime("bags/%Y%m%d_%H%M%S_")
     return next(f"{stem}{number}" for number in count() if not Path(f"{stem}{number}").exists())
+
+
+def _pattern(parameter: str, text: str) -> re.Pattern[str] | None:
+    """Regular expression of a parameter; None without one."""
+    try:
+        return re.compile(text) if text else None
+    except re.error as error:
+        raise ParameterError(f'parameter {parameter}: expected a regular expression, found "{text}": {error}') from None

@@ -1,21 +1,27 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Replayer node: publishes the messages of a bag, byte for byte, with `/clock`, at any rate."""
+"""Replayer node: publishes the messages of a bag, byte for byte, with `/clock`, as rosbag2's player does."""
 
 from __future__ import annotations
 
 import time
 from collections.abc import Iterator
+from types import SimpleNamespace
 from typing import ClassVar
 
 from drill_twin.core.errors import MessageError
 from drill_twin.io.bag.skipped import SkippedMessages
 from drill_twin.io.messages.cdr import ClockTemplate
+from drill_twin.io.messages.decode import read_string
 from drill_twin.io.messages.diagnostics import Level, Status
-from drill_twin.io.messages.topics import CLOCK_TOPIC, DIAGNOSTICS, TOPICS, TWIN_SCENE
+from drill_twin.io.messages.encode import encode_string
+from drill_twin.io.messages.stamps import NANOSECONDS
+from drill_twin.io.messages.topics import CLOCK_TOPIC, DIAGNOSTICS, TF_STATIC, TOPICS, TWIN_SCENE
 from drill_twin.io.messages.type_store import deserialize
+from drill_twin.ros.bag.player_control import PlayerControl, Playhead, offer
 from drill_twin.ros.core.node import AUTOSTART, TwinNode
 from drill_twin.ros.core.parameters import Parameter, ParameterError
 from drill_twin.ros.core.startup_barrier import StartupBarrier, unmatched_readers
+from drill_twin.ros.core.topics import installed
 
 _DISCOVERY = 0.6  # s; longest discovery of a running node
 _LONGEST_WAIT = 0.05  # s
@@ -39,11 +45,23 @@ class Replayer(TwinNode):
             "",
             0.0,
             1000.0,
+            live=True,
         ),
+        Parameter(
+            "start_offset",
+            0.0,
+            "place in the bag where the replay begins, again where it loops; it goes there when this is changed",
+            "s",
+            0.0,
+            _LONGEST,
+            live=True,
+        ),
+        Parameter("start_paused", False, "whether it begins paused, for ~/play_next or ~/resume"),
         Parameter(
             "topics",
             "",
-            'topics to replay, separated by spaces; "": all of the contract that the bag holds',
+            'topics to replay, separated by spaces; "": all of the contract that the bag holds but /diagnostics, which '
+            "would be mixed with what the running nodes say",
             such_as="/rig/state /marks/state",
         ),
         Parameter(
@@ -74,7 +92,7 @@ class Replayer(TwinNode):
     _skipped = SkippedMessages()
 
     def configure(self) -> None:
-        """Open the bag and create its publishers."""
+        """Open the bag and create its publishers and services."""
         from drill_twin.io.bag.reader import Bag, parse_remappings
 
         settings = self.settings
@@ -97,18 +115,34 @@ class Replayer(TwinNode):
         self._clock_message = ClockTemplate()
         for text in self._bag.damage:
             self.get_logger().warning(text)
-        length = (self._bag.end - self._bag.start) * 1e-9
+        length = self._passed(self._bag.end)
         self.get_logger().info(f"{settings.bag}: {self._bag.message_count} messages in {length:.1f} s")
-        self._began = self._rests = 0.0
-        self._waits, self._steps = True, self._replay()
+        self._head = Playhead(0.0, settings.rate, paused=settings.start_paused)
+        self._control = PlayerControl(self._head, self._bag.start, length, self)
+        self._offset = settings.start_offset
+        self._control.go_to(self._offset)
+        offer(self, self._control)
+        self._waits, self._again, self._steps = True, 0, self._replay()
 
     def activate(self) -> None:
         """Go on where the replay rested."""
-        self._began += time.monotonic() - self._rests
+        self._head.change(waits=self._waits)
 
     def deactivate(self) -> None:
         """Let the replay rest."""
-        self._rests = time.monotonic()
+        self._head.change(waits=True)
+
+    def check_change(self, settings: SimpleNamespace) -> None:
+        """Refuse a start outside the bag."""
+        if self.configured:
+            self._control.check(settings.start_offset)
+
+    def on_change(self) -> None:
+        """Go on at another rate, or from another place."""
+        self._head.change(rate=self.settings.rate)
+        if self._offset != self.settings.start_offset:
+            self._offset = self.settings.start_offset
+            self._control.go_to(self._offset)
 
     def complete(self) -> None:
         """Wait until the readers have received everything."""
@@ -126,7 +160,16 @@ class Replayer(TwinNode):
                 raise ParameterError(
                     f"parameter {name}: expected topics of the bag, {', '.join(held)}, found {', '.join(unknown)}"
                 )
-        return [topic for topic in held if (not wanted or topic in wanted) and topic not in unwanted]
+        chosen = [name for name in held if name in (wanted or {*held} - {DIAGNOSTICS}) and name not in unwanted]
+        if missing := [name for name in chosen if not installed(name)]:
+            self.get_logger().warning(f"left out, as their message package is not installed: {', '.join(missing)}")
+        chosen = [name for name in chosen if name not in missing]
+        if not chosen:
+            raise ParameterError(
+                f"parameters topics and leave_out: expected them to leave a topic of the bag, {', '.join(held)}, "
+                f'found topics "{" ".join(wanted)}" and leave_out "{" ".join(unwanted)}"'
+            )
+        return chosen
 
     def step(self) -> None:
         """Publish the messages that are due, or wait for at most 50 ms."""
@@ -138,51 +181,91 @@ class Replayer(TwinNode):
     def _replay(self) -> Iterator[float]:
         """Wait for the readers to be connected, then replay; yields the time to wait [s], often."""
         # The scene is published first, before its time: an analyzer is only ready once it knows the marks.
-        self._scene_sent = TWIN_SCENE in self._topics
-        if self._scene_sent:
-            scenes = (raw for _, _, raw in self._bag.messages([TWIN_SCENE]))
-            first = next((raw for raw in scenes if self._usable(TWIN_SCENE, 0.0, raw)), None)
-            if first is not None:
-                self.topics.publish(TWIN_SCENE, first)
-        discovered = time.monotonic() + _DISCOVERY
+        begin = self._offset
+        self._publish_kept(begin)
+        yield from self._wait_for_readers(time.monotonic() + _DISCOVERY)
+        self._waits = False
+        self._head.change(waits=False)
+        while self._head.target is not None:
+            if self._repeating or self._head.target != begin:
+                self._publish_kept(self._head.target)
+                self.flush(1.0)
+                yield from self._wait_for_readers(0.0)  # an analyzer may take a while to begin the next run
+            yield from self._play(self._head.target)
+            self._repeating = True
+            if self._head.target is None and self.settings.loop:
+                self._head.target = self._offset
+        self._over = True
+
+    def _wait_for_readers(self, earliest: float) -> Iterator[float]:
         prefix = f"{self.topics.prefix}/" if self.topics.prefix else ""
         names = " ".join(prefix + name for name in self.settings.wait_for.split())
         barrier = StartupBarrier(self, names, self.settings.wait_timeout)
-        while time.monotonic() < discovered or unmatched_readers(self) or not barrier.passed():
+        while time.monotonic() < earliest or unmatched_readers(self) or not barrier.passed():
             yield _LONGEST_WAIT
-        self._waits = False
-        while not self._over:
-            self._began, clock_due = time.monotonic(), 0.0
-            for number, (topic, stamp, raw) in enumerate(self._bag.messages(self._topics)):
-                if not number % _ACKNOWLEDGE:
-                    yield 0.0
-                if self._scene_sent and topic == TWIN_SCENE:
-                    self._scene_sent = False
-                    continue
-                passed = (stamp - self._bag.start) * 1e-9
-                if not self._usable(topic, passed, raw):
-                    continue
-                if self._clock_period and passed >= clock_due:
-                    self.topics.publish(CLOCK_TOPIC, self._clock_message.fill(stamp))
-                    clock_due = passed + self._clock_period * (self.settings.rate or 1.0)
-                if self.settings.rate:
-                    while (left := self._began + passed / self.settings.rate - time.monotonic()) > 0.0:
-                        yield min(left, _LONGEST_WAIT)
-                self.topics.publish(topic, raw)
-                self._sent += 1
-                if not self.settings.rate and not self._sent % _ACKNOWLEDGE:
-                    self.flush(1.0)
-            yield 0.0 if self._topics else _LONGEST_WAIT  # a selection may be empty
-            self._over, self._repeating = not self.settings.loop, True
 
-    def _usable(self, topic: str, passed: float, raw: bytes) -> bool:
+    def _publish_kept(self, place: float) -> None:
+        """Publish what holds at the place to go to: the last message before it on each latched topic and of the clock.
+
+        A scene that comes again has another text, with which the analyzer begins a new run.
+        """
+        kept: dict[tuple[str, bytes], bytes] = {}
+        self._early, scene = b"", (TWIN_SCENE, b"")
+        for topic, stamp, raw in self._bag.messages([name for name in self._topics if _is_kept(name)]):
+            passed = self._passed(stamp)
+            if passed >= place and (scene in kept or TWIN_SCENE not in self._topics):
+                break
+            if (passed < place or topic == TWIN_SCENE) and self._usable(topic, passed, raw, counted=False):
+                kept[topic, raw if topic == TF_STATIC else b""] = raw
+                self._early = raw if passed >= place else b""
+        if scene in kept and place < self._head.place:
+            self._again += 1
+            kept[scene] = encode_string(f"{read_string(kept[scene])}# played again: {self._again}\n")
+        if self._clock_period and self._repeating:
+            kept[CLOCK_TOPIC, b""] = self._clock_message.fill(self._bag.start + round(place * NANOSECONDS))
+        for (topic, _), raw in kept.items():
+            self.topics.publish(topic, raw)
+
+    def _play(self, begin: float) -> Iterator[float]:
+        """Publish the messages from a place on [s], until the end or until the playhead is to go elsewhere."""
+        head, clock_due = self._head, begin
+        head.target = None
+        for number, (topic, stamp, raw) in enumerate(self._bag.messages(self._topics)):
+            if not number % _ACKNOWLEDGE:
+                yield 0.0
+            passed = self._passed(stamp)
+            if topic == TWIN_SCENE and raw == self._early:
+                self._early = b""
+                continue
+            if passed < begin:
+                head.arrive(begin)
+            if passed < begin or not self._usable(topic, passed, raw):
+                continue
+            while (wait := head.time_to(passed)) and head.target is None:
+                yield min(wait, _LONGEST_WAIT)
+            if head.target is not None:
+                return
+            if self._clock_period and passed >= clock_due:
+                self.topics.publish(CLOCK_TOPIC, self._clock_message.fill(stamp))
+                clock_due = passed + self._clock_period * (self.settings.rate or 1.0)
+            self.topics.publish(topic, raw)
+            head.passed(passed)
+            self._sent += 1
+            if not self.settings.rate and not self._sent % _ACKNOWLEDGE:
+                self.flush(1.0)
+
+    def _passed(self, stamp: int) -> float:
+        """Time from the start of the bag to a time of recording [ns], in s."""
+        return (stamp - self._bag.start) / NANOSECONDS
+
+    def _usable(self, topic: str, passed: float, raw: bytes, *, counted: bool = True) -> bool:
         """Check a message; a message that no node could use is left out and counted, once a bag."""
         try:
             if passed > _LONGEST:
                 raise MessageError(f"recorded {passed / _DAY:.0f} days after the first message")
             deserialize(raw, TOPICS[topic].type_name)
         except MessageError as error:
-            if not self._repeating:
+            if counted and not self._repeating:
                 self._skipped.add(topic, passed, error)
             return False
         return True
@@ -199,7 +282,13 @@ class Replayer(TwinNode):
     def health(self) -> Status:
         """Progress of the replay."""
         values = {"bag": self.settings.bag, "rate": f"{self.settings.rate:g}", "messages": str(self._sent)}
-        values["left_out"] = str(len(self._skipped))
+        values |= {"left_out": str(len(self._skipped)), "place": f"{self._head.place:.3f}"}
+        values["paused"] = str(self._head.paused).lower()
         if self._skipped:
             return Status(self.NAME, Level.WARN, f"{len(self._skipped)} messages left out", values)
         return Status(self.NAME, Level.OK, f"{self._sent} of {self._bag.message_count} messages replayed", values)
+
+
+def _is_kept(topic: str) -> bool:
+    """True for a topic whose last message holds until the next: after a jump it is published again."""
+    return TOPICS[topic].latched or topic == CLOCK_TOPIC

@@ -76,14 +76,19 @@ class SceneGate:
             clock: Monotonic time [s].
         """
         self._process, self._clock = process, clock
-        self._due = 0.0
+        self._due, self._loaded = 0.0, False  # with the first scene modules and compiled code are loaded
         self._waiting: bytes | None = None
         self.put_off = 0
         """Scenes that were replaced by a newer one before their turn."""
 
+    @property
+    def waits(self) -> bool:
+        """True while a scene waits for its turn."""
+        return self._waiting is not None
+
     def take(self, raw: bytes) -> None:
         """Take a scene that has arrived."""
-        self.put_off += self._waiting is not None
+        self.put_off += self.waits
         self._waiting = raw
         self.work()
 
@@ -94,6 +99,6 @@ class SceneGate:
             return
         raw, self._waiting = self._waiting, None
         self._process(raw)
-        now = self._clock()
-        if now - begun > _CHEAP:
+        now, first, self._loaded = self._clock(), not self._loaded, True
+        if now - begun > _CHEAP and not first:
             self._due = now + (now - begun) / _SHARE

@@ -159,6 +159,11 @@ class NodeTopics:
             gate.work()
 
     @property
+    def scene_waits(self) -> bool:
+        """True while a scene waits for its turn."""
+        return any(gate.waits for gate in self._gates)
+
+    @property
     def scenes_put_off(self) -> int:
         """Number of scenes that were replaced by a newer one before their turn."""
         return sum(gate.put_off for gate in self._gates)

@@ -158,7 +158,7 @@ def test_a_folder_of_something_else(tmp_path):
 
 def test_a_bag_one_level_deeper_is_pointed_to(write_bag, tmp_path):
     folder = write_bag()
-    assert error_of(tmp_path).endswith(f"found one a level deeper; name {folder}")
+    assert error_of(tmp_path).endswith(f"found a bag a level deeper; name {folder}")
 
 
 @pytest.mark.parametrize("name", ["run_0.mcap", "run_0.db3", "notes.txt", "no_suffix"])

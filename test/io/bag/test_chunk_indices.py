@@ -5,7 +5,7 @@ from mcap.reader import make_reader
 from mcap.records import ChunkIndex
 from mcap.writer import Writer
 
-from drill_twin.io.bag.mcap_writer import PackedIndices
+from drill_twin.io.bag.file_writer import PackedIndices
 from drill_twin.io.bag.writer import BagWriter
 from drill_twin.io.messages.encode import encode_string
 from drill_twin.io.messages.topics import TWIN_SCENE

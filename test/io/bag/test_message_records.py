@@ -7,7 +7,7 @@ from pathlib import Path
 import mcap
 from mcap.writer import CompressionType, Writer
 
-from drill_twin.io.bag.mcap_writer import message_appender
+from drill_twin.io.bag.file_writer import message_appender
 
 ROOT = Path(__file__).parents[3]
 MESSAGES = [(1 + k % 3, (k * 7919) % 5000 + 100, bytes([k % 256]) * (k % 211), k) for k in range(3000)]

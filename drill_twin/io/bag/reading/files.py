@@ -134,5 +134,5 @@ def _inside(path: Path) -> str:
     entries = sorted(path.iterdir())[:_MOST_LISTED]
     for entry in entries:
         if entry.is_dir() and any(file.suffix in _SUFFIXES for file in entry.iterdir()):
-            return f"one a level deeper; name {entry}"
+            return f"a bag a level deeper; name {entry}"
     return f"{', '.join(entry.name for entry in entries[:5])}; not a bag" if entries else "nothing in it"
