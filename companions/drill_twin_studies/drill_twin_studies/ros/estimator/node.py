@@ -135,6 +135,7 @@ class Estimator(TwinNode):
                 self.topics.advertise(topic)
             self.topics.prefix = ""
         self.topics.subscribe(MEASURED_RIG_STATE, self._on_measured, depth=_DEPTH)
+        self.samples.expect(MEASURED_RIG_STATE)
         for sub in self.settings.subs.split():
             self.topics.subscribe(readings_topic(sub), partial(self._on_readings, sub), depth=_DEPTH)
         if self.settings.set_points == "command":
@@ -193,7 +194,7 @@ class Estimator(TwinNode):
         if self.settings.show:
             self._nearest = NearestTwin(following)
             self.topics.publish(TWIN_SCENE, encode_string(following.scene.to_yaml()))
-        self.samples.expect(MEASURED_RIG_STATE)
+        self.samples.expect(MEASURED_RIG_STATE)  # from now on
         self.get_logger().info(f"{len(following.filter.members)} members of {following.scene.name} follow the rig")
 
     def _on_command(self, state: JointState) -> None:
