@@ -6,7 +6,6 @@ The node uses the stamps of the messages alone, so a replay gives the findings o
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterable
 from functools import partial
 from typing import TYPE_CHECKING, ClassVar
@@ -52,6 +51,7 @@ class Analyzer(TwinNode):
         ),
         AUTOSTART,
     )
+    ON_CHANGE: ClassVar = (TWIN_SCENE,)
     _pipeline: WhirlPipeline | None = None
 
     def configure(self) -> None:
@@ -75,6 +75,9 @@ class Analyzer(TwinNode):
             self.topics.subscribe_raw(topic, partial(self._on_message, pipeline, topic), depth=_DEPTH)
             for topic in samples
         ]
+        if scene is None:
+            self.samples.expect(TWIN_SCENE)
+        self.samples.expect(*samples)
 
     def complete(self) -> None:
         """Analyse what has arrived already, and wait until the findings are received."""
@@ -92,6 +95,7 @@ class Analyzer(TwinNode):
         self._count_samples(pipeline)
         if pipeline.runs != runs and pipeline.scene is not None:
             self._onset_logged = False
+            self.samples.take(TWIN_SCENE)
             what = f"the sub {self.settings.sub}" if self.settings.sub else f"{len(pipeline.scene.string.marks)} marks"
             self.get_logger().info(f"analysing {what} of {pipeline.scene.name}")
         if pipeline.trouble != self._logged_problem:
@@ -149,18 +153,10 @@ class Analyzer(TwinNode):
             values |= {"largest_impact": _known(sub.largest_impact), "share_at_rest": _known(sub.share_at_rest)}
         if pipeline.trouble:
             return Status(self.NAME, Level.ERROR, pipeline.trouble, values)
-        if pipeline.scene is None:
-            return Status(self.NAME, Level.OK, f"waiting for a scene on {TWIN_SCENE}", values)
         level, text = self.samples.verdict()
         if level is Level.OK and (loss := self.topics.loss):
             level, text = Level.WARN, loss
-        waiting = math.isinf(self.samples.age(self._sampled)) and pipeline.bit_only is None
-        return Status(
-            self.NAME,
-            level,
-            text or ("waiting for the first sample" if waiting else f"motion: {pipeline.motion}"),
-            values,
-        )
+        return Status(self.NAME, level, text or f"motion: {pipeline.motion}", values)
 
 
 def _known(value: float | None) -> str:

@@ -81,7 +81,7 @@ class Analyzer:
         """Counts of good and bad samples so far."""
         clock, samples, rate = self._state.clock, self._state.samples, self._state.statistics.per_revolution
         counts = samples.accepted, clock.duplicate, clock.late, samples.incomplete, samples.missing, samples.gaps
-        return Quality(*(count.item() for count in (*counts, rate)))
+        return Quality(*map(np.ndarray.item, (*counts, rate)))  # of every sample, so without a loop in Python
 
     @property
     def bit_speed(self) -> tuple[float, float]:

@@ -14,8 +14,9 @@ from drill_twin.io.messages.diagnostics import Level
 
 STALE, GONE = 1.0, 3.0
 """Age above which a value is stale, and gone [s]; of an input that comes slowly, times its usual interval."""
-_FIRST = 5.0
-"""Age above which the first good sample is stale [s]: how often the input comes is not known yet."""
+FIRST = 5.0
+"""Age above which the first good sample is stale [s]: how often the input comes is not known yet. An
+input of which nothing has come is waited for as long without a fault, as nodes find each other; not measured."""
 _INTERVALS = 9
 _KINDS = {
     "not_finite": "had no finite number",
@@ -38,14 +39,15 @@ class _Input:
     def stale_after(self) -> float:
         if self.good is None:
             return STALE
-        return max(STALE, GONE * median(self.intervals)) if self.intervals else _FIRST
+        return max(STALE, GONE * median(self.intervals)) if self.intervals else FIRST
 
 
 class GoodSamples:
     """Good and bad samples by input: a topic, or a channel of one.
 
-    An input of which nothing has come is waited for, and no fault. An input that falls silent is STALE. An
-    input that goes on to come without a good sample is a WARN, and an ERROR once this lasts three times as long.
+    An expected input of which nothing has come is waited for, and a WARN after `FIRST`. An input that falls silent is
+    STALE. An input that goes on to come without a good sample is a WARN, and an ERROR once this lasts three times as
+    long.
     """
 
     def __init__(self, clock: Callable[[], float] = time.monotonic, *, on_change: Collection[str] = ()) -> None:
@@ -57,6 +59,21 @@ class GoodSamples:
         """
         self._clock, self._on_change = clock, frozenset(on_change)
         self._inputs: dict[str, _Input] = {}
+        self._expected: dict[tuple[str, ...], float] = {}  # since when
+        self._judged_from = -math.inf
+
+    def expect(self, *names: str) -> None:
+        """Begin to wait for a sample of one of some inputs."""
+        self._expected[names] = self._clock()
+
+    def rest(self, seconds: float = 0.0) -> None:
+        """Judge no silence for a time [s], in which none is a fault, and from then on as if all had come just then."""
+        self._judged_from = self._clock() + seconds
+
+    @property
+    def rests(self) -> bool:
+        """True while silence is not judged."""
+        return self._clock() < self._judged_from
 
     def take(self, name: str, *, finite: bool = True, in_order: bool = True) -> None:
         """Note a sample that could be read.
@@ -84,6 +101,10 @@ class GoodSamples:
         found = self._inputs.get(name)
         return math.inf if found is None or found.good is None else self._clock() - found.good
 
+    def patience(self, name: str) -> float:
+        """Age above which an input of which something has come is stale [s]."""
+        return self._inputs[name].stale_after
+
     def values(self) -> dict[str, str]:
         """Values for the diagnostics: age [s] by input, infinite before the first good one, and bad samples in all."""
         return {f"good_sample_age {name}": f"{self.age(name):.3f}" for name in self._inputs} | {
@@ -94,15 +115,31 @@ class GoodSamples:
         """Level, and a sentence on the input without a good sample for longest; OK and empty where there is none."""
         now, worst, level, text = self._clock(), 0.0, Level.OK, ""
         for name, found in self._inputs.items():
-            age = now - (found.begun if found.good is None else found.good)
+            age = now - max(found.begun if found.good is None else found.good, self._judged_from)
             rests = name in self._on_change and not found.since
             if rests or age <= found.stale_after or age <= worst:
                 continue
-            silent = now - found.last > found.stale_after and name not in self._on_change
+            last = max(found.last, self._judged_from)
+            silent = now - last > found.stale_after and name not in self._on_change
             level = Level.STALE if silent else Level.WARN if age <= GONE * found.stale_after else Level.ERROR
             bad = ", ".join(f"{count} samples {_KINDS[kind]}" for kind, count in found.since.items())
             worst, text = age, f"no good sample of {name} for {age:.1f} s{f' ({bad})' if bad else ''}"
-        return level, text
+        return (level, text) if text else self._waits(now)
+
+    def _waits(self, now: float) -> tuple[Level, str]:
+        """Level, and a sentence on the first expected inputs of which nothing has come."""
+        for names, since in self._expected.items():
+            if self._inputs.keys().isdisjoint(names):
+                waited = now - max(since, self._judged_from)
+                told = " or ".join(names) if len(names) < 3 else f"any of {len(names)} topics"
+                if waited <= FIRST:
+                    return Level.OK, f"waiting for {told}"
+                return Level.WARN, f"no message on {told} for {waited:.0f} s: {self.advice(names)}"
+        return Level.OK, ""
+
+    def advice(self, names: tuple[str, ...]) -> str:
+        """What to do about inputs of which nothing has come."""
+        return f"expected a publisher of {' or '.join(names)}"
 
     def _heard(self, name: str) -> _Input:
         now = self._clock()

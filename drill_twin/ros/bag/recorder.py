@@ -74,6 +74,8 @@ class Recorder(TwinNode):
         )
         self._inputs = [self.topics.subscribe_raw(topic, self._taker_of(topic), depth=_DEPTH) for topic in topics]
         self._recorded = set(topics)
+        if at_a_rate := [topic for topic in topics if topic not in _NOT_AT_A_RATE]:
+            self.samples.expect(*at_a_rate)
         self.every(_SEARCH_PERIOD, self._record_subs)
         self.get_logger().info(f"recording {len(topics)} topics to {bag.folder}")
 

@@ -22,9 +22,8 @@ from std_srvs.srv import Trigger
 
 from drill_twin.core.errors import DrillTwinError, shortened
 from drill_twin.io.messages.diagnostics import Level, Status
-from drill_twin.io.messages.good_samples import GoodSamples
-from drill_twin.io.messages.topics import DIAGNOSTICS
-from drill_twin.ros.core.diagnostics_publisher import DiagnosticsPublisher
+from drill_twin.io.messages.topics import CLOCK_TOPIC, DIAGNOSTICS
+from drill_twin.ros.core.diagnostics_publisher import DiagnosticsPublisher, NodeInputs, of_inactive
 from drill_twin.ros.core.parameters import Parameter, Value, declare, follow_changes
 from drill_twin.ros.core.requests import Answer, guarded, sending_later
 from drill_twin.ros.core.spinning import SpinningNode
@@ -61,6 +60,8 @@ class TwinNode(LifecycleNodeMixin, SpinningNode):
     PARAMETERS: ClassVar[tuple[Parameter, ...]] = ()
     ON_CHANGE: ClassVar[tuple[str, ...]] = ()
     """Topics of which this node expects a message on change only, so that their silence is no fault."""
+    TIMED_BY: ClassVar[str] = CLOCK_TOPIC
+    """Topic of which the publisher moves the time of all inputs."""
     configured = False
     """True from the beginning of `configure` until `complete` is over."""
 
@@ -77,10 +78,8 @@ class TwinNode(LifecycleNodeMixin, SpinningNode):
         self.settings: SimpleNamespace = declare(self, table, other_names=others)
         self._shares_its_process = bool(others)
         follow_changes(self, table, self.settings, check=self.check_change, changed=self._changed)
-        self.samples = GoodSamples(on_change=self.ON_CHANGE)
         self.topics = NodeTopics(self, lambda topic: self.samples.unreadable(topic), self._keep)  # noqa: PLW0108 - it changes
-        self._starts = False
-        self._attributes: frozenset[str] = frozenset()  # of the unconfigured node
+        self._starts, self._attributes = False, frozenset[str]()  # of the unconfigured node
         self.active = self.ended = self.ends = False
         """True while active; true once closed in order; true once asked by a service to end."""
         self._endpoints: list[Service | Timer] = []
@@ -132,8 +131,6 @@ class TwinNode(LifecycleNodeMixin, SpinningNode):
 
     def on_change(self) -> None:
         """Apply a live change, while it is configured; the settings hold the new value."""
-
-    # --- topics, services, timers ---------------------------------------------------------------------------------
 
     def create_service(self, srv_type: Any, srv_name: str, callback: Answer, **options: Any) -> Service:
         """Create a service whose requests cannot end the node, rclpy's own services of parameters included."""
@@ -232,7 +229,7 @@ class TwinNode(LifecycleNodeMixin, SpinningNode):
 
     def _configure(self) -> None:
         self._attributes = frozenset(vars(self))
-        self.configured, self.samples = True, GoodSamples(on_change=self.ON_CHANGE)
+        self.configured, self.samples = True, NodeInputs(self, self.ON_CHANGE, self.TIMED_BY)
         self.configure()
         if not self._shares_its_process:
             refuse_unused_overrides(self)
@@ -241,6 +238,8 @@ class TwinNode(LifecycleNodeMixin, SpinningNode):
 
     def _set_active(self, *, active: bool) -> None:
         self.active, self.topics.muted = active, not active
+        self.samples.rest()
+        self.publish_diagnostics()  # at once, before the readers of this node are silent for long
 
     def _changed(self) -> None:
         if self.configured:
@@ -297,4 +296,5 @@ class TwinNode(LifecycleNodeMixin, SpinningNode):
         self._diagnostics.publish(self._health, ended=self.ended)
 
     def _health(self) -> Status:
-        return self.health() if self.configured else Status(self.NAME, Level.OK, "unconfigured")
+        status = self.health() if self.configured else Status(self.NAME, Level.OK, "unconfigured")
+        return status if self.active else of_inactive(status)

@@ -4,9 +4,11 @@
 from __future__ import annotations
 
 import time
+from collections import deque
 from collections.abc import Callable
 
 _LONGEST_SLEEP = 0.05  # s; longest delay of a signal
+_DROPS = 100  # drops of lag that are kept; there are at most five a second
 
 
 class Pacer:
@@ -25,15 +27,20 @@ class Pacer:
         """Frames that were not ready at their time."""
         self.lag_dropped = 0.0
         """Dropped lag: wall time by which simulated time has fallen behind for good [s]."""
-        self._dropped_at: float | None = None
+        self._dropped: deque[tuple[float, float]] = deque(maxlen=_DROPS)  # when [s], and how much [s]
+        self._on_time = (0.0, 0.0)  # wall and processor time at the last frame that was on time [s]
+        self._late_frames = 0  # since then
+        self.share = self.need = 0.0
+        """While the last lag grew: processor time of this thread over wall time, and over the time of the frames."""
 
     def restart(self) -> None:
         """Start afresh: the next frame is on time."""
         self._deadline = None
 
-    def dropped_lag_within(self, seconds: float) -> bool:
-        """Return True if lag was dropped in the last seconds."""
-        return self._dropped_at is not None and time.monotonic() - self._dropped_at < seconds
+    def dropped_lag_within(self, seconds: float) -> float:
+        """Lag that was dropped in the last seconds [s]."""
+        since = time.monotonic() - seconds
+        return sum(lag for when, lag in self._dropped if when > since)
 
     def wait(self, spend: Callable[[float], object] = time.sleep) -> bool:
         """Spend the time until the next frame is due; returns False at once when it is late.
@@ -42,20 +49,33 @@ class Pacer:
             spend: Spends at most a time [s]; given 50 ms at most.
         """
         now = time.monotonic()
-        if self._deadline is None:
-            self._deadline = now
-        self._deadline += self._period
+        self._deadline = (self._begin(now) if self._deadline is None else self._deadline) + self._period
         late = now - self._deadline
+        self._late_frames += 1
         if late > 0.0:
             self.overruns += 1
             if late > self._max_lag:
-                self.lag_dropped += late
-                self._dropped_at = now
-                self._deadline = now
+                self._drop(now, late)
             return False
         while self._deadline is not None and (left := self._deadline - time.monotonic()) > 0.0:
             spend(min(left, _LONGEST_SLEEP))
+        if self._deadline is not None:  # waking up late is no rest, so the deadline counts
+            self._begin(self._deadline)
         return True
+
+    def _begin(self, now: float) -> float:
+        """Begin with a frame that is on time."""
+        self._deadline, self._on_time, self._late_frames = now, (now, time.thread_time()), 0
+        return now
+
+    def _drop(self, now: float, late: float) -> None:
+        """Drop the lag, and keep what it came from."""
+        wall, processor = self._on_time
+        used = time.thread_time() - processor
+        self.share, self.need = used / (now - wall), used / (self._late_frames * self._period)
+        self.lag_dropped += late
+        self._dropped.append((now, late))
+        self._begin(now)
 
 
 class Tick:

@@ -97,6 +97,7 @@ class RigDriver(TwinNode):
         if self.settings.follow == "clock":
             self._simulated_clock = ClockSource(self.topics, self._on_clock, self._hold)
             self.every(1.0, self._repeat)
+            self.samples.expect(CLOCK_TOPIC)
         else:
             self.every(seconds(self._plan.period), self._on_wall)
         self._barrier = StartupBarrier(self, self.settings.wait_for, self.settings.wait_timeout, self._joins_a_run)
@@ -204,6 +205,4 @@ class RigDriver(TwinNode):
         level, text = self.samples.verdict()
         if len(drivers) > 1:
             return Status(self.NAME, Level.WARN, f"more than one driver: {', '.join(drivers)}", values)
-        if self._clock_stamp is None and level is Level.OK:
-            return Status(self.NAME, Level.OK, f"waiting for {CLOCK_TOPIC}", values)
         return Status(self.NAME, level, text or ("the schedule is over; holding" if over else "driving"), values)

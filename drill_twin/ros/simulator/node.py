@@ -20,6 +20,7 @@ from drill_twin.core.errors import RunStopped
 from drill_twin.dynamics.solver.slices import checked
 from drill_twin.io.messages.diagnostics import Level, Status
 from drill_twin.io.messages.topics import CLOCK_TOPIC, COMMANDER, RIG_COMMAND, RPS_COMMAND, WOB_COMMAND
+from drill_twin.ros.core.diagnostics_publisher import STANDS_STILL
 from drill_twin.ros.core.node import AUTOSTART, TwinNode
 from drill_twin.ros.core.parameters import Parameter
 from drill_twin.ros.core.scene_parameters import OVERRIDES, SCENE
@@ -142,6 +143,7 @@ class Simulator(TwinNode):
     PARAMETERS: ClassVar = PARAMETERS
     _control: RunControl
     """Control of the run; made by `configure`."""
+    _told = ""
 
     def __init__(self, context: Context, others: Iterable[str] = ()) -> None:
         super().__init__(context, others)
@@ -214,6 +216,10 @@ class Simulator(TwinNode):
         """Advance by a frame, or wait for what the run needs."""
         control, run = self._control, self._control.simulation
         run.tell_commander()
+        if (state := control.state_text) != self._told:
+            self._told = state
+            if state in STANDS_STILL:  # told at once, before the readers of this node miss its frames
+                self.publish_diagnostics()
         if control.runs:
             run.advance()
             control.frame_taken()

@@ -219,7 +219,7 @@ class Sources:
         stream, now = self._samples.age(source), self._clock()
         if math.isinf(stream):
             return None
-        simulator, own = self._report("simulator"), self._report(source)
+        simulator, own = self._report("simulator") or self._report("replayer"), self._report(source)
         if simulator and own and simulator.status.values.get("state", "running") != "running":
             stands_still = now - simulator.time < STALE + _LATE
             return min(stream, max(now - own.time - _LATE, 0.0)) if stands_still else stream

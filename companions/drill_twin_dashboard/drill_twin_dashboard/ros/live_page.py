@@ -52,6 +52,7 @@ class LivePage(TwinNode):
 
     NAME: ClassVar = "watch"
     PURPOSE: ClassVar = "Shows a running twin in the browser."
+    ON_CHANGE: ClassVar = (TWIN_SCENE,)
 
     def __init__(self, context: Context, viewers: FoxgloveServer | None = None) -> None:
         """Create the node.
@@ -76,7 +77,8 @@ class LivePage(TwinNode):
 
     def configure(self) -> None:
         """Create the subscriptions."""
-        self.topics.subscribe_scenes(partial(self.page_state.update, TWIN_SCENE))
+        self.samples.expect(TWIN_SCENE)
+        self.topics.subscribe_scenes(self._on_scene)
         self._followed: set[str] = set()
         self._follow(set(INPUTS) - {TWIN_SCENE} if self._viewers is None else TOPICS)
         if self._viewers is not None:
@@ -90,6 +92,10 @@ class LivePage(TwinNode):
                 self._viewers.offer(topic)
             depth = 1 if TOPICS[topic].latched else _DEPTH
             self.topics.subscribe_raw(topic, partial(self._on_message, topic), depth=depth)
+
+    def _on_scene(self, raw: bytes) -> None:
+        self.samples.take(TWIN_SCENE)
+        self.page_state.update(TWIN_SCENE, raw)
 
     def _on_message(self, topic: str, raw: bytes, info: Mapping[str, Any]) -> None:
         message = bytes(raw)
@@ -190,8 +196,10 @@ class LivePage(TwinNode):
         self.page_state.check_sources()
         if missing := self._sources.missing():
             return Status(self.NAME, Level.WARN, f"no diagnostics for more than {GONE:g} s of {', '.join(missing)}")
-        skipped = len(self.page_state.skipped)
-        return Status(self.NAME, Level.WARN if skipped else Level.OK, f"{skipped} messages could not be read")
+        if skipped := len(self.page_state.skipped):
+            return Status(self.NAME, Level.WARN, f"{skipped} messages could not be read")
+        level, text = self.samples.verdict()
+        return Status(self.NAME, level, text or "showing the twin")
 
 
 def run(arguments: Sequence[str], stop: StopRequest) -> None:

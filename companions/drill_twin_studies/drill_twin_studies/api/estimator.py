@@ -87,7 +87,7 @@ class Estimator:
         Args:
             stamp: Time of the sample [s], of any clock.
             values: Channels, `weight_on_bit` [N] and `rotation` [rad/s] by name; NaN where there is none. Set-points
-                that never come are the scene's.
+                that never come are the scene's. Without values, time passes, and the ensemble runs alone.
 
         Raises:
             ArgumentError: A name is no channel and no set-point, or a value is no number.

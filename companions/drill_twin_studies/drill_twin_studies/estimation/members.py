@@ -6,7 +6,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 import numpy as np
-from scipy import special, stats
+from scipy import special
 
 from drill_twin.core.arrays import Array, Mask
 from drill_twin.core.errors import ArgumentError, DrillTwinError, RunError
@@ -27,7 +27,7 @@ from drill_twin.whirl import criteria
 from drill_twin_studies.estimation.estimate import FilterWindow, Prediction, WindowTiming
 from drill_twin_studies.estimation.square_root_filter import Correction, applied
 from drill_twin_studies.estimation.subs import VALUES, LateralMotion, SubReader, asynchronous_radius, listed
-from drill_twin_studies.fitting.sampling import Ranges, in_ranges
+from drill_twin_studies.fitting.sampling import Ranges, in_ranges, sobol
 
 LOAD = "load_factor"
 """Number that is no key of a scene: weight on bit of a member over the weight that is commanded or indicated."""
@@ -74,7 +74,7 @@ class EstimatorMembers:
         self._full = {key: full_key(key, scene) for key in self.keys if key != LOAD}
         self._seeds = [seed + number + 1 for number in range(count)]
         self._check()
-        drawn = stats.qmc.Sobol(len(ranges), seed=np.random.default_rng(seed)).random(count)
+        drawn = sobol(len(ranges), count, np.random.default_rng(seed))
         self.normal: Array = special.ndtri(np.clip(drawn, 1e-4, 1.0 - 1e-4))
         self.twins = [Twin(self._scene(number)) for number in range(count)]
         self.lateral, self._reader = LateralMotion(scene, self.twins[0]), SubReader(scene, self.twins[0], self.subs)

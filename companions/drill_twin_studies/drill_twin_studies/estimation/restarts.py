@@ -19,13 +19,14 @@ from contextlib import suppress
 from typing import NamedTuple
 
 import numpy as np
-from scipy import special, stats
+from scipy import special
 
 from drill_twin.core.arrays import Array, Mask
 from drill_twin.core.errors import DrillTwinError, RunError
 from drill_twin_studies.estimation.estimate import FilterWindow
 from drill_twin_studies.estimation.innovations import rms
 from drill_twin_studies.estimation.members import EstimatorMembers
+from drill_twin_studies.fitting.sampling import sobol
 from drill_twin_studies.goodness import noise_of
 
 _BACK = 6, 4, 2
@@ -195,7 +196,7 @@ class Restarts:
         """Numbers, shape (count, d), with the chosen ones spread over a part of the prior."""
         if not chosen.any():
             return normal.copy()
-        cube = stats.qmc.Sobol(int(chosen.sum()), seed=1).random(count)
+        cube = sobol(int(chosen.sum()), count, 1)
         middle = 0.5 if centre is None else np.clip(centre[chosen], 0.5 * width, 1.0 - 0.5 * width)
         drawn = normal.copy()
         drawn[:, chosen] = special.ndtri(np.clip(middle + width * (cube - 0.5), 1e-3, 1.0 - 1e-3))

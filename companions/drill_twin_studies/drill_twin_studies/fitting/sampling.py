@@ -136,11 +136,17 @@ def sample(
     return result
 
 
+def sobol(dimensions: int, count: int, seed: int | np.random.Generator) -> Array:
+    """First points of a scrambled Sobol sequence in the unit cube, shape (count, dimensions).
+
+    They are balanced in powers of two; the points of the next power are drawn, and the first of them kept.
+    """
+    return np.asarray(stats.qmc.Sobol(dimensions, seed=seed).random_base2((count - 1).bit_length())[:count])
+
+
 def _draws(proposal: Any, count: int, dimensions: int, generator: np.random.Generator) -> Array:
     """Draws in the space where the prior is standard normal: quasi-random (Sobol) from it, else from a proposal."""
-    exponent = (count - 1).bit_length()  # Sobol's points are balanced in powers of two
-    uniform = stats.qmc.Sobol(dimensions, seed=generator).random_base2(exponent)[:count]
-    prior: Array = special.ndtri(np.clip(uniform, 1e-9, 1.0 - 1e-9))
+    prior: Array = special.ndtri(np.clip(sobol(dimensions, count, generator), 1e-9, 1.0 - 1e-9))
     if proposal is None:
         return prior
     drawn = proposal.rvs(count, generator).reshape(count, dimensions)

@@ -127,6 +127,7 @@ class Advisor(TwinNode):
         Parameter("margin", 0.05, "share of the ranges that an advised set-point keeps from a boundary", "", 0.0, 0.5),
         AUTOSTART,
     )
+    ON_CHANGE: ClassVar = (TWIN_SCENE,)
     _maker: MapMaker | None = None
 
     def configure(self) -> None:
@@ -145,6 +146,8 @@ class Advisor(TwinNode):
         self.topics.subscribe_scenes(self._on_scene)
         self.topics.subscribe(RIG_STATE, self._on_rig, depth=1)
         self.topics.subscribe(TWIN_SUMMARY, self._on_summary)
+        self.samples.expect(TWIN_SCENE)
+        self.samples.expect(RIG_STATE)
         self.every(_PERIOD, self._look_at_map)
 
     def complete(self) -> None:
@@ -163,6 +166,7 @@ class Advisor(TwinNode):
 
     def _on_scene(self, raw: bytes) -> None:
         self._drop_maker()
+        self.samples.take(TWIN_SCENE)
         self._adviser, self._trouble = None, ""
         self._clear()
         try:
@@ -227,8 +231,8 @@ class Advisor(TwinNode):
 
     def _advise(self, adviser: Adviser) -> None:
         advice = self._tracker.advise(adviser, whirls=self._whirls)
-        if self.samples.age(RIG_STATE) > GONE:
-            advice, text = None, f"no advice: {self.samples.verdict()[1]}"
+        if (silence := self.samples.verdict()[1]) and self.samples.age(RIG_STATE) > GONE:
+            advice, text = None, f"no advice: {silence}"
         else:
             text = self._tracker.waits_for if advice is None else advice.text
         now = text if advice is None else (advice.level, advice.target, advice.regime, self._whirls)
@@ -261,6 +265,4 @@ class Advisor(TwinNode):
             return Status(self.NAME, level, text, values)
         if self._maker is not None:
             return Status(self.NAME, Level.OK, self._maker.progress, values)
-        if self._adviser is None:
-            return Status(self.NAME, Level.OK, f"waiting for a scene on {TWIN_SCENE}", values)
-        return Status(self.NAME, self._level, self._said or f"waiting for {RIG_STATE}", values)
+        return Status(self.NAME, self._level, text or self._said or "no advice yet", values)

@@ -21,7 +21,7 @@ from drill_twin.io.messages.encode import encode_string
 from drill_twin.io.messages.good_samples import GoodSamples
 from drill_twin.io.messages.rig_messages import read_command
 from drill_twin.io.messages.sensor_messages import ImuReading
-from drill_twin.io.messages.stamps import seconds, stamp_ns
+from drill_twin.io.messages.stamps import NANOSECONDS, seconds, stamp_ns
 from drill_twin.io.messages.topics import (
     ESTIMATE,
     ESTIMATE_STATE,
@@ -96,6 +96,7 @@ def make_estimator(settings: SimpleNamespace) -> Following:
 
 _DEPTH = 1000  # messages that wait while another thread has the processor
 _BEHIND = 10  # windows that wait before the oldest is left out
+_LONGEST_PATIENCE = 4.0  # s; a sample that is 5 s later than the last one is a jump of the clock
 
 Result = TypeVar("Result")
 
@@ -107,6 +108,7 @@ class Estimator(TwinNode):
     PURPOSE: ClassVar = "Follows a rig with an ensemble: numbers, virtual sensors, chance of whirl, alarm."
     PARAMETERS: ClassVar = PARAMETERS
     ON_CHANGE: ClassVar = (RIG_COMMAND,)
+    TIMED_BY: ClassVar = MEASURED_RIG_STATE
     _thread: ThreadPoolExecutor | None = None
 
     def configure(self) -> None:
@@ -119,6 +121,8 @@ class Estimator(TwinNode):
         self._following: Following | None = None
         self._nearest: NearestTwin | None = None
         self._found: Estimate | None = None
+        self._heard: tuple[float, float] | None = None  # stamp of the last sample, and when it came [s]
+        self._alone = 0.0  # s since then, for which the ensemble has run alone
         self._encoder, self._channels = EstimateEncoder(), GoodSamples()
         self._making, self._closing = "making the ensemble", False
         self._thread = ThreadPoolExecutor(1, "ensemble")
@@ -131,6 +135,7 @@ class Estimator(TwinNode):
                 self.topics.advertise(topic)
             self.topics.prefix = ""
         self.topics.subscribe(MEASURED_RIG_STATE, self._on_measured, depth=_DEPTH)
+        self.samples.expect(MEASURED_RIG_STATE)
         for sub in self.settings.subs.split():
             self.topics.subscribe(readings_topic(sub), partial(self._on_readings, sub), depth=_DEPTH)
         if self.settings.set_points == "command":
@@ -157,6 +162,7 @@ class Estimator(TwinNode):
         if self._step is not None and self._step.done():
             self._publish(self._following, self._step.result())
             self._step = None
+        self._let_time_pass(self._following)
         while self._following.intake.waiting > _BEHIND:
             self._following.intake.skip()
         if self._thread is not None and self._step is None and self._following.intake.waiting:
@@ -188,6 +194,7 @@ class Estimator(TwinNode):
         if self.settings.show:
             self._nearest = NearestTwin(following)
             self.topics.publish(TWIN_SCENE, encode_string(following.scene.to_yaml()))
+        self.samples.expect(MEASURED_RIG_STATE)  # from now on
         self.get_logger().info(f"{len(following.filter.members)} members of {following.scene.name} follow the rig")
 
     def _on_command(self, state: JointState) -> None:
@@ -200,10 +207,31 @@ class Estimator(TwinNode):
             return
         values = values_of(state, set_points=self.settings.set_points == "measured")
         in_order = self._following.take(seconds(state.stamp), values | self._set_points)
+        stamp = seconds(state.stamp) if in_order or self._heard is None else self._heard[0]
+        self._heard, self._alone = (stamp, self._now), 0.0
         finite = {name: math.isfinite(values[name]) for name in self._following.channels}
         self.samples.take(MEASURED_RIG_STATE, finite=any(finite.values()), in_order=in_order)
         for name, known in finite.items():
             self._channels.take(f"{name} of {MEASURED_RIG_STATE}", finite=known, in_order=in_order)
+
+    @property
+    def _now(self) -> float:
+        """Time of this node's clock [s], which is simulated with `use_sim_time`."""
+        return self.get_clock().now().nanoseconds / NANOSECONDS
+
+    def _let_time_pass(self, following: Following) -> None:
+        """Let the time of a rig that is silent go on by this node's clock: the ensemble runs on alone.
+
+        A rig that says that its time stands still is waited for.
+        """
+        if self._heard is None or self.samples.rests:
+            return
+        stamp, since = self._heard
+        alone = self._now - since
+        patience = min(self.samples.patience(MEASURED_RIG_STATE), _LONGEST_PATIENCE)
+        if alone > patience and alone - self._alone >= self.settings.window:
+            self._alone = alone
+            following.take(stamp + alone, self._set_points)
 
     def _on_readings(self, sub: str, reading: ImuReading) -> None:
         if self._following is None:
@@ -233,9 +261,10 @@ class Estimator(TwinNode):
         values = {f"samples_{kind.replace(' ', '_')}": str(count) for kind, count in intake.troubles.items()}
         values |= {} if self._found is None else values_for_diagnostics(self._found)
         values |= {**self.samples.values(), **self._channels.values(), "windows_waiting": str(intake.waiting)}
-        (level, text), (_, lacks) = self.samples.verdict(), self._channels.verdict()
+        level, silence = self.samples.verdict()
+        lacks = "" if self.samples.rests else self._channels.verdict()[1]
         if level is not Level.OK:
-            return Status(self.NAME, level, text, values)
+            return Status(self.NAME, level, silence, values)
         level, text = (Level.OK, "") if self._found is None else trust_in(self._found)
         if text:
             return Status(self.NAME, level, text, values)
@@ -247,5 +276,5 @@ class Estimator(TwinNode):
             text = "too slow for real time, windows are left out; take fewer members or a coarser mesh"
             return Status(self.NAME, Level.WARN, text, values)
         if self._found is None:
-            return Status(self.NAME, Level.OK, f"waiting for {MEASURED_RIG_STATE}", values)
+            return Status(self.NAME, Level.OK, silence or "waiting for the end of the first window", values)
         return Status(self.NAME, *verdict_of(self._found), values)
