@@ -74,7 +74,6 @@ _ROWS = (
         "on change",
         "who drives: source of `/rig/command`, `by hand` for single values, `anonymous`; empty = nobody",
         latched=True,
-        depth=1,
     ),
     Topic(
         RIG_STATE,
@@ -152,7 +151,6 @@ _ROWS = (
         "(stick-slip); values `criterion` that decided and, of the string, `onset`; the level is always OK; codes: "
         "`/whirl/state`, `/twin/summary`",
         latched=True,
-        depth=100,
     ),
     Topic(
         WHIRL_ONSET,
@@ -162,7 +160,6 @@ _ROWS = (
         "first onset of whirl of the run, none later: `time_ref` its time, 0 = none so far, and again after a reset; "
         "`source` the mark; `header.stamp` when it was announced",
         latched=True,
-        depth=1,
     ),
     Topic(
         ADVICE_STATE,
@@ -182,7 +179,6 @@ _ROWS = (
         "once it has the map",
         "operating map (JSON): ranges, regime of each node, boundaries, safe window",
         latched=True,
-        depth=1,
         optional=True,
     ),
     Topic(
@@ -202,7 +198,6 @@ _ROWS = (
         "at the start",
         "resolved scene (YAML) with a `run` block: version, seed, elements, step",
         latched=True,
-        depth=1,
     ),
     Topic(
         TWIN_SUMMARY,
@@ -228,7 +223,7 @@ _ROWS = (
         "health of each node: real-time factor, time of a frame, guard events, age of the command, refused input, "
         "messages unread and dropped",
     ),
-    Topic(CLOCK_TOPIC, CLOCK, "simulator", _FULL_RATE, "simulated time, at every pace"),
+    Topic(CLOCK_TOPIC, CLOCK, "simulator", _FULL_RATE, "simulated time, at every pace", keeps_last=True),
 )
 
 _SUB = "SUB"

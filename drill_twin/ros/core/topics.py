@@ -94,10 +94,10 @@ class NodeTopics:
         self._inputs: list[tuple[Subscription, str, str]] = []  # with the type, and the name to count drops by
         self._drops = DropCounter()
 
-    def advertise(self, topic: str, *, latched: bool | None = None) -> Publisher:
+    def advertise(self, topic: str) -> Publisher:
         """Create the publisher of a topic, which is given bytes."""
         row = TOPICS[topic]
-        offered = quality(row, depth=row.publisher_depth, latched=latched)
+        offered = quality(row, depth=row.publisher_depth, latched=row.offered_latched)
         with _readable_overrides(topic):
             publisher = self._node.create_publisher(
                 message_class(row), relative(topic, self.prefix), offered, qos_overriding_options=_OVERRIDABLE
@@ -163,7 +163,7 @@ class NodeTopics:
         """Create the subscription to a topic; the callback receives bytes, and what rclpy knows of the message."""
         row = TOPICS[topic]
         keeps = row.latched if latched is None else latched
-        counted = topic if topic not in _SEVERAL_PUBLISHERS and depth != 1 and not row.latched else ""
+        counted = topic if topic not in _SEVERAL_PUBLISHERS and depth != 1 and not row.offered_latched else ""
 
         def take(*given: Any) -> None:
             raw, info = given if len(given) > 1 else given[0]  # rclpy 7.1.6 hands over both as one argument
