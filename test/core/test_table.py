@@ -43,7 +43,9 @@ def test_a_line_breaks_between_words_and_never_in_a_number():
 
 def test_a_word_longer_than_the_terminal_is_broken_where_the_column_says_so():
     path = "/home/a/very/long/path/of/an/environment/python"
-    lines = printed(Table(("", "", Column("", broken=True)), [("ok", "numpy", path), ("ok", "scipy", "1.17")]), width=40)
+    lines = printed(
+        Table(("", "", Column("", broken=True)), [("ok", "numpy", path), ("ok", "scipy", "1.17")]), width=40
+    )
     rows = [line.split() for line in lines.splitlines()]
     assert rows[2][:2] == ["ok", "numpy"]
     assert rows[2][2] + rows[3][0] == path
