@@ -51,6 +51,7 @@ class Topic:
     def publisher_depth(self) -> int:
         """Depth that the nodes offer: messages kept until every reader has them, 5 s at 200 Hz.
 
-        With a single one none was lost at 2000 messages a second, in bursts of five, since DDS sends at once.
+        With a single one none was lost at 2000 messages a second, in bursts of five, since DDS sends at once; in a
+        flood a latched message waits until every reader has the last.
         """
         return 1 if self.offered_latched else 1000

@@ -37,7 +37,6 @@ COMPILING = "compiling"
 """First word of the reason of a node that is not ready because it compiles."""
 _POLL = 0.05  # s
 _ANSWER_TIME = 1.0  # s; an answer is lost as long as DDS has not connected the server to the client
-_NO_ANSWER = "it did not answer"
 _RENEW_AFTER = 5  # requests without an answer, as where an earlier process was killed
 _GO_ON_AFTER = 2  # requests without an answer, where the run is under way
 
@@ -127,7 +126,7 @@ class StartupBarrier:
         if self._unanswered[name] % _RENEW_AFTER == 0:
             self._node.destroy_client(client)
             self._clients[name] = self._node.create_client(Trigger, f"{name}/ready")
-        return _NO_ANSWER
+        return "it did not answer"
 
 
 def answer_ready(node: TwinNode, response: Trigger.Response) -> Trigger.Response:

@@ -10,6 +10,7 @@ from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from typing import Any
 
+from rclpy.duration import Duration
 from rclpy.exceptions import InvalidParameterTypeException
 from rclpy.node import Node
 from rclpy.publisher import Publisher
@@ -25,6 +26,7 @@ from drill_twin.ros.core.graph import UNKNOWN_NAME, full_name, unmet
 from drill_twin.ros.core.parameters import ParameterError, given_parameters
 from drill_twin.ros.core.queues import DropCounter, SceneGate
 
+_PATIENCE = Duration(seconds=0.1)  # longest wait for a reader, which may have been killed
 _SEVERAL_PUBLISHERS = (DIAGNOSTICS, WOB_COMMAND, RPS_COMMAND)  # their sequence numbers cannot be told apart
 _QOS_OVERRIDES = "qos_overrides."
 _OVERRIDABLE = QoSOverridingOptions(
@@ -99,14 +101,15 @@ class NodeTopics:
         row = TOPICS[topic]
         offered = quality(row, depth=row.publisher_depth, latched=row.offered_latched)
         with _readable_overrides(topic):
-            publisher = self._node.create_publisher(
+            publisher = self.publishers[topic] = self._node.create_publisher(
                 message_class(row), relative(topic, self.prefix), offered, qos_overriding_options=_OVERRIDABLE
             )
-        self.publishers[topic] = publisher
         return publisher
 
     def publish(self, topic: str, raw: bytes) -> None:
-        """Publish a message on an advertised topic."""
+        """Publish a message on an advertised topic; a latched one replaces the last once every reader has that."""
+        if TOPICS[topic].latched:
+            self.publishers[topic].wait_for_all_acked(_PATIENCE)
         self.publishers[topic].publish(raw)
 
     def withdraw(self, topic: str) -> None:
