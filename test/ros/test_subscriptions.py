@@ -11,10 +11,11 @@ from rclpy.context import Context
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from rclpy.signals import SignalHandlerOptions
 
+from drill_twin.io.bag.reader import Bag
 from drill_twin.io.messages.cdr import ClockTemplate
 from drill_twin.io.messages.encode import encode_string
-from drill_twin.io.messages.topics import CLOCK_TOPIC, TOPICS, TWIN_SCENE, WHIRL_ONSET
-from drill_twin.io.messages.whirl_encode import OnsetMessage, encode_onset
+from drill_twin.io.messages.topics import CLOCK_TOPIC, TOPICS, TWIN_SCENE, WHIRL_MOTION, WHIRL_ONSET
+from drill_twin.io.messages.whirl_encode import OnsetMessage, SubjectMotion, encode_motion, encode_onset
 from drill_twin.ros.core.node import TwinNode
 from drill_twin.ros.core.topics import message_class
 
@@ -109,3 +110,17 @@ def test_a_documented_echo_is_connected_and_gets_what_is_latched(bench, observer
         bench.until(publisher.get_subscription_count)
         publisher.publish(kind())
     bench.until(lambda: got, 20.0, f"a message for {line}")
+
+
+def test_a_flood_of_a_latched_topic_reaches_a_recorder(bench, observer):
+    """One sample is kept, and is replaced once the readers have it."""
+    bag = bench.folder / "bag_0"
+    recorder = bench.start("recorder", bag=str(bag), topics=WHIRL_MOTION)
+    motions = observer.topics.advertise(WHIRL_MOTION)
+    bench.until(motions.get_subscription_count, what="the recorder")
+    bench.until_ready("recorder")
+    for stamp in range(3000):
+        observer.topics.publish(WHIRL_MOTION, encode_motion(stamp, [SubjectMotion("string", "spiral", "")]))
+    observer.flush()
+    assert recorder.end() == 0, recorder.text
+    assert Bag(bag).topics[WHIRL_MOTION].count > 2900  # a busy machine may keep it for 0.1 s from one of them
