@@ -125,7 +125,7 @@ def rig_table() -> Table:
     unstamped = (FLOAT64, STRING)
     rows = []
     for topic in (*TOPICS.values(), *OF_SUBS):
-        latched = ", latched" if topic.latched or topic.name == CLOCK_TOPIC else ""
+        latched = ", latched" if topic.offered_latched else ""
         stamp = "none" if topic.type_name in unstamped else f"simulated time, `{FRAME_ID}`"
         if topic.name == CLOCK_TOPIC:
             stamp = "simulated time"
@@ -172,5 +172,5 @@ def _shown(checks: list[Check], problems: int) -> Iterator[Table | Text | str]:
             rows.append((Text(check.verdict.value, styles[check.verdict]), check.name, check.found))
             if check.remedy:
                 rows.append(("", "", Text(f"-> {check.remedy}", styles[check.verdict])))
-        yield Table([Column("", whole=True), Column(""), Column("")], rows, title=section)
+        yield Table([Column("", whole=True), "", Column("", broken=True)], rows, title=section)
     yield f"{problems} problem{'' if problems == 1 else 's'}" if problems else "nothing is wrong"

@@ -17,6 +17,9 @@ if TYPE_CHECKING:
     from rich.text import Text
 
 
+_BROKEN = 20  # characters
+
+
 class Column(NamedTuple):
     """Column of a table."""
 
@@ -28,6 +31,8 @@ class Column(NamedTuple):
     """Aligned to the right, as numbers are."""
     whole: bool = False
     """Cells are not broken into lines in a narrow terminal; cells aligned to the right never are."""
+    broken: bool = False
+    """Words longer than `_BROKEN` are broken too in a narrow terminal, as a path is."""
 
     @property
     def title(self) -> str:
@@ -82,7 +87,9 @@ class Table:
         elif widths := _widths(self, console, options):
             table = RichTable(box=box.SIMPLE_HEAD, show_edge=False, pad_edge=False)
             for column, width in zip(self.columns, widths, strict=True):
-                table.add_column(Text(column.title), justify="right" if column.right else "left", width=width)
+                table.add_column(
+                    Text(column.title), justify="right" if column.right else "left", width=width, overflow="fold"
+                )
         elif _widths(turned := _turned(self), console, options):
             yield from turned.__rich_console__(console, options)
             return
@@ -172,7 +179,8 @@ def _widths(table: Table, console: Console, options: ConsoleOptions) -> list[int
         heading = Measurement.get(console, options, Text(column.title))
         cells = [Measurement.get(console, options, _in_terminal(row[number])) for row in table.rows]
         whole = column.whole or column.right
-        least.append(max([heading.minimum, *(cell.maximum if whole else cell.minimum for cell in cells)]))
+        longest = max([heading.minimum, *(cell.maximum if whole else cell.minimum for cell in cells)])
+        least.append(min(longest, _BROKEN) if column.broken else longest)
         widths.append(max(cell.maximum for cell in (heading, *cells)))
     for _ in range(sum(widths) + 3 * (len(widths) - 1) - options.max_width):
         able = [number for number, width in enumerate(widths) if width > least[number]]

@@ -41,6 +41,17 @@ def test_a_line_breaks_between_words_and_never_in_a_number():
     ]  # fmt: skip
 
 
+def test_a_word_longer_than_the_terminal_is_broken_where_the_column_says_so():
+    path = "/home/a/very/long/path/of/an/environment/python"
+    lines = printed(
+        Table(("", "", Column("", broken=True)), [("ok", "numpy", path), ("ok", "scipy", "1.17")]), width=40
+    )
+    rows = [line.split() for line in lines.splitlines()]
+    assert rows[2][:2] == ["ok", "numpy"]
+    assert rows[2][2] + rows[3][0] == path
+    assert rows[4] == ["ok", "scipy", "1.17"]
+
+
 def test_numbers_that_are_too_wide_have_their_rows_and_columns_exchanged():
     columns = ("operation", *(Column(name, right=True) for name in ("hookload", "torque", "stretch", "turns")))
     rows = [("drill", 1.25, 0.5, 3, 4), ("slide", 2, 3, 4, 5)]

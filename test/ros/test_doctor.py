@@ -5,14 +5,19 @@ import json
 import os
 import subprocess
 import sys
+import threading
+import time
+from dataclasses import replace
 
 import pytest
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
+from rclpy.time import Time
+from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Float64
 
 from drill_twin.io.messages.diagnostics import Level, Status
-from drill_twin.ros.doctor.graph import Observed, graph_checks
+from drill_twin.ros.doctor.graph import CLOCKS, Observed, graph_checks, observe
 from drill_twin.ros.doctor.installation import Verdict, ros_installation
 
 
@@ -56,6 +61,41 @@ def test_a_running_twin_is_described_and_faults_are_named(bench):
     assert all(check["remedy"] for check in checks.values() if check["verdict"] == "problem")
     assert ends
     assert simulator.end() == 0
+
+
+def test_a_clock_is_timed_by_when_it_was_sent(bench):
+    """A doctor that comes late to its messages, on a busy machine, takes no faster clock for it."""
+    quality = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+    clock, stopped, delays = bench.node.create_publisher(Clock, "/clock", quality), threading.Event(), [1.5]
+
+    def tell():
+        while not stopped.wait(0.01):
+            clock.publish(Clock(clock=Time(nanoseconds=time.time_ns()).to_msg()))
+
+    def spin_late(seconds):
+        if delays:
+            time.sleep(delays.pop())
+        bench.spin(seconds)
+
+    bench.until(lambda: bench.node.count_publishers("/clock") == 1)
+    sender = threading.Thread(target=tell)
+    sender.start()
+    try:
+        seen = observe(bench.node, spin_late, 4.0)
+    finally:
+        stopped.set()
+        sender.join()
+    (check,) = [check for check in graph_checks(replace(seen, nodes=["/test"])) if check.section == CLOCKS]
+    assert check.found.endswith("1.00 x real time"), check
+
+
+@pytest.mark.parametrize(("tools", "advice"), [("", "drill-twin ros node twin"), ("ros2", "ros2 launch drill_twin")])
+def test_the_way_to_start_a_twin_is_one_that_is_installed(tmp_path, monkeypatch, tools, advice):
+    for tool in filter(None, [tools]):
+        (tmp_path / tool).touch(0o755)
+    monkeypatch.setenv("PATH", str(tmp_path))
+    (check,) = graph_checks(Observed([], {}, {}, {}, {}))
+    assert check.remedy.startswith(advice)
 
 
 def test_nodes_that_wait_in_a_pause_of_their_simulator_are_no_problem():

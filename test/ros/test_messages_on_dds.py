@@ -2,13 +2,29 @@
 """Messages on DDS: every topic has the type of the contract, and every number its value."""
 
 import math
+import time
+from collections import Counter
+from functools import partial
 
 import pytest
+from rclpy.qos import DurabilityPolicy, QoSProfile
 from rclpy.serialization import deserialize_message
 from std_msgs.msg import Float64
 
 from drill_twin.io.bag.reader import Bag
-from drill_twin.io.messages.topics import MARKS_STATE, RIG_COMMAND, RPS_COMMAND, STRING_POSES, TOPICS, WOB_COMMAND
+from drill_twin.io.messages.topics import (
+    CLOCK_TOPIC,
+    COMMANDER,
+    MARKS_STATE,
+    RIG_COMMAND,
+    RPS_COMMAND,
+    STRING_POSES,
+    TOPICS,
+    TWIN_SCENE,
+    WHIRL_MOTION,
+    WHIRL_ONSET,
+    WOB_COMMAND,
+)
 from drill_twin.io.messages.type_store import type_hash
 from drill_twin.ros.core.topics import message_class
 from drill_twin.scene import load_scene
@@ -78,12 +94,34 @@ def test_the_graph_has_the_types_of_the_contract(bench):
         for info in bench.node.get_publishers_info_by_topic(name):
             assert str(info.topic_type_hash) == type_hash(topic.type_name)
             assert str(info.qos_profile.reliability.name) == "RELIABLE"
-            if topic.latched:
+            if topic.offered_latched:
                 assert info.qos_profile.durability.name == "TRANSIENT_LOCAL"
     # Nothing else is published, but what every ROS node has.
     of_ros = ("/rosout", "/parameter_events", "/transition_event")  # the last: of every lifecycle node
     ours = {name for name in found if not name.endswith(of_ros)}
     assert ours == set(TOPICS)
+    assert process.end() == 0
+
+
+def test_a_late_reader_gets_one_old_sample_of_each_latched_topic(bench):
+    """Also a reader that would take a thousand, as a recorder of another hand does."""
+    process, told = bench.start("twin"), bench.collect(WHIRL_MOTION)
+    bench.until(lambda: len(told) > 3, what="motion states")
+    old, quality = Counter(), QoSProfile(depth=1000, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+    taken, came = Counter(), time.time_ns()
+
+    def received(name, _, info):
+        taken[name] += 1
+        old[name] += info["source_timestamp"] < came
+
+    topics = {name: topic for name, topic in TOPICS.items() if bench.node.count_publishers(name)}
+    offers = {name: bench.node.get_publishers_info_by_topic(name)[0].qos_profile.durability for name in topics}
+    latched = [name for name, offered in offers.items() if offered == DurabilityPolicy.TRANSIENT_LOCAL]
+    assert {CLOCK_TOPIC, COMMANDER, TWIN_SCENE, WHIRL_MOTION, WHIRL_ONSET} == set(latched)
+    for name in latched:
+        bench.node.create_subscription(message_class(topics[name]), name, partial(received, name), quality)
+    bench.until(lambda: all(taken[name] for name in latched), what="a sample of each")
+    assert not [name for name in latched if old[name] > 1], old
     assert process.end() == 0
 
 

@@ -1,18 +1,21 @@
 # SPDX-License-Identifier: Apache-2.0
 """Subscriptions of a node bring decoded messages; one that cannot be used is counted, and ends nothing."""
 
+import re
 import time
 
 import pytest
 import rclpy
+from documented_lines import ros2_lines
 from rclpy.context import Context
-from rclpy.qos import DurabilityPolicy, QoSProfile
+from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from rclpy.signals import SignalHandlerOptions
 
+from drill_twin.io.bag.reader import Bag
 from drill_twin.io.messages.cdr import ClockTemplate
 from drill_twin.io.messages.encode import encode_string
-from drill_twin.io.messages.topics import CLOCK_TOPIC, TOPICS, TWIN_SCENE, WHIRL_ONSET
-from drill_twin.io.messages.whirl_encode import OnsetMessage, encode_onset
+from drill_twin.io.messages.topics import CLOCK_TOPIC, TOPICS, TWIN_SCENE, WHIRL_MOTION, WHIRL_ONSET
+from drill_twin.io.messages.whirl_encode import OnsetMessage, SubjectMotion, encode_motion, encode_onset
 from drill_twin.ros.core.node import TwinNode
 from drill_twin.ros.core.topics import message_class
 
@@ -80,3 +83,44 @@ def test_after_a_scene_that_took_long_the_newest_waits_for_its_turn(bench, obser
     assert found == [first]
     until(observer, lambda: len(found) > 1)
     assert found == [first, third]
+
+
+def echo_quality(line, offers):
+    """Quality of service that `ros2 topic echo` of Jazzy asks for: with any flag it starts from sensor data."""
+    flags = dict(re.findall(r"--qos-(\w+) (\w+)", line))
+    reliable = all(offer.reliability == ReliabilityPolicy.RELIABLE for offer in offers) and not flags
+    latched = all(offer.durability == DurabilityPolicy.TRANSIENT_LOCAL for offer in offers) and not flags
+    return QoSProfile(
+        depth=int(flags.get("depth", 5)),
+        reliability=ReliabilityPolicy[flags.get("reliability", "reliable" if reliable else "best_effort").upper()],
+        durability=DurabilityPolicy[flags.get("durability", "transient_local" if latched else "volatile").upper()],
+    )
+
+
+@pytest.mark.parametrize("line", [line for line in ros2_lines().documented() if "topic echo" in line])
+def test_a_documented_echo_is_connected_and_gets_what_is_latched(bench, observer, line):
+    topic, got = line.split()[-1], []
+    kind = message_class(TOPICS[topic])
+    publisher = observer.topics.advertise(topic)
+    publisher.publish(kind())
+    bench.until(lambda: bench.node.count_publishers(topic), what=topic)
+    offers = [info.qos_profile for info in bench.node.get_publishers_info_by_topic(topic)]
+    bench.node.create_subscription(kind, topic, got.append, echo_quality(line, offers))
+    if not TOPICS[topic].latched:
+        bench.until(publisher.get_subscription_count)
+        publisher.publish(kind())
+    bench.until(lambda: got, 20.0, f"a message for {line}")
+
+
+def test_a_flood_of_a_latched_topic_reaches_a_recorder(bench, observer):
+    """One sample is kept, and is replaced once the readers have it."""
+    bag = bench.folder / "bag_0"
+    recorder = bench.start("recorder", bag=str(bag), topics=WHIRL_MOTION)
+    motions = observer.topics.advertise(WHIRL_MOTION)
+    bench.until(motions.get_subscription_count, what="the recorder")
+    bench.until_ready("recorder")
+    for stamp in range(3000):
+        observer.topics.publish(WHIRL_MOTION, encode_motion(stamp, [SubjectMotion("string", "spiral", "")]))
+    observer.flush()
+    assert recorder.end() == 0, recorder.text
+    assert Bag(bag).topics[WHIRL_MOTION].count > 2900  # a busy machine may keep it for 0.1 s from one of them

@@ -76,7 +76,6 @@ _ROWS = (
         "on change",
         "who drives: source of `/rig/command`, `by hand` for single values, `anonymous`; empty = nobody",
         latched=True,
-        depth=1,
     ),
     Topic(
         RIG_STATE,
@@ -154,7 +153,6 @@ _ROWS = (
         "(stick-slip); values `criterion` that decided and, of the string, `onset`; the level is always OK; codes: "
         "`/whirl/state`, `/twin/summary`",
         latched=True,
-        depth=100,
     ),
     Topic(
         WHIRL_ONSET,
@@ -164,7 +162,6 @@ _ROWS = (
         "first onset of whirl of the run, none later: `time_ref` its time, 0 = none so far, and again after a reset; "
         "`source` the mark; `header.stamp` when it was announced",
         latched=True,
-        depth=1,
     ),
     Topic(
         ADVICE_STATE,
@@ -184,7 +181,6 @@ _ROWS = (
         "once it has the map",
         "operating map (JSON): ranges, regime of each node, boundaries, safe window",
         latched=True,
-        depth=1,
         optional=True,
     ),
     Topic(
@@ -204,7 +200,6 @@ _ROWS = (
         "at the start",
         "resolved scene (YAML) with a `run` block: version, seed, elements, step",
         latched=True,
-        depth=1,
     ),
     Topic(
         TWIN_SUMMARY,
@@ -230,7 +225,7 @@ _ROWS = (
         "health of each node: real-time factor, time of a frame, guard events, age of the command, refused input, "
         "messages unread and dropped",
     ),
-    Topic(CLOCK_TOPIC, CLOCK, "simulator", _FULL_RATE, "simulated time, at every pace"),
+    Topic(CLOCK_TOPIC, CLOCK, "simulator", _FULL_RATE, "simulated time, at every pace", keeps_last=True),
 )
 
 _SUB = "SUB"
@@ -251,8 +246,8 @@ OF_SUBS = (
 )
 """Topics of downhole subs, with SUB for the name of the sub."""
 OF_TF = {
-    TF: Topic(TF, TF_TYPE, "simulator", "20-30 Hz", "frames of the string", depth=100, optional=True),
-    TF_STATIC: Topic(TF_STATIC, TF_TYPE, "simulator", "once", "frame of the hole", True, 100, optional=True),
+    TF: Topic(TF, TF_TYPE, "simulator", "20-30 Hz", "frames of the string", optional=True),
+    TF_STATIC: Topic(TF_STATIC, TF_TYPE, "simulator", "once", "frame of the hole", latched=True, optional=True),
 }
 """Topics of frames, where the package tf2_msgs is installed; a bag may hold frames of any node."""
 _NAMED = re.compile(r"(?:/measured)?/downhole/([A-Za-z][A-Za-z0-9_]{0,59})/(?:imu|summary)")

@@ -28,7 +28,7 @@ _LONGEST_WAIT = 0.05  # s
 _DAY = 86400.0  # s
 _LONGEST = 365.0 * _DAY
 """Length of a recording [s]; a message later than that has a damaged time, for which a replay would wait."""
-_ACKNOWLEDGE = 50  # messages; half of what a publisher keeps
+_ACKNOWLEDGE = 50  # messages; of a burst so short the transport drops none, not even of a topic that keeps one
 
 
 class Replayer(TwinNode):

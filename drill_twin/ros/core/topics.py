@@ -11,6 +11,7 @@ from contextlib import contextmanager
 from importlib.util import find_spec
 from typing import Any
 
+from rclpy.duration import Duration
 from rclpy.exceptions import InvalidParameterTypeException
 from rclpy.node import Node
 from rclpy.publisher import Publisher
@@ -26,6 +27,7 @@ from drill_twin.ros.core.graph import UNKNOWN_NAME, full_name, unmet
 from drill_twin.ros.core.parameters import ParameterError, given_parameters
 from drill_twin.ros.core.queues import DropCounter, SceneGate
 
+_PATIENCE = Duration(seconds=0.1)  # longest wait for a reader, which may have been killed
 _SEVERAL_PUBLISHERS = (DIAGNOSTICS, WOB_COMMAND, RPS_COMMAND, TF)  # their sequence numbers cannot be told apart
 _QOS_OVERRIDES = "qos_overrides."
 _OVERRIDABLE = QoSOverridingOptions(
@@ -100,19 +102,20 @@ class NodeTopics:
         self._inputs: list[tuple[Subscription, str, str]] = []  # with the type, and the name to count drops by
         self._drops = DropCounter()
 
-    def advertise(self, topic: str, *, latched: bool | None = None) -> Publisher:
+    def advertise(self, topic: str) -> Publisher:
         """Create the publisher of a topic, which is given bytes."""
         row = TOPICS[topic]
-        offered = quality(row, depth=row.publisher_depth, latched=latched)
+        offered = quality(row, depth=row.publisher_depth, latched=row.offered_latched)
         with _readable_overrides(topic):
-            publisher = self._node.create_publisher(
+            publisher = self.publishers[topic] = self._node.create_publisher(
                 message_class(row), relative(topic, self.prefix), offered, qos_overriding_options=_OVERRIDABLE
             )
-        self.publishers[topic] = publisher
         return publisher
 
     def publish(self, topic: str, raw: bytes) -> None:
-        """Publish a message on an advertised topic."""
+        """Publish a message on an advertised topic; a latched one replaces the last once every reader has that."""
+        if TOPICS[topic].latched:
+            self.publishers[topic].wait_for_all_acked(_PATIENCE)
         self.publishers[topic].publish(raw)
 
     def withdraw(self, topic: str) -> None:
@@ -174,7 +177,7 @@ class NodeTopics:
         """Create the subscription to a topic; the callback receives bytes, and what rclpy knows of the message."""
         row = TOPICS[topic]
         keeps = row.latched if latched is None else latched
-        counted = topic if topic not in _SEVERAL_PUBLISHERS and depth != 1 and not row.latched else ""
+        counted = topic if topic not in _SEVERAL_PUBLISHERS and depth != 1 and not row.offered_latched else ""
 
         def take(*given: Any) -> None:
             raw, info = given if len(given) > 1 else given[0]  # rclpy 7.1.6 hands over both as one argument

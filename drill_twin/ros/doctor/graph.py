@@ -5,10 +5,13 @@ from __future__ import annotations
 
 import time
 from collections import Counter
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import partial
 from itertools import pairwise
+from shutil import which
+from typing import Any
 
 from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
@@ -40,7 +43,7 @@ class Observed:
     statuses: dict[str, Status]
     """Diagnostics by full name of the node."""
     clocks: dict[str, list[tuple[float, int]]]
-    """Wall time [s] and simulated time [ns] of each message, by topic."""
+    """Wall time [s] at which each message was sent, and its simulated time [ns], by topic."""
 
 
 def observe(node: Node, spin_once: Callable[[float], None], seconds: float) -> Observed:
@@ -49,17 +52,12 @@ def observe(node: Node, spin_once: Callable[[float], None], seconds: float) -> O
     clocks: dict[str, list[tuple[float, int]]] = {}
 
     def on_diagnostics(raw: bytes) -> None:
-        try:
-            found = decode_diagnostics(bytes(raw))[1]
-        except MessageError:
-            return
-        statuses.update({f"/{status.name}": status for status in found})
+        with suppress(MessageError):
+            statuses.update({f"/{status.name}": status for status in decode_diagnostics(bytes(raw))[1]})
 
-    def on_clock(topic: str, raw: bytes) -> None:
-        try:
-            clocks.setdefault(topic, []).append((time.monotonic(), read_clock(bytes(raw))))
-        except MessageError:
-            return
+    def on_clock(topic: str, raw: bytes, info: Mapping[str, Any]) -> None:
+        with suppress(MessageError):
+            clocks.setdefault(topic, []).append((info["source_timestamp"] * 1e-9, read_clock(bytes(raw))))
 
     row = TOPICS[DIAGNOSTICS]
     node.create_subscription(message_class(row), DIAGNOSTICS, on_diagnostics, quality(row), raw=True)
@@ -92,7 +90,8 @@ def observe(node: Node, spin_once: Callable[[float], None], seconds: float) -> O
 def graph_checks(seen: Observed) -> Iterator[Check]:
     """Checks of the nodes, the topics and the clocks."""
     if not seen.nodes:
-        yield Check(NODES, "nodes", "none in this domain", Verdict.NOTE, "ros2 launch drill_twin twin.launch.py")
+        start = "ros2 launch drill_twin twin.launch.py" if which("ros2") else "drill-twin ros node twin"
+        yield Check(NODES, "nodes", "none in this domain", Verdict.NOTE, start)
         return
     yield from _nodes(seen)
     for topic in sorted(seen.publishers):

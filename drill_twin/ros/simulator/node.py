@@ -19,7 +19,7 @@ from rclpy.context import Context
 from drill_twin.core.errors import RunStopped
 from drill_twin.dynamics.solver.slices import checked
 from drill_twin.io.messages.diagnostics import Level, Status
-from drill_twin.io.messages.topics import CLOCK_TOPIC, COMMANDER, RIG_COMMAND, RPS_COMMAND, WOB_COMMAND
+from drill_twin.io.messages.topics import COMMANDER, RIG_COMMAND, RPS_COMMAND, WOB_COMMAND
 from drill_twin.ros.core.diagnostics_publisher import STANDS_STILL
 from drill_twin.ros.core.node import AUTOSTART, TwinNode
 from drill_twin.ros.core.parameters import Parameter
@@ -163,8 +163,7 @@ class Simulator(TwinNode):
         # Before its own topics are there: a simulator that runs would report a second publisher.
         start.refuse_second_simulator(own=0)
         for topic in (*topics_of(scene), COMMANDER):
-            # The clock is latched, so that a driver which returns during a run learns the time at once.
-            self.topics.advertise(topic, latched=True if topic == CLOCK_TOPIC else None)
+            self.topics.advertise(topic)
         self._control = RunControl(SimulatorRun(self, scene, rate, self._places), self)
         run = self._control.simulation
         start.refuse_second_simulator(own=1)

@@ -38,9 +38,9 @@ def test_the_contract():
         "/diagnostics": "DiagnosticArray",
         "/clock": "Clock",
     }
-    latched = {name: topic.depth for name, topic in TOPICS.items() if topic.latched}
-    assert latched.pop("/whirl/motion") == 100  # it comes on change too, and a recorder misses none
-    assert latched == dict.fromkeys(("/rig/commander", "/whirl/onset", "/advice/map", "/twin/scene"), 1)
+    latched = {name: topic.publisher_depth for name, topic in TOPICS.items() if topic.offered_latched}
+    names = ("/rig/commander", "/whirl/motion", "/whirl/onset", "/advice/map", "/twin/scene", "/clock")
+    assert latched == dict.fromkeys(names, 1)
 
 
 def test_every_definition_is_known():

@@ -142,8 +142,8 @@ FAULTS = (
     Fault(
         "quality of service: a latched topic is volatile",
         "drill_twin/ros/core/topics.py",
-        "keep = topic.latched if latched is None else latched",
-        "keep = bool(latched)",
+        "latched=row.offered_latched)",
+        "latched=False)",
         "test/ros/test_record_and_replay.py",
         "joins_late",
     ),
