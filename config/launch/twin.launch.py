@@ -126,8 +126,8 @@ def generate_launch_description() -> LaunchDescription:
     driver = {
         "scene": scene,
         "overrides": overrides,
-        "weight_on_bit": _text("wob"),
-        "rotation": _text("rpm"),
+        "wob": _text("wob"),
+        "rpm": _text("rpm"),
         "table": _text("table"),
         "wait_for": ParameterValue(waited, value_type=str),
     }

@@ -16,12 +16,13 @@ from rclpy.context import Context
 from rclpy.node import Node
 
 from drill_twin.core.companions import COMPANIONS
+from drill_twin.ros.core.given import given_parameters, warn_of_misspelled
 from drill_twin.ros.core.node import TwinNode
 from drill_twin.ros.core.node_main import init_context, print_help, run_in_order
-from drill_twin.ros.core.parameters import Parameter, declare, given_parameters
+from drill_twin.ros.core.parameters import Parameter, declare
 from drill_twin.ros.core.stop_request import StopRequest
 from drill_twin.ros.deployment import readable_refusal
-from drill_twin.ros.entry_points import load
+from drill_twin.ros.entry_points import load, parameter_names
 
 _OF_COMPANIONS = tuple(
     (flag, node, companion.name)
@@ -77,7 +78,7 @@ def _flags(context: Context) -> SimpleNamespace:
     """Flags among the parameters given; the nodes judge the other ones."""
     node = Node(NAME, context=context)
     try:
-        return declare(node, PARAMETERS, other_names=given_parameters(node))
+        return declare(node, PARAMETERS, other_names=given_parameters(node))[0]
     finally:
         node.destroy_node()
 
@@ -107,10 +108,11 @@ def run(arguments: Sequence[str], stop: StopRequest, *observers: Kind) -> None:
             table = _table(kinds.values())
             nodes: list[TwinNode] = [kinds[name](context, table) for name in wanted]
             if flags.drive:
-                waited = " ".join(["simulator", *(name for name in wanted if name in _WAITED_FOR)])
+                waited = ("simulator", *(name for name in wanted if name in _WAITED_FOR))
                 nodes.insert(0, kinds["rig_driver"](context, table, wait_for=waited))
             nodes += [observer(context, table) for observer in observers]
             simulator = kinds["simulator"](context, table)
+            warn_of_misspelled(simulator, simulator.unknown, parameter_names())
             # Imported while there is one thread: a signal during an import would leave the others a partial module.
             for module in ("drill_twin.dynamics.twin.twin", "drill_twin.io.whirl_pipeline"):
                 importlib.import_module(module)

@@ -13,7 +13,8 @@ from __future__ import annotations
 
 import importlib
 import sys
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import suppress
 from importlib.util import find_spec
 from typing import Any, NoReturn
 
@@ -57,6 +58,13 @@ def node_names() -> tuple[str, ...]:
     return (*NODES, *(entry.name for entry in entries(GROUP) if entry.name not in programs))
 
 
+def parameter_names() -> Iterator[str]:
+    """Names of the parameters of all nodes that can be imported, those of the core first."""
+    for name in node_names():
+        with suppress(DrillTwinError):
+            yield from (parameter.name for parameter in load(name).PARAMETERS)
+
+
 def load(name: str) -> Any:
     """Import the class of a node, or the function of a program.
 
@@ -91,7 +99,7 @@ def start(name: str, arguments: Sequence[str] | None = None) -> int:
         if isinstance(target, type):
             from drill_twin.ros.core.node_main import run_node
 
-            run_node(target, given, stop)
+            run_node(target, given, stop, parameter_names())
         else:
             target(given, stop)
     except Stopped:

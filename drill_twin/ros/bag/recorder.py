@@ -16,8 +16,9 @@ from drill_twin.io.bag.metadata import RecordedTopic, contract_topic
 from drill_twin.io.bag.writer import BagWriter
 from drill_twin.io.messages.diagnostics import Level, Status
 from drill_twin.io.messages.topics import DIAGNOSTICS, TOPICS, sub_of
+from drill_twin.ros.core.given import ParameterError
 from drill_twin.ros.core.node import AUTOSTART, TwinNode
-from drill_twin.ros.core.parameters import Parameter, ParameterError
+from drill_twin.ros.core.parameters import Parameter
 from drill_twin.ros.core.topics import Received
 
 _DEPTH = 2000  # messages of one topic; 10 s at 200 Hz
@@ -40,9 +41,9 @@ class Recorder(TwinNode):
         ),
         Parameter(
             "topics",
-            "",
-            'topics to record, separated by spaces; "": all of the contract',
-            such_as="/rig/state /marks/state",
+            (),
+            "topics to record; none: all of the contract",
+            such_as='["/rig/state", "/marks/state"]',
         ),
         AUTOSTART,
     )
@@ -53,7 +54,7 @@ class Recorder(TwinNode):
         self._namespace = self.get_namespace().rstrip("/")
         self._told = 0  # sentences on changes of the bag by other programs
         self._failure = ""  # a bag that failed once is not written to again, so that the first error is reported
-        topics = self.settings.topics.split() or list(TOPICS)
+        topics = self.settings.topics or TOPICS
         if unknown := [topic for topic in topics if topic not in TOPICS]:
             raise ParameterError(
                 f"parameter topics: expected topics of {', '.join(TOPICS)}, found {', '.join(unknown)}"

@@ -13,8 +13,9 @@ from drill_twin.io.messages.cdr import ClockTemplate
 from drill_twin.io.messages.diagnostics import Level, Status
 from drill_twin.io.messages.topics import CLOCK_TOPIC, DIAGNOSTICS, TOPICS, TWIN_SCENE
 from drill_twin.io.messages.type_store import deserialize
+from drill_twin.ros.core.given import ParameterError
 from drill_twin.ros.core.node import AUTOSTART, TwinNode
-from drill_twin.ros.core.parameters import Parameter, ParameterError
+from drill_twin.ros.core.parameters import Parameter
 from drill_twin.ros.core.startup_barrier import StartupBarrier, unmatched_readers
 
 _DISCOVERY = 0.6  # s; longest discovery of a running node
@@ -42,14 +43,15 @@ class Replayer(TwinNode):
         ),
         Parameter(
             "topics",
-            "",
-            'topics to replay, separated by spaces; "": all of the contract that the bag holds',
-            such_as="/rig/state /marks/state",
+            (),
+            "topics to replay; none: all of the contract that the bag holds",
+            such_as='["/rig/state", "/marks/state"]',
         ),
         Parameter(
             "map",
-            "",
-            "topics of the bag that have other names than ours, as /camera/marks=/marks/state, separated by spaces",
+            (),
+            "topics of the bag that have other names than ours",
+            such_as='["/camera/marks=/marks/state"]',
         ),
         Parameter("twin", "", 'namespace of the twin in the bag, as /rig2, where it holds several; "": the only one'),
         Parameter(
@@ -59,13 +61,14 @@ class Replayer(TwinNode):
         ),
         Parameter(
             "leave_out",
-            "",
-            "topics not to replay, as /whirl/state /whirl/motion /whirl/onset /twin/summary for a new analysis",
+            (),
+            "topics not to replay; for a new analysis the findings",
+            such_as='["/whirl/state", "/whirl/motion", "/whirl/onset", "/twin/summary"]',
         ),
         Parameter(
             "clock_rate", 40.0, "/clock of a bag that holds none, per second of wall time; 0: none", "Hz", 0.0, 1000.0
         ),
-        Parameter("wait_for", "", "nodes that must be ready before the first message, separated by spaces"),
+        Parameter("wait_for", (), "nodes that must be ready before the first message"),
         Parameter("wait_timeout", 30.0, "longest wait for them", "s", 0.0, 3600.0),
         Parameter("loop", False, "whether to begin again at the end"),
         AUTOSTART,
@@ -82,7 +85,7 @@ class Replayer(TwinNode):
         self._skipped = SkippedMessages()
         if not settings.bag:
             raise ParameterError("parameter bag: expected the path of a bag, found none; add -p bag:=PATH")
-        names = parse_remappings(settings.map.split(), "parameter map")
+        names = parse_remappings(settings.map, "parameter map")
         self._bag = Bag(settings.bag, names=names, namespace=settings.twin or None)
         if settings.keep_namespace and self.get_namespace() == "/":
             self.topics.prefix = self._bag.namespace
@@ -91,7 +94,7 @@ class Replayer(TwinNode):
             if topic != DIAGNOSTICS:  # every node has its publisher
                 self.topics.advertise(topic)
         self._clock_period = 0.0
-        if CLOCK_TOPIC not in self._topics and settings.clock_rate and CLOCK_TOPIC not in settings.leave_out.split():
+        if CLOCK_TOPIC not in self._topics and settings.clock_rate and CLOCK_TOPIC not in settings.leave_out:
             self.topics.advertise(CLOCK_TOPIC)
             self._clock_period = 1.0 / settings.clock_rate
         self._clock_message = ClockTemplate()
@@ -120,7 +123,7 @@ class Replayer(TwinNode):
 
     def _chosen(self) -> list[str]:
         held = [name for name, topic in self._bag.topics.items() if name in TOPICS and topic.count]
-        wanted, unwanted = self.settings.topics.split(), self.settings.leave_out.split()
+        wanted, unwanted = self.settings.topics, self.settings.leave_out
         for name, values in (("topics", wanted), ("leave_out", unwanted)):
             if unknown := [topic for topic in values if topic not in self._bag.topics and topic not in TOPICS]:
                 raise ParameterError(
@@ -146,7 +149,7 @@ class Replayer(TwinNode):
                 self.topics.publish(TWIN_SCENE, first)
         discovered = time.monotonic() + _DISCOVERY
         prefix = f"{self.topics.prefix}/" if self.topics.prefix else ""
-        names = " ".join(prefix + name for name in self.settings.wait_for.split())
+        names = " ".join(prefix + name for name in self.settings.wait_for)
         barrier = StartupBarrier(self, names, self.settings.wait_timeout)
         while time.monotonic() < discovered or unmatched_readers(self) or not barrier.passed():
             yield _LONGEST_WAIT

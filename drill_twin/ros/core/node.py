@@ -3,8 +3,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
-from contextlib import suppress
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager, suppress
 from dataclasses import replace
 from functools import partial
 from types import SimpleNamespace
@@ -34,7 +34,6 @@ from drill_twin.ros.core.topics import NodeTopics, refuse_unused_overrides
 
 _DIAGNOSTICS_PERIOD = 1.0  # s
 _SCENE_PERIOD = 0.1  # s between two looks at the scenes that wait
-_DONE, _REFUSED = TransitionCallbackReturn.SUCCESS, TransitionCallbackReturn.FAILURE
 AUTOSTART = Parameter(
     "autostart", True, "whether to configure and activate itself; else a lifecycle manager does (ros2 lifecycle)"
 )
@@ -74,7 +73,8 @@ class TwinNode(LifecycleNodeMixin, SpinningNode):
         """
         SpinningNode.__init__(self, self.NAME, context)
         table = [replace(row, default=defaults.get(row.name, row.default)) for row in self.PARAMETERS]
-        self.settings: SimpleNamespace = declare(self, table, other_names=others)
+        self.settings, self.unknown = declare(self, table, other_names=others)
+        """Values of the parameters by name; names of parameters given to all nodes that this node lacks."""
         self._shares_its_process = bool(others)
         follow_changes(self, table, self.settings, check=self.check_change, changed=self._changed)
         self.samples = GoodSamples(on_change=self.ON_CHANGE)
@@ -195,49 +195,58 @@ class TwinNode(LifecycleNodeMixin, SpinningNode):
 
     def on_configure(self, _: LifecycleState) -> TransitionCallbackReturn:
         """Configure the node, or leave it as it was."""
-        done = self._carried_out(self._configure)
-        if done == _REFUSED:
+        with self._transition():
+            self._attributes = frozenset(vars(self))
+            self.configured, self.samples = True, GoodSamples(on_change=self.ON_CHANGE)
+            self.configure()
+            if not self._shares_its_process:
+                refuse_unused_overrides(self)
+            self.topics.muted = not self.active
+            self.offer_ready()
+        if self._refusal is not None:
             self.clean_up()
-        return done
+        return self._outcome
 
     def on_activate(self, _: LifecycleState) -> TransitionCallbackReturn:
         """Let the node work."""
-        return self._carried_out(self.activate, partial(self._set_active, active=True))
+        with self._transition():
+            self.activate()
+            self._set_active(active=True)
+        return self._outcome
 
     def on_deactivate(self, _: LifecycleState) -> TransitionCallbackReturn:
         """Let the node rest."""
-        return self._carried_out(self.deactivate, partial(self._set_active, active=False))
+        with self._transition():
+            self.deactivate()
+            self._set_active(active=False)
+        return self._outcome
 
     def on_cleanup(self, _: LifecycleState) -> TransitionCallbackReturn:
         """Complete what is open, and drop what could not be completed all the same."""
-        if self._carried_out(self.clean_up) == _REFUSED:
-            self._unfinished = self._refusal
-        return _DONE
+        with self._transition():
+            self.clean_up()
+        self._unfinished = self._refusal or self._unfinished
+        return TransitionCallbackReturn.SUCCESS
 
     def on_shutdown(self, _: LifecycleState) -> TransitionCallbackReturn:
         """Ask the node to end."""
-        return self._carried_out(self.end)
+        self.end()
+        return TransitionCallbackReturn.SUCCESS
 
-    def _carried_out(self, *changes: Callable[[], object]) -> TransitionCallbackReturn:
-        """Result of a transition; an error is logged, or kept for `start`, because rclpy would swallow it."""
+    @contextmanager
+    def _transition(self) -> Iterator[None]:
+        """Log an error of a transition, or keep it for `start`, because rclpy would swallow it."""
+        self._refusal = None
         try:
-            for change in changes:
-                change()
+            yield
         except Exception as error:  # noqa: BLE001 - logged here, or raised by `start`
             self._refusal = error
             if not self._starts:
                 self.get_logger().error(str(error))
-            return _REFUSED
-        return _DONE
 
-    def _configure(self) -> None:
-        self._attributes = frozenset(vars(self))
-        self.configured, self.samples = True, GoodSamples(on_change=self.ON_CHANGE)
-        self.configure()
-        if not self._shares_its_process:
-            refuse_unused_overrides(self)
-        self.topics.muted = not self.active
-        self.offer_ready()
+    @property
+    def _outcome(self) -> TransitionCallbackReturn:
+        return TransitionCallbackReturn.SUCCESS if self._refusal is None else TransitionCallbackReturn.FAILURE
 
     def _set_active(self, *, active: bool) -> None:
         self.active, self.topics.muted = active, not active

@@ -25,6 +25,7 @@ from drill_twin.ros.core.parameters import Parameter
 from drill_twin.ros.core.scene_parameters import OVERRIDES, SCENE
 from drill_twin.ros.core.stop_request import StopRequest
 from drill_twin.ros.core.topics import relative
+from drill_twin.ros.simulator.command_limits import FASTEST
 from drill_twin.ros.simulator.start_up import CheckpointPlaces, StartUp
 
 if TYPE_CHECKING:
@@ -68,7 +69,7 @@ PARAMETERS = (
         live=True,
     ),
     Parameter("safe_weight_on_bit", 0.0, "weight on bit of the safe set-point", "N", -1e7, 1e7, live=True),
-    Parameter("safe_speed", 0.0, "top-drive speed of the safe set-point", "rev/s", -100.0, 100.0, live=True),
+    Parameter("safe_speed", 0.0, "top-drive speed of the safe set-point", "rad/s", -FASTEST, FASTEST, live=True),
     Parameter("safe_ramp_time", 5.0, "time of the ramp to the safe set-point, simulated", "s", 0.0, 3600.0, live=True),
     Parameter(
         "max_weight_on_bit",
@@ -83,9 +84,9 @@ PARAMETERS = (
         "max_speed",
         0.0,
         "faster commands are refused; 0: ten times the scene's fastest",
-        "rev/s",
+        "rad/s",
         0.0,
-        100.0,
+        FASTEST,
         live=True,
     ),
     Parameter("negative_commands", False, "whether tension and left-hand rotation may be commanded", live=True),

@@ -41,7 +41,7 @@ _DEPTH = 50  # messages; the page shows fewer
 _MATCHING = 3.0
 """Most time to wait for a simulator that takes a set-point [s]; not measured."""
 _CONTROLS = ("pause", "resume", "step", "reset")
-_SET_POINTS = {"wob": ("weight_on_bit", "N", WOB_COMMAND), "rps": ("rotation", "rev/s", RPS_COMMAND)}
+_SET_POINTS = {"wob": ("wob", "N", WOB_COMMAND), "rps": ("rpm", "rev/s", RPS_COMMAND)}
 
 
 class LivePage(TwinNode):

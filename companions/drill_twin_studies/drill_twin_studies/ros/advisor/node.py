@@ -48,14 +48,14 @@ class MapMaker:
 
         Args:
             scene: The scene.
-            settings: Parameters `wob`, `rpm`, `runs` and `workers` of the node.
+            settings: Parameters `wob_range`, `rpm_range`, `runs` and `workers` of the node.
 
         Raises:
             DrillTwinError: No range is given, and the scene has no set-point to take one from.
         """
         rig = scene.rig
-        wob = settings.wob or _range("wob", rig.weight_on_bit.value, "N")
-        rpm = settings.rpm or _range("rpm", rig.rotation.value, "rad/s")
+        wob = settings.wob_range or _range("wob", rig.weight_on_bit.value, "N")
+        rpm = settings.rpm_range or _range("rpm", rig.rotation.value, "rad/s")
         self._runs = settings.runs
         self._folder = tempfile.TemporaryDirectory(prefix="drill_twin_map_")
         self._out = Path(self._folder.name)
@@ -120,8 +120,8 @@ class Advisor(TwinNode):
     )
     PARAMETERS: ClassVar = (
         Parameter("map", "", 'map.json of `drill-twin map`; "": make a coarse map of the scene on /twin/scene'),
-        Parameter("wob", "", 'range of a map made here; "": up to 1.1 times the scene\'s', such_as="1..60 N"),
-        Parameter("rpm", "", 'range of a map made here; "": up to 1.1 times the scene\'s', such_as="30..180 rpm"),
+        Parameter("wob_range", "", 'range of a map made here; "": up to 1.1 times the scene\'s', such_as="1..60 N"),
+        Parameter("rpm_range", "", 'range of a map made here; "": up to 1.1 times the scene\'s', such_as="30..180 rpm"),
         Parameter("runs", 100, "largest number of runs of a map made here", "", 1, 1_000_000),
         Parameter("workers", 1, "threads of a map made here", "", 1, 4096),
         Parameter("margin", 0.05, "share of the ranges that an advised set-point keeps from a boundary", "", 0.0, 0.5),
