@@ -24,6 +24,7 @@ from drill_twin.io.messages.topics import (
 )
 from drill_twin.ros.core.node import AUTOSTART, TwinNode
 from drill_twin.ros.core.parameters import Parameter
+from drill_twin.ros.core.policy import Rights
 
 if TYPE_CHECKING:
     from drill_twin.io.whirl_pipeline import WhirlPipeline
@@ -51,6 +52,9 @@ class Analyzer(TwinNode):
             such_as="near_bit",
         ),
         AUTOSTART,
+    )
+    RIGHTS: ClassVar = Rights(
+        (TWIN_SCENE, REALTIME_FACTOR, MARKS_STATE, RIG_STATE, "/downhole/*/imu", "/measured/downhole/*/imu"),
     )
     _pipeline: WhirlPipeline | None = None
 

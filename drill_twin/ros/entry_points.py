@@ -4,9 +4,8 @@
 Exit codes: 0 ended as asked (also by SIGINT or SIGTERM), 1 the run could not go on, 2 refused to start.
 
 A new node is a class of `core.node.TwinNode`, a row in `NODES` (in another package: an entry point of `GROUP`), its
-parameter file `config/nodes/NAME.yaml`, which `drill-twin ros node NAME --parameters` prints, and its security policy
-`config/security/NAME.policy.xml`. The help text and tests of the node follow from class, row and files. The node's
-executable is a copy of the others in `resource/executables/`.
+parameter file `config/nodes/NAME.yaml`, which `drill-twin ros node NAME --parameters` prints, and its executable, a
+link to another one in `resource/executables/`. Help text, security policy and tests of the node follow from its class.
 """
 
 from __future__ import annotations

@@ -75,8 +75,6 @@ def test_the_table_of_companions_has_what_they_bring(setup_arguments):
         brought = {group: {line.partition(" = ")[0] for line in lines} for group, lines in points.items()}
         assert brought["drill_twin.commands"] == set(companion.commands)
         assert brought["drill_twin.nodes"] == set(companion.nodes)
-        policies = {file.name for file in (FOLDERS[companion.name] / "config/security").glob("*")}
-        assert policies == {f"{name}.policy.xml" for name in set(companion.nodes) - companion.programs}
 
 
 def test_commands_carry_the_name_of_the_package_and_ros2_run_finds_every_node(setup_arguments):
@@ -89,9 +87,6 @@ def test_commands_carry_the_name_of_the_package_and_ros2_run_finds_every_node(se
     assert {file.name for file in executables} == EXECUTABLES <= set(entry_points.executables())
     assert len({file.read_bytes() for file in executables}) == 1
     assert all(os.access(file, os.X_OK) for file in executables)
-    assert {file.name for file in (ROOT / "config/security").iterdir()} == {
-        f"{name}.policy.xml" for name in entry_points.NODES
-    }
     assert all(name == entry_points.load(name).NAME for name in NODES)
 
 

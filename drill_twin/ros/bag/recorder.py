@@ -19,6 +19,7 @@ from drill_twin.io.messages.topics import DIAGNOSTICS, TOPICS, sub_of
 from drill_twin.ros.core.given import ParameterError
 from drill_twin.ros.core.node import AUTOSTART, TwinNode
 from drill_twin.ros.core.parameters import Parameter
+from drill_twin.ros.core.policy import ALL_TOPICS, Rights
 from drill_twin.ros.core.topics import Received
 
 _DEPTH = 2000  # messages of one topic; 10 s at 200 Hz
@@ -47,6 +48,7 @@ class Recorder(TwinNode):
         ),
         AUTOSTART,
     )
+    RIGHTS: ClassVar = Rights(subscribes=tuple(ALL_TOPICS))
     _bag: BagWriter | None = None
 
     def configure(self) -> None:

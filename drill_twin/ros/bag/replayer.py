@@ -16,6 +16,7 @@ from drill_twin.io.messages.type_store import deserialize
 from drill_twin.ros.core.given import ParameterError
 from drill_twin.ros.core.node import AUTOSTART, TwinNode
 from drill_twin.ros.core.parameters import Parameter
+from drill_twin.ros.core.policy import ALL_TOPICS, READY, Rights
 from drill_twin.ros.core.startup_barrier import StartupBarrier, unmatched_readers
 
 _DISCOVERY = 0.6  # s; longest discovery of a running node
@@ -73,6 +74,7 @@ class Replayer(TwinNode):
         Parameter("loop", False, "whether to begin again at the end"),
         AUTOSTART,
     )
+    RIGHTS: ClassVar = Rights(publishes=tuple(ALL_TOPICS), calls=READY)
     _sent = 0
     _skipped = SkippedMessages()
 

@@ -26,6 +26,7 @@ from drill_twin.io.messages.good_samples import GoodSamples
 from drill_twin.io.messages.topics import DIAGNOSTICS
 from drill_twin.ros.core.diagnostics_publisher import DiagnosticsPublisher
 from drill_twin.ros.core.parameters import Parameter, Value, declare, follow_changes
+from drill_twin.ros.core.policy import Rights
 from drill_twin.ros.core.requests import Answer, guarded, sending_later
 from drill_twin.ros.core.spinning import SpinningNode
 from drill_twin.ros.core.startup_barrier import answer_ready
@@ -58,6 +59,8 @@ class TwinNode(LifecycleNodeMixin, SpinningNode):
     NAME: ClassVar[str]
     PURPOSE: ClassVar[str]
     PARAMETERS: ClassVar[tuple[Parameter, ...]] = ()
+    RIGHTS: ClassVar[Rights] = Rights()
+    """Topics and services of this node, which its security policy allows."""
     ON_CHANGE: ClassVar[tuple[str, ...]] = ()
     """Topics of which this node expects a message on change only, so that their silence is no fault."""
     configured = False

@@ -15,6 +15,7 @@ from drill_twin.core.errors import DrillTwinError
 from drill_twin.ros.core.given import ArgumentsContext, warn_of_misspelled
 from drill_twin.ros.core.node import TwinNode
 from drill_twin.ros.core.parameters import Parameter, file_text, help_text
+from drill_twin.ros.core.policy import policy_text
 from drill_twin.ros.core.stop_request import StopRequest
 from drill_twin.ros.deployment import prepare, readable_refusal
 
@@ -32,6 +33,9 @@ def run_node(kind: type[TwinNode], arguments: Sequence[str], stop: StopRequest, 
         DrillTwinError: The node refused to start or could not go on.
     """
     if print_help(kind.NAME, kind.PURPOSE, kind.PARAMETERS, arguments):
+        return
+    if list(arguments) == ["--policy"]:
+        print(policy_text(kind.NAME, kind.RIGHTS), end="")
         return
     context = init_context(arguments, stop)
     try:

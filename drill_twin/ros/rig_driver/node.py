@@ -20,6 +20,7 @@ from drill_twin.io.messages.stamps import NANOSECONDS, seconds, within_range
 from drill_twin.io.messages.topics import CLOCK_TOPIC, RIG_COMMAND
 from drill_twin.ros.core.node import AUTOSTART, TwinNode
 from drill_twin.ros.core.parameters import Parameter
+from drill_twin.ros.core.policy import READY, Rights
 from drill_twin.ros.core.scene_parameters import OVERRIDES, SCENE
 from drill_twin.ros.core.startup_barrier import StartupBarrier
 from drill_twin.ros.rig_driver.clock_source import ClockSource
@@ -84,6 +85,7 @@ class RigDriver(TwinNode):
     NAME: ClassVar = "rig_driver"
     PURPOSE: ClassVar = "Plays weight on bit and top-drive speed, planned or measured, into the simulator."
     PARAMETERS: ClassVar = PARAMETERS
+    RIGHTS: ClassVar = Rights((CLOCK_TOPIC,), calls=READY)
     _sent = 0
 
     def configure(self) -> None:

@@ -22,6 +22,7 @@ from drill_twin.io.messages.diagnostics import Level, Status
 from drill_twin.io.messages.topics import CLOCK_TOPIC, COMMANDER, RIG_COMMAND, RPS_COMMAND, WOB_COMMAND
 from drill_twin.ros.core.node import AUTOSTART, TwinNode
 from drill_twin.ros.core.parameters import Parameter
+from drill_twin.ros.core.policy import Rights
 from drill_twin.ros.core.scene_parameters import OVERRIDES, SCENE
 from drill_twin.ros.core.stop_request import StopRequest
 from drill_twin.ros.core.topics import relative
@@ -141,6 +142,18 @@ class Simulator(TwinNode):
     NAME: ClassVar = "simulator"
     PURPOSE: ClassVar = "Moves the drillstring of a scene under the set-points it receives."
     PARAMETERS: ClassVar = PARAMETERS
+    RIGHTS: ClassVar = Rights(
+        (RIG_COMMAND, RPS_COMMAND, WOB_COMMAND),
+        tuple(
+            f"~/{name}"
+            for name in (
+                *("pause", "resume", "step", "reset", "save_checkpoint", "load_checkpoint"),
+                *("get_simulation_state", "set_simulation_state", "step_simulation", "reset_simulation"),
+                "get_simulator_features",
+            )
+        ),
+        publishes=("/tf", "/tf_static"),
+    )
     _control: RunControl
     """Control of the run; made by `configure`."""
 

@@ -24,6 +24,7 @@ from drill_twin.io.messages.topics import RIG_STATE, TOPICS, TWIN_SCENE
 from drill_twin.ros.core.given import ParameterError
 from drill_twin.ros.core.node import AUTOSTART, TwinNode
 from drill_twin.ros.core.parameters import Parameter
+from drill_twin.ros.core.policy import Rights
 from drill_twin.ros.simulator.command_limits import FASTEST, limits_for
 from drill_twin.scene import parse_scene
 from drill_twin_rig.gateway.control import Control, Permission
@@ -90,6 +91,10 @@ class Gateway(TwinNode):
     NAME: ClassVar = "gateway"
     PURPOSE: ClassVar = "Connects the twin with rig software by OPC UA, with the signals of D-WIS. Needs asyncua."
     PARAMETERS: ClassVar = PARAMETERS
+    RIGHTS: ClassVar = Rights(
+        (TWIN_SCENE, *{quantity.topic for quantity in QUANTITIES.values()}),
+        ("~/grant_control", "~/withdraw_control"),
+    )
 
     _server: OpcUaServer | None = None
     _rig: RigLink | None = None

@@ -29,6 +29,7 @@ from drill_twin.io.messages.topics import ADVICE_MAP, ADVICE_STATE, RIG_STATE, T
 from drill_twin.ros.core.node import AUTOSTART, TwinNode
 from drill_twin.ros.core.pacing import Tick
 from drill_twin.ros.core.parameters import Parameter
+from drill_twin.ros.core.policy import Rights
 from drill_twin.scene import Scene, parse_scene
 from drill_twin.whirl import MotionCode
 from drill_twin_studies.maps.advice import Advice, Adviser, Tracker, encode_advice
@@ -127,6 +128,7 @@ class Advisor(TwinNode):
         Parameter("margin", 0.05, "share of the ranges that an advised set-point keeps from a boundary", "", 0.0, 0.5),
         AUTOSTART,
     )
+    RIGHTS: ClassVar = Rights((RIG_STATE, TWIN_SCENE, TWIN_SUMMARY))
     _maker: MapMaker | None = None
 
     def configure(self) -> None:

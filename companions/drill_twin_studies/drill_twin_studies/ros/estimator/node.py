@@ -28,12 +28,14 @@ from drill_twin.io.messages.topics import (
     MEASURED_RIG_STATE,
     OF_NEAREST_TWIN,
     RIG_COMMAND,
+    RIG_STATE,
     TWIN_SCENE,
 )
 from drill_twin.io.scene_geometry import readings_topic
 from drill_twin.ros.core.given import ParameterError
 from drill_twin.ros.core.node import AUTOSTART, TwinNode
 from drill_twin.ros.core.parameters import Parameter
+from drill_twin.ros.core.policy import Rights
 from drill_twin.ros.core.scene_parameters import OVERRIDES, SCENE, pairs_of, scene_of
 from drill_twin.runs import compile_kernel
 from drill_twin_studies.api.estimator import Estimator as Following
@@ -105,6 +107,10 @@ class Estimator(TwinNode):
     NAME: ClassVar = "estimator"
     PURPOSE: ClassVar = "Follows a rig with an ensemble: numbers, virtual sensors, chance of whirl, alarm."
     PARAMETERS: ClassVar = PARAMETERS
+    RIGHTS: ClassVar = Rights(
+        (MEASURED_RIG_STATE, RIG_STATE, RIG_COMMAND, "/downhole/*/imu", "/measured/downhole/*/imu"),
+        publishes=tuple(ESTIMATE + topic for topic in OF_NEAREST_TWIN),
+    )
     ON_CHANGE: ClassVar = (RIG_COMMAND,)
     _thread: ThreadPoolExecutor | None = None
 
@@ -130,7 +136,7 @@ class Estimator(TwinNode):
                 self.topics.advertise(topic)
             self.topics.prefix = ""
         self.topics.subscribe(MEASURED_RIG_STATE, self._on_measured, depth=_DEPTH)
-        for sub in self.settings.subs.split():
+        for sub in self.settings.subs:
             self.topics.subscribe(readings_topic(sub), partial(self._on_readings, sub), depth=_DEPTH)
         if self.settings.set_points == "command":
             self.topics.subscribe(RIG_COMMAND, self._on_command, depth=_DEPTH)
