@@ -115,8 +115,10 @@ def _of_companion(whole: str) -> Any:
     name, entry = whole.rpartition(" ")[2], entry_of(ENTRY_POINTS, whole)
     if entry is None:
         error = not_installed(f"`drill-twin {whole}`", package)
-        state = "Not registered" if is_installed(package) else "Not installed"
-        return _refused(name, panel, error, f"{state}; install the package {package}{' again' * is_installed(package)}.")
+        there = f"Not registered; install {package} again."
+        return _refused(
+            name, panel, error, there if is_installed(package) else f"Not installed; it is in the package {package}."
+        )
     return _command(entry, name, panel)
 
 

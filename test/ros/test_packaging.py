@@ -16,6 +16,7 @@ from process_bench import config_file
 
 import drill_twin
 from drill_twin.core.companions import COMPANIONS
+from drill_twin.io.messages.topics import TOPICS
 from drill_twin.ros import composed_twin, entry_points
 from drill_twin.ros.core.parameters import file_text
 from drill_twin.scene import presets
@@ -145,6 +146,19 @@ def test_every_import_is_declared(package):
     assert {DISTRIBUTIONS.get(name, name) for name in outside} - declared == set()
     for name in FROM_ROS & found:
         assert f"<exec_depend>{name}</exec_depend>" in (folder / "package.xml").read_text("utf-8")
+
+
+@of_each_package
+def test_the_manifest_names_every_package_of_messages(package):
+    """Also a package that is used where it is installed, and a package of the types of the topics."""
+    folder = FOLDERS[package]
+    texts = [file.read_text("utf-8") for file in (folder / package).rglob("*.py")]
+    used = {
+        name for text in texts for name in re.findall(r'(?:^from |import_module\(")(\w+)\.(?:msg|srv)\b', text, re.M)
+    }
+    if package == "drill_twin":
+        used |= {topic.type_name.split("/")[0] for topic in TOPICS.values()}
+    assert used <= set(re.findall(r"<exec_depend>(\w+)<", (folder / "package.xml").read_text("utf-8")))
 
 
 def test_versions_are_pinned(setup_arguments):
