@@ -152,10 +152,9 @@ def test_every_import_is_declared(package):
 def test_the_manifest_names_every_package_of_messages(package):
     """Also a package that is used where it is installed, and a package of the types of the topics."""
     folder = FOLDERS[package]
+    imported = re.compile(r'(?:^from |import_module\(")(\w+)\.(?:msg|srv)\b', re.MULTILINE)
     texts = [file.read_text("utf-8") for file in (folder / package).rglob("*.py")]
-    used = {
-        name for text in texts for name in re.findall(r'(?:^from |import_module\(")(\w+)\.(?:msg|srv)\b', text, re.M)
-    }
+    used = {name for text in texts for name in imported.findall(text)}
     if package == "drill_twin":
         used |= {topic.type_name.split("/")[0] for topic in TOPICS.values()}
     assert used <= set(re.findall(r"<exec_depend>(\w+)<", (folder / "package.xml").read_text("utf-8")))
