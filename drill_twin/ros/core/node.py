@@ -28,21 +28,16 @@ from drill_twin.ros.core.diagnostics_publisher import DiagnosticsPublisher
 from drill_twin.ros.core.parameters import Parameter, Value, declare, follow_changes
 from drill_twin.ros.core.policy import Rights
 from drill_twin.ros.core.requests import Answer, guarded, sending_later
-from drill_twin.ros.core.spinning import SpinningNode
+from drill_twin.ros.core.spinning import SpinningNode, StateChanged
 from drill_twin.ros.core.startup_barrier import answer_ready
 from drill_twin.ros.core.stop_request import StopRequest
 from drill_twin.ros.core.topics import NodeTopics, refuse_unused_overrides
 
-_DIAGNOSTICS_PERIOD = 1.0  # s
-_SCENE_PERIOD = 0.1  # s between two looks at the scenes that wait
+_DIAGNOSTICS_PERIOD, _SCENE_PERIOD = 1.0, 0.1  # s between two reports, and two looks at the scenes that wait
 AUTOSTART = Parameter(
     "autostart", True, "whether to configure and activate itself; else a lifecycle manager does (ros2 lifecycle)"
 )
 """Parameter of every node."""
-
-
-class StateChanged(BaseException):
-    """Raised by `spin_once` after a requested transition, to end the turn of the loop in which the request came."""
 
 
 class TwinNode(LifecycleNodeMixin, SpinningNode):
@@ -60,7 +55,6 @@ class TwinNode(LifecycleNodeMixin, SpinningNode):
     PURPOSE: ClassVar[str]
     PARAMETERS: ClassVar[tuple[Parameter, ...]] = ()
     RIGHTS: ClassVar[Rights] = Rights()
-    """Topics and services of this node, which its security policy allows."""
     ON_CHANGE: ClassVar[tuple[str, ...]] = ()
     """Topics of which this node expects a message on change only, so that their silence is no fault."""
     configured = False
@@ -76,8 +70,7 @@ class TwinNode(LifecycleNodeMixin, SpinningNode):
         """
         SpinningNode.__init__(self, self.NAME, context)
         table = [replace(row, default=defaults.get(row.name, row.default)) for row in self.PARAMETERS]
-        self.settings, self.unknown = declare(self, table, other_names=others)
-        """Values of the parameters by name; names of parameters given to all nodes that this node lacks."""
+        self.settings, self.unknown = declare(self, table, other_names=others)  # unknown: meant for other nodes
         self._shares_its_process = bool(others)
         follow_changes(self, table, self.settings, check=self.check_change, changed=self._changed)
         self.samples = GoodSamples(on_change=self.ON_CHANGE)
@@ -88,7 +81,7 @@ class TwinNode(LifecycleNodeMixin, SpinningNode):
         """True while active; true once closed in order; true once asked by a service to end."""
         self._endpoints: list[Service | Timer] = []
         self._ready: Service | None = None
-        self._refusal: Exception | None = None
+        self._refusal: Exception | None = None  # of the last transition
         self._unfinished: Exception | None = None  # of a requested clean-up, raised at the end
         LifecycleNodeMixin.__init__(self)
         for service in self.services:
@@ -214,14 +207,14 @@ class TwinNode(LifecycleNodeMixin, SpinningNode):
         """Let the node work."""
         with self._transition():
             self.activate()
-            self._set_active(active=True)
+            self.active, self.topics.muted = True, False
         return self._outcome
 
     def on_deactivate(self, _: LifecycleState) -> TransitionCallbackReturn:
         """Let the node rest."""
         with self._transition():
             self.deactivate()
-            self._set_active(active=False)
+            self.active, self.topics.muted = False, True
         return self._outcome
 
     def on_cleanup(self, _: LifecycleState) -> TransitionCallbackReturn:
@@ -250,9 +243,6 @@ class TwinNode(LifecycleNodeMixin, SpinningNode):
     @property
     def _outcome(self) -> TransitionCallbackReturn:
         return TransitionCallbackReturn.SUCCESS if self._refusal is None else TransitionCallbackReturn.FAILURE
-
-    def _set_active(self, *, active: bool) -> None:
-        self.active, self.topics.muted = active, not active
 
     def _changed(self) -> None:
         if self.configured:
@@ -306,7 +296,5 @@ class TwinNode(LifecycleNodeMixin, SpinningNode):
 
     def publish_diagnostics(self) -> None:
         """Publish the diagnostics of this node now."""
-        self._diagnostics.publish(self._health, ended=self.ended)
-
-    def _health(self) -> Status:
-        return self.health() if self.configured else Status(self.NAME, Level.OK, "unconfigured")
+        rests = Status(self.NAME, Level.OK, "unconfigured")
+        self._diagnostics.publish(lambda: self.health() if self.configured else rests, ended=self.ended)

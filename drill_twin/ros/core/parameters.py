@@ -248,18 +248,5 @@ def _sentence(text: str) -> str:
 
 def help_text(name: str, purpose: str, table: Sequence[Parameter]) -> str:
     """Text that `NODE --help` prints."""
-    lines = [
-        f"usage: {name} [--ros-args [-p NAME:=VALUE ...] [--params-file FILE] [-r FROM:=TO ...]]",
-        "",
-        purpose,
-        "",
-        "parameters:",
-    ]
-    for parameter in table:
-        expected = f"{parameter.expected()}; {'live' if parameter.live else 'read at the start'}"
-        lines += [
-            f"  {parameter.name} = {json.dumps(parameter.default)}",
-            f"      {parameter.description}",
-            f"      {expected}",
-        ]
-    return "\n".join(lines)
+    given = "[-p NAME:=VALUE ...] [--params-file FILE] [-r FROM:=TO ...]"
+    return f"usage: {name} [--parameters | --policy | --ros-args {given}]\n\n{file_text(name, purpose, table)}"
