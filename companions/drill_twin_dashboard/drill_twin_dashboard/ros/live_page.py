@@ -114,9 +114,7 @@ class LivePage(TwinNode):
             requests, self._requests = self._requests, {}
             asked, self._asked = self._asked, []
         for name, value in requests.items():
-            self.page_state.note(
-                f"set-point: {_NAMES[name]} {value:.6g} {_SET_POINTS[name][1]}"
-            )
+            self.page_state.note(f"set-point: {_NAMES[name]} {value:.6g} {_SET_POINTS[name][1]}")
             self._command(name, value)
         for name in asked:
             self._control(name)
