@@ -3,9 +3,13 @@
 
 import json
 import re
+import shutil
+import subprocess
 from pathlib import Path
 from xml.etree import ElementTree as ET
 
+import numpy as np
+import pytest
 import yaml
 
 from drill_twin.io.messages.drawing.transforms import hole_transform
@@ -29,7 +33,10 @@ RVIZ_OTHERS = {
     "Tools": {f"rviz_default_plugins/{name}" for name in ("MoveCamera", "FocusCamera", "Measure")},
 }
 RVIZ_ORBIT = {"Class", "Name", "Value", "Distance", "Focal Point", "Near Clip Distance", "Pitch", "Yaw", "Target Frame"}
-FOXGLOVE_PATH = re.compile(r"(?P<topic>/\w+(?:/\w+)*)(?:\.(?P<field>\w+)\[(?P<index>\d+|:)\])?")
+FOXGLOVE_PATH = re.compile(r"(?P<topic>/\w+(?:/\w+)*)\.joints\[:\]\{name==\"(?P<joint>[\w/]+)\"\}\.(?P<field>\w+)")
+TYPES = re.compile(r'^(?:import|type) .*$|: Input<"[^"]+">|\): Output', re.MULTILINE)
+"""What TypeScript has and JavaScript has not, in the scripts of the layout."""
+FIELDS = ("position", "velocity", "effort")
 
 
 def check_rviz(messages):
@@ -68,7 +75,7 @@ def _panels(node):
 
 
 def check_foxglove(messages):
-    """Every path leads to a number, and to the one that its label names."""
+    """Every path leads to a number by the name of its joint, and to the number that its label names."""
     layout = json.loads((VIEWS / "foxglove.json").read_text("utf-8"))
     assert sorted(_panels(layout["layout"])) == sorted(layout["configById"])
     assert set(layout["configById"]["3D!string"]["topics"]) <= set(TOPICS)
@@ -77,22 +84,53 @@ def check_foxglove(messages):
         (path["value"], path["label"]) for panel in layout["configById"].values() for path in panel.get("paths", [])
     ]
     assert len(paths) >= 10
+    if shutil.which("node") is None:
+        pytest.skip("needs node")
+    scripts = [node["sourceCode"] for node in layout["userNodes"].values()]
+    made = dict(_made_by_script(source, messages) for source in scripts)
+    shown = {}
     for value, label in paths:
         found = FOXGLOVE_PATH.fullmatch(value)
-        message = messages[found["topic"]]
-        assert isinstance(getattr(message, found["field"])[int(found["index"])], float), value
-        joint = message.name[int(found["index"])]
-        what = label.partition(" [")[0]
-        # "mark_2 radius" is the joint mark_2/orbit_radius, "weight on bit" the joint bit_axial
-        assert all(word in joint for word in what.split() if word.startswith("mark_")), value
-        assert what.split()[-1].split("-")[0] in joint or found["topic"] == "/rig/state", value
-    rig = {label.partition(" [")[0]: messages["/rig/state"].name[int(re.search(r"\[(\d)\]", value)[1])]
-           for value, label in paths if "/rig/state" in value}  # fmt: skip
-    assert rig == {"weight on bit": "bit_axial", "top-drive torque": "top_drive", "top-drive speed": "top_drive"}
+        (joint,) = (joint for joint in made[found["topic"]]["joints"] if joint["name"] == found["joint"])
+        assert isinstance(joint[found["field"]], float), value
+        shown[label.partition(" [")[0]] = (found["joint"], found["field"])
+    for label, (joint, field) in shown.items():
+        if label.startswith("mark_"):  # "mark_2 radius" is the joint mark_2/orbit_radius
+            mark, what = label.split()
+            assert joint.startswith(f"{mark}/"), label
+            assert (joint.endswith(what), field) == (True, "position"), label
+    assert {label: place for label, place in shown.items() if not label.startswith("mark_")} == {
+        "weight on bit": ("bit_axial", "effort"),
+        "top-drive torque": ("top_drive", "effort"),
+        "top-drive speed": ("top_drive", "velocity"),
+    }
     for panel in layout["configById"].values():
         for key in ("topicPath", "topicToRender"):
             if key in panel:
-                assert FOXGLOVE_PATH.fullmatch(panel[key])["topic"] in TOPICS
+                assert panel[key].partition(".")[0] in TOPICS
+
+
+def _made_by_script(source, messages):
+    """Topic and message that a script makes: run by node from the last message of its topic, with the joints turned."""
+    (topic,) = json.loads(re.search(r"inputs = (.*);", source)[1])
+    output = json.loads(re.search(r"output = (.*);", source)[1])
+    message = messages[topic]
+    fields = {name: np.nan_to_num(getattr(message, name), nan=0.5).tolist()[::-1] for name in FIELDS}
+    fields["name"] = list(message.name)[::-1]
+    given = json.dumps({"message": {"header": {"stamp": {"sec": 1, "nsec": 2}}, **fields}})
+    code = TYPES.sub(lambda found: ")" if found[0].startswith(")") else "", source).replace("export default ", "")
+    code = code.replace("export ", "") + f"\nconsole.log(JSON.stringify(script({given})));"
+    done = subprocess.run(["node", "--eval", code], capture_output=True, text=True, timeout=60, check=False)  # noqa: S607
+    assert done.returncode == 0, done.stderr
+    result = json.loads(done.stdout)
+    assert result["header"] == {"stamp": {"sec": 1, "nsec": 2}}
+    values = {joint["name"]: joint for joint in result["joints"]}
+    assert list(values) == fields["name"]
+    for field in FIELDS:
+        for name, value in zip(fields["name"], fields[field], strict=bool(fields[field])):
+            assert values[name][field] == value, name
+            values[name][field] = float(values[name][field])
+    return output, result
 
 
 def check_plotjuggler(messages):

@@ -21,7 +21,7 @@ import typer
 from typer.core import TyperGroup
 from typer.main import get_command
 
-from drill_twin.core.companions import COMPANIONS, entries, entry_of, not_installed, package_of
+from drill_twin.core.companions import COMPANIONS, entries, entry_of, is_installed, not_installed, package_of
 from drill_twin.core.errors import ArgumentError
 
 ENTRY_POINTS = "drill_twin.commands"
@@ -115,7 +115,10 @@ def _of_companion(whole: str) -> Any:
     name, entry = whole.rpartition(" ")[2], entry_of(ENTRY_POINTS, whole)
     if entry is None:
         error = not_installed(f"`drill-twin {whole}`", package)
-        return _refused(name, panel, error, f"Not installed; it is in the package {package}.")
+        there = f"Not registered; install {package} again."
+        return _refused(
+            name, panel, error, there if is_installed(package) else f"Not installed; it is in the package {package}."
+        )
     return _command(entry, name, panel)
 
 

@@ -75,6 +75,11 @@ def entry_of(group: str, name: str) -> EntryPoint | None:
     return next((entry for entry in entries(group) if entry.name == name), None)
 
 
+def is_installed(package: str) -> bool:
+    """True for a companion that has registered commands, perhaps not all of today's."""
+    return package in map(package_of, entries("drill_twin.commands"))
+
+
 def not_installed(wanted: str, package: str) -> ArgumentError:
     """Error on a name whose companion is not installed, or was installed without it.
 
@@ -83,8 +88,7 @@ def not_installed(wanted: str, package: str) -> ArgumentError:
         package: Name of the companion.
     """
     what = next((f" ({one.purpose})" for one in COMPANIONS if one.name == package), "")
-    older = package in map(package_of, entries("drill_twin.commands"))
-    state = "installed without it: make setup (in a clone), or" if older else "which is not installed:"
+    state = "installed without it: make setup (in a clone), or" if is_installed(package) else "which is not installed:"
     return ArgumentError(
         f"{wanted} needs the package {package}{what}, {state} pip install {package}, or pip install 'drill_twin[all]'"
     )

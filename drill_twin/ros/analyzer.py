@@ -23,6 +23,7 @@ from drill_twin.io.messages.topics import (
 )
 from drill_twin.ros.core.node import AUTOSTART, TwinNode
 from drill_twin.ros.core.parameters import Parameter
+from drill_twin.ros.core.policy import Rights
 
 if TYPE_CHECKING:
     from drill_twin.io.whirl_pipeline import WhirlPipeline
@@ -52,6 +53,9 @@ class Analyzer(TwinNode):
         AUTOSTART,
     )
     ON_CHANGE: ClassVar = (TWIN_SCENE,)
+    RIGHTS: ClassVar = Rights(
+        (TWIN_SCENE, REALTIME_FACTOR, MARKS_STATE, RIG_STATE, "/downhole/*/imu", "/measured/downhole/*/imu"),
+    )
     _pipeline: WhirlPipeline | None = None
 
     def configure(self) -> None:

@@ -15,12 +15,13 @@ from types import SimpleNamespace
 from rclpy.context import Context
 from rclpy.node import Node
 
+from drill_twin.ros.core.given import given_parameters, warn_of_misspelled
 from drill_twin.ros.core.node import TwinNode
 from drill_twin.ros.core.node_main import init_context, print_help, run_in_order
-from drill_twin.ros.core.parameters import Parameter, declare, given_parameters
+from drill_twin.ros.core.parameters import Parameter, declare
 from drill_twin.ros.core.stop_request import StopRequest
 from drill_twin.ros.deployment import readable_refusal
-from drill_twin.ros.entry_points import PACKAGE, SIMULATOR, TWIN, load, waits
+from drill_twin.ros.entry_points import PACKAGE, SIMULATOR, TWIN, load, parameter_names, waits
 
 _BESIDE = {name: row for name, row in TWIN.items() if name != SIMULATOR and row.has_parameters}
 """Nodes beside the simulator that this process can run."""
@@ -67,7 +68,7 @@ def _flags(context: Context) -> SimpleNamespace:
     """Flags among the parameters given; the nodes judge the other ones."""
     node = Node(NAME, context=context)
     try:
-        return declare(node, PARAMETERS, other_names=given_parameters(node))
+        return declare(node, PARAMETERS, other_names=given_parameters(node))[0]
     finally:
         node.destroy_node()
 
@@ -99,6 +100,7 @@ def run(arguments: Sequence[str], stop: StopRequest, *observers: Kind) -> None:
             nodes: list[TwinNode] = [kinds[name](context, table, **waits(name, running)) for name in wanted]
             nodes += [observer(context, table) for observer in observers]
             simulator = kinds[SIMULATOR](context, table)
+            warn_of_misspelled(simulator, simulator.unknown, parameter_names())
             # Imported while there is one thread: a signal during an import would leave the others a partial module.
             for module in ("drill_twin.dynamics.twin.twin", "drill_twin.io.whirl_pipeline"):
                 importlib.import_module(module)

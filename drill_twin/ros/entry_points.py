@@ -7,16 +7,16 @@ demo go. This module needs the standard library alone: `ros2 launch` may run in 
 Exit codes: 0 ended as asked (also by SIGINT or SIGTERM), 1 the run could not go on, 2 refused to start.
 
 A new node is a class of `core.node.TwinNode`, a row in `NODES` (in another package: an entry point of `GROUP`), its
-parameter file `config/nodes/NAME.yaml`, which `drill-twin ros node NAME --parameters` prints, and its security policy
-`config/security/NAME.policy.xml`. The help text and tests of the node follow from class, row and files. The node's
-executable is a copy of the others in `resource/executables/`.
+parameter file `config/nodes/NAME.yaml`, which `drill-twin ros node NAME --parameters` prints, and its executable, a
+link to another one in `resource/executables/`. Help text, security policy and tests of the node follow from its class.
 """
 
 from __future__ import annotations
 
 import importlib
 import sys
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
+from contextlib import suppress
 from importlib.util import find_spec
 from typing import Any, NamedTuple, NoReturn
 
@@ -71,7 +71,7 @@ SIMULATOR, RIG_DRIVER, ANALYZER, RECORDER, REPLAYER = "simulator", "rig_driver",
 _TAKES = {"advisor": "map", "estimator": "scene free"}
 TWIN = {
     SIMULATOR: Row("simulate", True, _same("scene overrides accuracy pace duration checkpoint frame_prefix")),
-    RIG_DRIVER: Row("drive", True, {**_same("scene overrides table"), "wob": "weight_on_bit", "rpm": "rotation"}),
+    RIG_DRIVER: Row("drive", True, _same("scene overrides table wob rpm")),
     ANALYZER: Row("analyze", True, {}),
     RECORDER: Row("record", False, _same("bag")),
     **{
@@ -87,14 +87,14 @@ _SENDS_FIRST = (RIG_DRIVER, REPLAYER)
 _MISSES_NOTHING = (SIMULATOR, ANALYZER, RECORDER)
 
 
-def waits(node: str, running: Collection[str]) -> dict[str, str]:
+def waits(node: str, running: Collection[str]) -> dict[str, tuple[str, ...]]:
     """Parameter of a node that sends first: the running nodes that must miss no message; no parameter of other nodes.
 
     Args:
         node: Name of the node.
         running: Names of the nodes that run beside it, here or elsewhere.
     """
-    return {"wait_for": " ".join(name for name in _MISSES_NOTHING if name in running)} if node in _SENDS_FIRST else {}
+    return {"wait_for": tuple(name for name in _MISSES_NOTHING if name in running)} if node in _SENDS_FIRST else {}
 
 
 def executables() -> tuple[str, ...]:
@@ -106,6 +106,13 @@ def node_names() -> tuple[str, ...]:
     """Names of the nodes that are installed, also in other packages; without programs."""
     programs = frozenset().union(*(companion.programs for companion in COMPANIONS))
     return (*NODES, *(entry.name for entry in entries(GROUP) if entry.name not in programs))
+
+
+def parameter_names() -> Iterator[str]:
+    """Names of the parameters of all nodes that can be imported, those of the core first."""
+    for name in node_names():
+        with suppress(DrillTwinError):
+            yield from (parameter.name for parameter in load(name).PARAMETERS)
 
 
 def load(name: str) -> Any:
@@ -142,7 +149,7 @@ def start(name: str, arguments: Sequence[str] | None = None) -> int:
         if isinstance(target, type):
             from drill_twin.ros.core.node_main import run_node
 
-            run_node(target, given, stop)
+            run_node(target, given, stop, parameter_names())
         else:
             target(given, stop)
     except Stopped:

@@ -1,8 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
 """The message on a name of a companion tells a package that is not installed from one installed without the name."""
 
+from importlib.metadata import EntryPoint
+
 import pytest
 
+from drill_twin.cli.groups import _of_companion
 from drill_twin.core import companions
 from drill_twin.core.companions import not_installed
 
@@ -16,3 +19,13 @@ def test_the_message_tells_what_to_do(monkeypatch, installed, words):
     said = str(not_installed("`drill-twin onset`", "drill_twin_rig"))
     assert said.startswith("`drill-twin onset` needs the package drill_twin_rig (rig software")
     assert words in said
+
+
+@pytest.mark.parametrize(
+    ("installed", "words"),
+    [("rig", "Not installed; it is in the package drill_twin_studies."), ("studies", "Not registered; install")],
+)
+def test_the_help_tells_the_same(monkeypatch, installed, words):
+    entry = EntryPoint("another", f"drill_twin_{installed}.cli:another", "drill_twin.commands")
+    monkeypatch.setattr(companions, "entries", lambda _: (entry,))
+    assert _of_companion("map").help.startswith(words)

@@ -9,12 +9,12 @@ from ast import literal_eval
 from pathlib import Path
 
 import pytest
-from process_bench import config_file
 from std_msgs.msg import Float64
 
 from drill_twin.cli.ros import rig_table
 from drill_twin.io.messages.topics import MARKS_STATE, RIG_STATE, TOPICS, WHIRL_STATE
 from drill_twin.ros.core.topics import NodeTopics
+from drill_twin.ros.entry_points import load
 from drill_twin.whirl import MotionCode
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -87,8 +87,7 @@ def test_topics_types_and_services_that_the_guide_names_exist():
         assert topic in TOPICS
     services = set(re.findall(r"ros2 service call /simulator/(\w+) std_srvs/srv/Trigger", GUIDE))
     assert services >= {"pause", "resume", "step", "reset", "save_checkpoint", "load_checkpoint"}
-    policy = config_file("security/simulator.policy.xml").read_text("utf-8")
-    assert all(f"<service>~/{name}</service>" in policy for name in services)
+    assert {f"~/{name}" for name in services} <= set(load("simulator").RIGHTS.services)
     from drill_twin.ros.rig_driver.node import RigDriver
     from drill_twin.ros.simulator.node import Simulator
 

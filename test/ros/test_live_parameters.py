@@ -37,15 +37,16 @@ def test_set_points_of_the_driver_are_live(bench, joints):
     steady = "rig.weight_on_bit.duration=0.1 s; rig.rotation.duration=0.1 s"
     driver = bench.start("rig_driver", wait_for="simulator test", overrides=steady, change_time=2.0)
     bench.until(lambda: _applied(joints, states[-1:]) == [(40.0, pytest.approx(4.0 * math.pi))])
-    assert bench.set_parameter("rig_driver", "weight_on_bit", "55 N").successful
-    assert bench.set_parameter("rig_driver", "rotation", "60 rpm").successful
+    assert bench.set_parameter("rig_driver", "wob", 55.0).successful
+    assert bench.set_parameter("rig_driver", "rpm", "60 rpm").successful
     bench.until(lambda: _applied(joints, states[-1:]) == [(55.0, pytest.approx(2.0 * math.pi))])
     weights = [weight for weight, _ in _applied(joints, states)]
     late = weights[weights.index(40.0) :]
     assert max(abs(b - a) for a, b in itertools.pairwise(late)) < 2.0  # a change, no jump
-    refused = bench.set_parameter("rig_driver", "weight_on_bit", "55 rpm")
-    assert not refused.successful
-    assert refused.reason.startswith("weight_on_bit: expected a force")
+    for name, value, words in (("wob", "55 rpm", "wob: expected a force"), ("rpm", 60.0, "found 60.0 without a unit")):
+        refused = bench.set_parameter("rig_driver", name, value)
+        assert not refused.successful
+        assert words in refused.reason
     assert not bench.set_parameter("rig_driver", "scene", "ufrj_rig").successful
     assert _applied(joints, states[-1:])[0][0] == 55.0
     for process in (driver, simulator):
@@ -58,7 +59,7 @@ def test_a_reset_after_a_live_change_is_a_launch_with_these_set_points(bench, jo
     states = bench.collect(RIG_STATE)
     driver = bench.start("rig_driver", wait_for="simulator test", change_time=1000.0)
     bench.until(lambda: states and joints(states[-1:])[0].stamp > 9 * 10**9, what="the end of the ramps")
-    assert bench.set_parameter("rig_driver", "weight_on_bit", "60 N").successful
+    assert bench.set_parameter("rig_driver", "wob", "60 N").successful
     bench.until_status("rig_driver", lambda status: float(status.values["weight_on_bit"]) > 40.0)
     states.clear()
     bench.call("/simulator/reset")
@@ -76,16 +77,18 @@ def test_limits_of_the_simulator_are_live_and_described(bench):
     process = bench.start("simulator", command_timeout=3600.0)
     bench.until_ready("simulator")
     command, encoder = bench.publisher(RIG_COMMAND), CommandEncoder()
-    assert bench.set_parameter("simulator", "max_weight_on_bit", 50.0).successful
+    assert bench.set_parameter("simulator", "max_weight_on_bit", "0.05 kN").successful
+    assert bench.set_parameter("simulator", "max_speed", "120 rpm").successful
     command.publish(encoder.command(0, Command(60.0, 6.0)))
     bench.until_status("simulator", lambda status: status.values["commands_refused"] == "1")
     assert bench.set_parameter("simulator", "max_weight_on_bit", 70.0).successful
     command.publish(encoder.command(0, Command(60.0, 6.0)))
     bench.until_status("simulator", lambda status: status.values["weight_on_bit"] == "60")
-    for name, value in (("command_timeout", -1.0), ("on_silence", "explode"), ("pace", "fast"), ("step_frames", 0)):
+    for name, value in (("command_timeout", -1.0), ("on_silence", "explode"), ("pace", "fast"), ("step_frames", 0),
+                        ("max_speed", 12.0), ("max_speed", "700 rev/s")):  # fmt: skip
         assert not bench.set_parameter("simulator", name, value).successful, name
     # Silence counts by the new limit, and the ramp ends at the new safe set-point.
-    for name, value in (("safe_ramp_time", 0.2), ("on_silence", "ramp"), ("command_timeout", 0.3)):
+    for name, value in (("safe_ramp_time", 0.2), ("on_silence", "ramp"), ("command_timeout", "300 ms")):
         assert bench.set_parameter("simulator", name, value).successful, name
     bench.until_status("simulator", lambda status: "ramping to the safe set-point" in status.text)
     request = DescribeParameters.Request(names=["command_timeout", "scene"])

@@ -26,7 +26,7 @@ LONGEST_LINE = 1000
 
 @pytest.mark.fault("parameters of unknown type, of a million characters, not a number", "refused in a line")
 def test_odd_parameters_are_refused_and_the_nodes_go_on(bench):
-    names = {"simulator": ("command_timeout", "scene", ""), "rig_driver": ("weight_on_bit", "no_such")}
+    names = {"simulator": ("command_timeout", "scene", ""), "rig_driver": ("wob", "no_such")}
     processes = {
         "simulator": bench.start("simulator", wait_for_command=False),
         "rig_driver": bench.start("rig_driver", wait_for="simulator"),

@@ -16,6 +16,7 @@ from process_bench import config_file
 
 import drill_twin
 from drill_twin.core.companions import COMPANIONS
+from drill_twin.io.messages.topics import TOPICS
 from drill_twin.ros import composed_twin, entry_points
 from drill_twin.ros.core.parameters import file_text
 from drill_twin.scene import presets
@@ -75,8 +76,6 @@ def test_the_table_of_companions_has_what_they_bring(setup_arguments):
         brought = {group: {line.partition(" = ")[0] for line in lines} for group, lines in points.items()}
         assert brought["drill_twin.commands"] == set(companion.commands)
         assert brought["drill_twin.nodes"] == set(companion.nodes)
-        policies = {file.name for file in (FOLDERS[companion.name] / "config/security").glob("*")}
-        assert policies == {f"{name}.policy.xml" for name in set(companion.nodes) - companion.programs}
 
 
 def test_commands_carry_the_name_of_the_package_and_ros2_run_finds_every_node(setup_arguments):
@@ -89,9 +88,6 @@ def test_commands_carry_the_name_of_the_package_and_ros2_run_finds_every_node(se
     assert {file.name for file in executables} == EXECUTABLES <= set(entry_points.executables())
     assert len({file.read_bytes() for file in executables}) == 1
     assert all(os.access(file, os.X_OK) for file in executables)
-    assert {file.name for file in (ROOT / "config/security").iterdir()} == {
-        f"{name}.policy.xml" for name in entry_points.NODES
-    }
     assert all(name == entry_points.load(name).NAME for name in NODES)
 
 
@@ -152,6 +148,18 @@ def test_every_import_is_declared(package):
         assert f"<exec_depend>{name}</exec_depend>" in (folder / "package.xml").read_text("utf-8")
 
 
+@of_each_package
+def test_the_manifest_names_every_package_of_messages(package):
+    """Also a package that is used where it is installed, and a package of the types of the topics."""
+    folder = FOLDERS[package]
+    imported = re.compile(r'(?:^from |import_module\(")(\w+)\.(?:msg|srv)\b', re.MULTILINE)
+    texts = [file.read_text("utf-8") for file in (folder / package).rglob("*.py")]
+    used = {name for text in texts for name in imported.findall(text)}
+    if package == "drill_twin":
+        used |= {topic.type_name.split("/")[0] for topic in TOPICS.values()}
+    assert used <= set(re.findall(r"<exec_depend>(\w+)<", (folder / "package.xml").read_text("utf-8")))
+
+
 def test_versions_are_pinned(setup_arguments):
     pins = dict(line.split("==") for line in (ROOT / "constraints.txt").read_text("utf-8").splitlines() if "==" in line)
     names = {name.lower() for name in pins}
@@ -207,12 +215,13 @@ def test_a_ros_workspace_gets_what_has_no_key_in_rosdep(setup_arguments):
 def test_a_parameter_file_holds_every_parameter_with_its_default_and_a_comment(node):
     text = config_file(f"nodes/{node}.yaml").read_text("utf-8")
     values = yaml.safe_load(text)["/**"]["ros__parameters"]
-    assert values == {parameter.name: parameter.default for parameter in NODES[node].PARAMETERS}
+    defaults = ((parameter.name, parameter.default) for parameter in NODES[node].PARAMETERS)
+    assert values == {name: list(value) if isinstance(value, tuple) else value for name, value in defaults}
     for parameter in NODES[node].PARAMETERS:
         comment = re.search(rf"((?:^ +#.*\n)+) +{parameter.name}:", text, re.MULTILINE)
         assert comment, f"{parameter.name} has no comment"
         assert len(comment[1]) > 30
-        if parameter.unit:
+        if parameter.unit and not isinstance(parameter.default, str):
             assert f"[{parameter.unit}]" in comment[1]
 
 

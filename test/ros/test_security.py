@@ -6,7 +6,6 @@ from importlib.util import find_spec
 from xml.etree import ElementTree as ET
 
 import pytest
-from process_bench import config_file
 
 from drill_twin.io.messages.topics import (
     DIAGNOSTICS,
@@ -21,7 +20,8 @@ from drill_twin.io.messages.topics import (
     TOPICS,
 )
 from drill_twin.ros.bag import player_control
-from drill_twin.ros.entry_points import node_names
+from drill_twin.ros.core.policy import policy_text
+from drill_twin.ros.entry_points import load, node_names, start
 from drill_twin.ros.simulator.run_control import SERVICES
 
 ALL_TOPICS = {*TOPICS, *OF_TF, *(row.name.replace("SUB", "*") for row in OF_SUBS)}
@@ -49,9 +49,14 @@ def test_a_policy_names_topics_of_the_contract_only(node):
         assert rights["publish"] >= ALL_TOPICS
 
 
+def test_a_node_prints_its_policy(capsys):
+    assert start("rig_driver", ["--policy"]) == 0
+    assert capsys.readouterr().out == policy_text("rig_driver", load("rig_driver").RIGHTS)
+
+
 def _allowed(node):
-    """Topics and services of a policy file, by right, with full names."""
-    enclave = ET.parse(config_file(f"security/{node}.policy.xml")).getroot().find("enclaves/enclave")  # noqa: S314 - our own file
+    """Topics and services of the policy that a node prints, by right, with full names."""
+    enclave = ET.fromstring(policy_text(node, load(node).RIGHTS).encode()).find("enclaves/enclave")  # noqa: S314 - our own
     assert enclave.get("path") == f"/drill_twin/{node}"
     rights = {"publish": set(), "subscribe": set(), "reply": set(), "request": set()}
     for group in enclave.find("profiles/profile"):

@@ -17,8 +17,10 @@ from drill_twin.io.bag.metadata import RecordedTopic, contract_topic
 from drill_twin.io.bag.writer import BagWriter
 from drill_twin.io.messages.diagnostics import Level, Status
 from drill_twin.io.messages.topics import DIAGNOSTICS, OF_TF, TOPICS, sub_of
+from drill_twin.ros.core.given import ParameterError
 from drill_twin.ros.core.node import AUTOSTART, TwinNode
-from drill_twin.ros.core.parameters import Parameter, ParameterError
+from drill_twin.ros.core.parameters import Parameter
+from drill_twin.ros.core.policy import ALL_TOPICS, Rights
 from drill_twin.ros.core.topics import Received, installed
 
 _DEPTH = 2000  # messages of one topic; 10 s at 200 Hz
@@ -45,17 +47,18 @@ class Recorder(TwinNode):
         ),
         Parameter(
             "topics",
-            "",
-            'topics to record, separated by spaces; "": all of the contract, and tf where tf2_msgs is installed',
-            such_as="/rig/state /marks/state",
+            (),
+            "topics to record; none: all of the contract, and tf where tf2_msgs is installed",
+            such_as='["/rig/state", "/marks/state"]',
         ),
         Parameter(
             "regex", "", "also topics in whose full name this regular expression is found", such_as="/rig/|/marks/"
         ),
-        Parameter("exclude_topics", "", "topics not to record, separated by spaces", such_as="/string/markers"),
+        Parameter("exclude_topics", (), "topics not to record", such_as='["/string/markers"]'),
         Parameter("exclude_regex", "", "nor topics in whose full name this is found", such_as="/string/.*"),
         AUTOSTART,
     )
+    RIGHTS: ClassVar = Rights(subscribes=tuple(ALL_TOPICS))
     _bag: BagWriter | None = None
 
     def configure(self) -> None:
@@ -82,7 +85,7 @@ class Recorder(TwinNode):
     def _chosen(self) -> list[str]:
         """Topics to record from the start; topics of subs come once they are there."""
         settings = self.settings
-        named, excluded = settings.topics.split(), settings.exclude_topics.split()
+        named, excluded = settings.topics, settings.exclude_topics
         for name, topics in (("topics", named), ("exclude_topics", excluded)):
             if unknown := [topic for topic in topics if topic not in TOPICS]:
                 raise ParameterError(

@@ -17,9 +17,11 @@ from drill_twin.io.messages.encode import encode_string
 from drill_twin.io.messages.stamps import NANOSECONDS
 from drill_twin.io.messages.topics import CLOCK_TOPIC, DIAGNOSTICS, TF_STATIC, TOPICS, TWIN_SCENE
 from drill_twin.io.messages.type_store import deserialize
-from drill_twin.ros.bag.player_control import PlayerControl, Playhead, offer
+from drill_twin.ros.bag.player_control import SERVICES, PlayerControl, Playhead, offer
+from drill_twin.ros.core.given import ParameterError
 from drill_twin.ros.core.node import AUTOSTART, TwinNode
-from drill_twin.ros.core.parameters import Parameter, ParameterError
+from drill_twin.ros.core.parameters import Parameter
+from drill_twin.ros.core.policy import ALL_TOPICS, READY, Rights
 from drill_twin.ros.core.startup_barrier import StartupBarrier, unmatched_readers
 from drill_twin.ros.core.topics import installed
 
@@ -59,15 +61,16 @@ class Replayer(TwinNode):
         Parameter("start_paused", False, "whether it begins paused, for ~/play_next or ~/resume"),
         Parameter(
             "topics",
-            "",
-            'topics to replay, separated by spaces; "": all of the contract that the bag holds but /diagnostics, which '
-            "would be mixed with what the running nodes say",
-            such_as="/rig/state /marks/state",
+            (),
+            "topics to replay; none: all of the contract that the bag holds but /diagnostics, which would be mixed with "
+            "what the running nodes say",
+            such_as='["/rig/state", "/marks/state"]',
         ),
         Parameter(
             "map",
-            "",
-            "topics of the bag that have other names than ours, as /camera/marks=/marks/state, separated by spaces",
+            (),
+            "topics of the bag that have other names than ours",
+            such_as='["/camera/marks=/marks/state"]',
         ),
         Parameter("twin", "", 'namespace of the twin in the bag, as /rig2, where it holds several; "": the only one'),
         Parameter(
@@ -77,16 +80,20 @@ class Replayer(TwinNode):
         ),
         Parameter(
             "leave_out",
-            "",
-            "topics not to replay, as /whirl/state /whirl/motion /whirl/onset /twin/summary for a new analysis",
+            (),
+            "topics not to replay; for a new analysis the findings",
+            such_as='["/whirl/state", "/whirl/motion", "/whirl/onset", "/twin/summary"]',
         ),
         Parameter(
             "clock_rate", 40.0, "/clock of a bag that holds none, per second of wall time; 0: none", "Hz", 0.0, 1000.0
         ),
-        Parameter("wait_for", "", "nodes that must be ready before the first message, separated by spaces"),
+        Parameter("wait_for", (), "nodes that must be ready before the first message"),
         Parameter("wait_timeout", 30.0, "longest wait for them", "s", 0.0, 3600.0),
         Parameter("loop", False, "whether to begin again at the end"),
         AUTOSTART,
+    )
+    RIGHTS: ClassVar = Rights(
+        publishes=tuple(ALL_TOPICS), services=tuple(f"~/{name}" for name in SERVICES), calls=READY
     )
     _sent = 0
     _skipped = SkippedMessages()
@@ -100,7 +107,7 @@ class Replayer(TwinNode):
         self._skipped = SkippedMessages()
         if not settings.bag:
             raise ParameterError("parameter bag: expected the path of a bag, found none; add -p bag:=PATH")
-        names = parse_remappings(settings.map.split(), "parameter map")
+        names = parse_remappings(settings.map, "parameter map")
         self._bag = Bag(settings.bag, names=names, namespace=settings.twin or None)
         if settings.keep_namespace and self.get_namespace() == "/":
             self.topics.prefix = self._bag.namespace
@@ -109,7 +116,7 @@ class Replayer(TwinNode):
             if topic != DIAGNOSTICS:  # every node has its publisher
                 self.topics.advertise(topic)
         self._clock_period = 0.0
-        if CLOCK_TOPIC not in self._topics and settings.clock_rate and CLOCK_TOPIC not in settings.leave_out.split():
+        if CLOCK_TOPIC not in self._topics and settings.clock_rate and CLOCK_TOPIC not in settings.leave_out:
             self.topics.advertise(CLOCK_TOPIC)
             self._clock_period = 1.0 / settings.clock_rate
         self._clock_message = ClockTemplate()
@@ -154,7 +161,7 @@ class Replayer(TwinNode):
 
     def _chosen(self) -> list[str]:
         held = [name for name, topic in self._bag.topics.items() if name in TOPICS and topic.count]
-        wanted, unwanted = self.settings.topics.split(), self.settings.leave_out.split()
+        wanted, unwanted = self.settings.topics, self.settings.leave_out
         for name, values in (("topics", wanted), ("leave_out", unwanted)):
             if unknown := [topic for topic in values if topic not in self._bag.topics and topic not in TOPICS]:
                 raise ParameterError(
@@ -199,7 +206,7 @@ class Replayer(TwinNode):
 
     def _wait_for_readers(self, earliest: float) -> Iterator[float]:
         prefix = f"{self.topics.prefix}/" if self.topics.prefix else ""
-        names = " ".join(prefix + name for name in self.settings.wait_for.split())
+        names = " ".join(prefix + name for name in self.settings.wait_for)
         barrier = StartupBarrier(self, names, self.settings.wait_timeout)
         while time.monotonic() < earliest or unmatched_readers(self) or not barrier.passed():
             yield _LONGEST_WAIT

@@ -3,8 +3,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
-from contextlib import suppress
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager, suppress
 from dataclasses import replace
 from functools import partial
 from types import SimpleNamespace
@@ -25,23 +25,18 @@ from drill_twin.io.messages.diagnostics import Level, Status
 from drill_twin.io.messages.topics import CLOCK_TOPIC, DIAGNOSTICS
 from drill_twin.ros.core.diagnostics_publisher import DiagnosticsPublisher, NodeInputs, of_inactive
 from drill_twin.ros.core.parameters import Parameter, Value, declare, follow_changes
+from drill_twin.ros.core.policy import Rights
 from drill_twin.ros.core.requests import Answer, guarded, sending_later
-from drill_twin.ros.core.spinning import SpinningNode
+from drill_twin.ros.core.spinning import SpinningNode, StateChanged
 from drill_twin.ros.core.startup_barrier import answer_ready
 from drill_twin.ros.core.stop_request import StopRequest
 from drill_twin.ros.core.topics import NodeTopics, refuse_unused_overrides
 
-_DIAGNOSTICS_PERIOD = 1.0  # s
-_SCENE_PERIOD = 0.1  # s between two looks at the scenes that wait
-_DONE, _REFUSED = TransitionCallbackReturn.SUCCESS, TransitionCallbackReturn.FAILURE
+_DIAGNOSTICS_PERIOD, _SCENE_PERIOD = 1.0, 0.1  # s between two reports, and two looks at the scenes that wait
 AUTOSTART = Parameter(
     "autostart", True, "whether to configure and activate itself; else a lifecycle manager does (ros2 lifecycle)"
 )
 """Parameter of every node."""
-
-
-class StateChanged(BaseException):
-    """Raised by `spin_once` after a requested transition, to end the turn of the loop in which the request came."""
 
 
 class TwinNode(LifecycleNodeMixin, SpinningNode):
@@ -58,6 +53,7 @@ class TwinNode(LifecycleNodeMixin, SpinningNode):
     NAME: ClassVar[str]
     PURPOSE: ClassVar[str]
     PARAMETERS: ClassVar[tuple[Parameter, ...]] = ()
+    RIGHTS: ClassVar[Rights] = Rights()
     ON_CHANGE: ClassVar[tuple[str, ...]] = ()
     """Topics of which this node expects a message on change only, so that their silence is no fault."""
     TIMED_BY: ClassVar[str] = CLOCK_TOPIC
@@ -75,7 +71,7 @@ class TwinNode(LifecycleNodeMixin, SpinningNode):
         """
         SpinningNode.__init__(self, self.NAME, context)
         table = [replace(row, default=defaults.get(row.name, row.default)) for row in self.PARAMETERS]
-        self.settings: SimpleNamespace = declare(self, table, other_names=others)
+        self.settings, self.unknown = declare(self, table, other_names=others)  # unknown: meant for other nodes
         self._shares_its_process = bool(others)
         follow_changes(self, table, self.settings, check=self.check_change, changed=self._changed)
         self.topics = NodeTopics(self, lambda topic: self.samples.unreadable(topic), self._keep)  # noqa: PLW0108 - it changes
@@ -84,7 +80,7 @@ class TwinNode(LifecycleNodeMixin, SpinningNode):
         """True while active; true once closed in order; true once asked by a service to end."""
         self._endpoints: list[Service | Timer] = []
         self._ready: Service | None = None
-        self._refusal: Exception | None = None
+        self._refusal: Exception | None = None  # of the last transition
         self._unfinished: Exception | None = None  # of a requested clean-up, raised at the end
         LifecycleNodeMixin.__init__(self)
         for service in self.services:
@@ -94,8 +90,6 @@ class TwinNode(LifecycleNodeMixin, SpinningNode):
         self._diagnostics = DiagnosticsPublisher(self, self.topics)
         self._every(_DIAGNOSTICS_PERIOD, self.publish_diagnostics)
         self._every(_SCENE_PERIOD, self.topics.pass_on_scenes)
-
-    # --- implemented by nodes -------------------------------------------------------------------------------------
 
     def configure(self) -> None:
         """Load what is needed; create topics, services and timers. An error refuses the transition."""
@@ -158,8 +152,6 @@ class TwinNode(LifecycleNodeMixin, SpinningNode):
             self.destroy_service(self._ready)
         self._ready = None
 
-    # --- life cycle -----------------------------------------------------------------------------------------------
-
     def start(self) -> None:
         """Configure and activate, unless a lifecycle manager is to do it.
 
@@ -192,49 +184,54 @@ class TwinNode(LifecycleNodeMixin, SpinningNode):
 
     def on_configure(self, _: LifecycleState) -> TransitionCallbackReturn:
         """Configure the node, or leave it as it was."""
-        done = self._carried_out(self._configure)
-        if done == _REFUSED:
+        with self._transition():
+            self._attributes = frozenset(vars(self))
+            self.configured, self.samples = True, NodeInputs(self, self.ON_CHANGE, self.TIMED_BY)
+            self.configure()
+            if not self._shares_its_process:
+                refuse_unused_overrides(self)
+            self.topics.muted = not self.active
+            self.offer_ready()
+        if self._refusal is not None:
             self.clean_up()
-        return done
+        return _FAILED if self._refusal else _DONE
 
     def on_activate(self, _: LifecycleState) -> TransitionCallbackReturn:
         """Let the node work."""
-        return self._carried_out(self.activate, partial(self._set_active, active=True))
+        with self._transition():
+            self.activate()
+            self._set_active(active=True)
+        return _FAILED if self._refusal else _DONE
 
     def on_deactivate(self, _: LifecycleState) -> TransitionCallbackReturn:
         """Let the node rest."""
-        return self._carried_out(self.deactivate, partial(self._set_active, active=False))
+        with self._transition():
+            self.deactivate()
+            self._set_active(active=False)
+        return _FAILED if self._refusal else _DONE
 
     def on_cleanup(self, _: LifecycleState) -> TransitionCallbackReturn:
         """Complete what is open, and drop what could not be completed all the same."""
-        if self._carried_out(self.clean_up) == _REFUSED:
-            self._unfinished = self._refusal
+        with self._transition():
+            self.clean_up()
+        self._unfinished = self._refusal or self._unfinished
         return _DONE
 
     def on_shutdown(self, _: LifecycleState) -> TransitionCallbackReturn:
         """Ask the node to end."""
-        return self._carried_out(self.end)
+        self.end()
+        return _DONE
 
-    def _carried_out(self, *changes: Callable[[], object]) -> TransitionCallbackReturn:
-        """Result of a transition; an error is logged, or kept for `start`, because rclpy would swallow it."""
+    @contextmanager
+    def _transition(self) -> Iterator[None]:
+        """Log an error of a transition, or keep it for `start`, because rclpy would swallow it."""
+        self._refusal = None
         try:
-            for change in changes:
-                change()
+            yield
         except Exception as error:  # noqa: BLE001 - logged here, or raised by `start`
             self._refusal = error
             if not self._starts:
                 self.get_logger().error(str(error))
-            return _REFUSED
-        return _DONE
-
-    def _configure(self) -> None:
-        self._attributes = frozenset(vars(self))
-        self.configured, self.samples = True, NodeInputs(self, self.ON_CHANGE, self.TIMED_BY)
-        self.configure()
-        if not self._shares_its_process:
-            refuse_unused_overrides(self)
-        self.topics.muted = not self.active
-        self.offer_ready()
 
     def _set_active(self, *, active: bool) -> None:
         self.active, self.topics.muted = active, not active

@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 
 import rclpy
 from rclpy.context import Context
@@ -12,24 +12,36 @@ from rclpy.signals import SignalHandlerOptions
 from rclpy.utilities import remove_ros_args
 
 from drill_twin.core.errors import DrillTwinError
+from drill_twin.ros.core.given import ArgumentsContext, warn_of_misspelled
 from drill_twin.ros.core.node import TwinNode
 from drill_twin.ros.core.parameters import Parameter, file_text, help_text
+from drill_twin.ros.core.policy import policy_text
 from drill_twin.ros.core.stop_request import StopRequest
 from drill_twin.ros.deployment import prepare, readable_refusal
 
 
-def run_node(kind: type[TwinNode], arguments: Sequence[str], stop: StopRequest) -> None:
+def run_node(kind: type[TwinNode], arguments: Sequence[str], stop: StopRequest, parameters: Iterable[str]) -> None:
     """Start one node, run it, and shut it down in order, also after an error.
+
+    Args:
+        kind: Class of the node.
+        arguments: Its arguments.
+        stop: Request to stop.
+        parameters: Names of the parameters of all nodes, read only where a parameter was given to all.
 
     Raises:
         DrillTwinError: The node refused to start or could not go on.
     """
     if print_help(kind.NAME, kind.PURPOSE, kind.PARAMETERS, arguments):
         return
+    if list(arguments) == ["--policy"]:
+        print(policy_text(kind.NAME, kind.RIGHTS), end="")
+        return
     context = init_context(arguments, stop)
     try:
         with stop.at_once(), readable_refusal():
             node = kind(context)
+            warn_of_misspelled(node, node.unknown, parameters)
         run_in_order(node, stop)
     finally:
         context.try_shutdown()
@@ -43,7 +55,7 @@ def init_context(arguments: Sequence[str], stop: StopRequest) -> Context:
     """
     _refuse_misplaced(arguments)
     prepare()
-    context = Context()
+    context = ArgumentsContext(arguments)
     try:
         with stop.at_once():
             rclpy.init(args=list(arguments), context=context, signal_handler_options=SignalHandlerOptions.NO)

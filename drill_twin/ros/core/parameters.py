@@ -1,33 +1,39 @@
 # SPDX-License-Identifier: Apache-2.0
 """Typed parameters: one table per node, the source of its descriptors, checks and defaults.
 
-A node refuses to start on a parameter of the wrong type, out of range or misspelled, with one line.
+A node refuses to start on a parameter of the wrong type, out of range or misspelled, with one line. A quantity is a
+number in its SI unit, or a text with any unit of scene files, `"120 rpm"`. A speed of rotation always has its unit: a
+bare 12 might be meant in rad/s, rev/s or rev/min.
 """
 
 from __future__ import annotations
 
-import difflib
 import json
 import math
 import textwrap
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from types import SimpleNamespace
+from typing import Any
 
 from rcl_interfaces.msg import FloatingPointRange, IntegerRange, ParameterDescriptor, SetParametersResult
 from rclpy.node import Node
 from rclpy.parameter import Parameter as RosParameter
 
 from drill_twin.core.errors import DrillTwinError, shortened
+from drill_twin.core.numerals import number
+from drill_twin.core.units import UnitError, parse, write
+from drill_twin.core.units import dimension as dim
+from drill_twin.ros.core.given import OF_ROS, ParameterError, given_parameters, refuse_unknown
 
-Value = bool | int | float | str
+Value = bool | int | float | str | tuple[str, ...]
 
-_OF_ROS = ("use_sim_time", "start_type_description_service", "qos_overrides.")
-_TYPE_NAMES = {bool: "true or false", int: "a whole number", float: "a number", str: "a text"}
-
-
-class ParameterError(DrillTwinError):
-    """A node parameter with which a node cannot start."""
+_TYPE_NAMES = {bool: "true or false", int: "a whole number", float: "a number", str: "a text", tuple: "a list of texts"}
+_UNITS = (
+    'A number with a unit in brackets may also be a text such as "500 ms", of any unit of scene files. A speed of '
+    "rotation always has its unit."
+)
+_DIMENSIONS = {known.unit: known for known in (dim.FORCE, dim.TIME, dim.FREQUENCY, dim.ANGULAR_SPEED)}
 
 
 @dataclass(frozen=True)
@@ -44,7 +50,9 @@ class Parameter:
     live: bool = False
     """True if it can be changed while the node runs."""
     such_as: str = ""
-    """Example of a valid text."""
+    """Example of a valid text or list."""
+    between: str = " "
+    """Text between the items of a list that is written as one text, as launch arguments are."""
 
     def expected(self) -> str:
         """Expected type and range of a value, in words."""
@@ -52,38 +60,83 @@ class Parameter:
             return f"one of {', '.join(self.choices)}"
         text = _TYPE_NAMES[type(self.default)]
         if self.such_as:
-            text += f' such as "{self.such_as}"'
+            text += f" such as {self.such_as if isinstance(self.default, tuple) else json.dumps(self.such_as)}"
+        if self._of_rotation:
+            text = 'a text with a unit such as "120 rpm"'
+        elif self._dimension and isinstance(self.default, str):
+            text = f"a number [{self.unit}] or {text}"
         if self.low is not None and self.high is not None:
             text += f" from {self.low:g} to {self.high:g}"
-        return f"{text} [{self.unit}]" if self.unit else text
+        return f"{text} [{self.unit}]" if self.unit and not isinstance(self.default, str) else text
+
+    @property
+    def _dimension(self) -> dim.Dimension | None:
+        return _DIMENSIONS.get(self.unit)
+
+    @property
+    def _of_rotation(self) -> bool:
+        return self._dimension is dim.ANGULAR_SPEED
 
     def checked(self, value: object) -> Value:
-        """Value converted to the type of the default.
+        """Value as the node has it: of the type of the default, a quantity in SI.
 
         Raises:
-            ParameterError: The value has another type or is out of range.
+            ParameterError: The value has another type or unit, or is out of range.
         """
-        wanted = type(self.default)
+        wanted, found = type(self.default), value
+        if isinstance(self.default, tuple):
+            value = self._items(value)
+        elif self._dimension is not None:
+            value = self._quantity(value, self._dimension)
         if wanted is float and isinstance(value, int) and not isinstance(value, bool):
             value = float(value)
         if type(value) is not wanted or not self._admits(value):
-            raise ParameterError(f"parameter {self.name}: expected {self.expected()}, found {shortened(repr(value))}")
+            raise ParameterError(f"parameter {self.name}: expected {self.expected()}, found {shortened(repr(found))}")
         return value
+
+    def _items(self, value: object) -> object:
+        """Items of a list, also of a list written as one text; ROS has no value for an empty list in a file."""
+        if isinstance(value, str):
+            value = value.split(self.between)
+        items: Sequence[object] = value if isinstance(value, Sequence) else () if value is None else (value,)
+        texts = [item.strip() for item in items if isinstance(item, str)]
+        return tuple(filter(None, texts)) if len(texts) == len(items) else value
+
+    def _quantity(self, value: object, dimension: dim.Dimension) -> object:
+        """Value in SI, or with its unit where the default is a text, which the scene reads."""
+        bare: float | None = None
+        if isinstance(value, (int, float)) and not isinstance(value, bool):
+            bare = float(value)
+        elif isinstance(value, str):
+            bare = number(value.strip())
+        if bare and self._of_rotation:
+            raise ParameterError(f"parameter {self.name}: expected {self.expected()}, found {value!r} without a unit")
+        if isinstance(self.default, str):
+            return value if bare is None else write(bare, dimension)
+        try:
+            return parse(value, dimension) if isinstance(value, str) else value
+        except UnitError as error:
+            raise ParameterError(f"parameter {self.name}: {error}") from error
 
     def _admits(self, value: Value) -> bool:
         if self.choices and value not in self.choices:
             return False
-        if isinstance(value, str):
+        if isinstance(value, (str, tuple)):
             return True
         return math.isfinite(value) and not (
             (self.low is not None and value < self.low) or (self.high is not None and value > self.high)
         )
 
+    def declared(self, value: Value) -> Any:
+        """Value of the default's type as ROS is told it; a list without items as a list of an empty text."""
+        return list(value) or [""] if isinstance(value, tuple) else value
+
     def descriptor(self) -> ParameterDescriptor:
-        """Descriptor that `ros2 param describe` shows."""
+        """Descriptor that `ros2 param describe` shows; a quantity is a number or a text."""
         description = f"{self.description} [{self.unit}]" if self.unit else self.description
         descriptor = ParameterDescriptor(description=description, read_only=not self.live)
-        if self.choices:
+        descriptor.dynamic_typing = self._dimension is not None
+        if self.choices or descriptor.dynamic_typing:
             descriptor.additional_constraints = self.expected()
         if self.low is not None and self.high is not None:
             if isinstance(self.default, float):
@@ -94,14 +147,10 @@ class Parameter:
         return descriptor
 
 
-def given_parameters(node: Node) -> dict[str, RosParameter]:
-    """Parameters that the user gave to a node, by name; a value changed here is declared as changed."""
-    given: dict[str, RosParameter] = node._parameter_overrides  # noqa: SLF001 - rclpy has no public access to them
-    return given
-
-
-def declare(node: Node, table: Sequence[Parameter], other_names: Iterable[str] = ()) -> SimpleNamespace:
-    """Declare a table on a node; returns its values by name.
+def declare(
+    node: Node, table: Sequence[Parameter], other_names: Iterable[str] = ()
+) -> tuple[SimpleNamespace, list[str]]:
+    """Declare a table on a node; returns its values by name, and names given to all nodes that this node lacks.
 
     Args:
         node: A node without declared parameters of its own.
@@ -113,17 +162,19 @@ def declare(node: Node, table: Sequence[Parameter], other_names: Iterable[str] =
     """
     given = given_parameters(node)
     names = [parameter.name for parameter in table]
-    _refuse_unknown(given, names, {*names, *other_names})
+    known = {*names, *other_names}
+    unknown = refuse_unknown(node, names, [name for name in given if name not in known and not name.startswith(OF_ROS)])
     result = {}
     for parameter in table:
+        value, descriptor = parameter.default, parameter.descriptor()
         if parameter.name in given:
-            value = parameter.checked(given[parameter.name].value)
-            given[parameter.name] = RosParameter(parameter.name, value=value)
-        else:
-            value = parameter.default
-        node.declare_parameter(parameter.name, value, parameter.descriptor())
+            found = given[parameter.name].value
+            value = parameter.checked(found)
+            as_told = found if descriptor.dynamic_typing else parameter.declared(value)  # with its unit
+            given[parameter.name] = RosParameter(parameter.name, value=as_told)
+        node.declare_parameter(parameter.name, parameter.declared(value), descriptor)
         result[parameter.name] = value
-    return SimpleNamespace(**result)
+    return SimpleNamespace(**result), unknown
 
 
 def follow_changes(
@@ -166,15 +217,6 @@ def follow_changes(
     node.add_post_set_parameters_callback(take_over)
 
 
-def _refuse_unknown(given: Mapping[str, RosParameter], names: Sequence[str], known: set[str]) -> None:
-    for name in given:
-        if name in known or name.startswith(_OF_ROS):
-            continue
-        near = difflib.get_close_matches(name, names, n=1)
-        hint = f"did you mean {near[0]}?" if near else f"it has {', '.join(names)}"
-        raise ParameterError(f"parameter {name}: this node has none of that name; {hint}")
-
-
 # --- texts --------------------------------------------------------------------------------------------------------
 
 
@@ -187,6 +229,7 @@ def file_text(name: str, purpose: str, table: Sequence[Parameter]) -> str:
         f"# {purpose}",
         f"# ros2 run drill_twin {name} --ros-args --params-file {name}.yaml",
         f"# Every parameter with its default; {reading}.",
+        *textwrap.wrap(_UNITS, 113, initial_indent="# ", subsequent_indent="# "),
         "",
         "/**:",
         "  ros__parameters:",
@@ -205,18 +248,5 @@ def _sentence(text: str) -> str:
 
 def help_text(name: str, purpose: str, table: Sequence[Parameter]) -> str:
     """Text that `NODE --help` prints."""
-    lines = [
-        f"usage: {name} [--ros-args [-p NAME:=VALUE ...] [--params-file FILE] [-r FROM:=TO ...]]",
-        "",
-        purpose,
-        "",
-        "parameters:",
-    ]
-    for parameter in table:
-        expected = f"{parameter.expected()}; {'live' if parameter.live else 'read at the start'}"
-        lines += [
-            f"  {parameter.name} = {json.dumps(parameter.default)}",
-            f"      {parameter.description}",
-            f"      {expected}",
-        ]
-    return "\n".join(lines)
+    given = "[-p NAME:=VALUE ...] [--params-file FILE] [-r FROM:=TO ...]"
+    return f"usage: {name} [--parameters | --policy | --ros-args {given}]\n\n{file_text(name, purpose, table)}"

@@ -3,29 +3,34 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from types import SimpleNamespace
 
-from drill_twin.ros.core.parameters import Parameter, ParameterError
+from drill_twin.ros.core.given import ParameterError
+from drill_twin.ros.core.parameters import Parameter
 from drill_twin.scene import Scene, load_scene
 
 SCENE = Parameter("scene", "pa6_bench", "scene: an installed one by name, or the path of a scene file")
 _LINE_PERIOD = 10.0  # s between two lines of progress
 OVERRIDES = Parameter(
-    "overrides", "", 'changes to the scene as KEY=VALUE, separated by ";"', such_as="hole.radius=80 mm; effects.bow=off"
+    "overrides",
+    (),
+    "changes to the scene as KEY=VALUE",
+    such_as='["hole.radius=80 mm", "effects.bow=off"]',
+    between=";",
 )
 
 
 def scene_of(settings: SimpleNamespace) -> Scene:
-    """Scene of the parameters scene, overrides and, where a node has them, weight_on_bit, rotation, accuracy, table.
+    """Scene of the parameters scene, overrides and, where a node has them, wob, rpm, accuracy, table.
 
     Raises:
         SceneError: The scene cannot be loaded.
         ParameterError: The overrides are not pairs KEY=VALUE.
     """
     changes = pairs_of("overrides", settings.overrides)
-    for parameter, key in (("weight_on_bit", "wob"), ("rotation", "rpm"), ("accuracy", "accuracy")):
-        if value := getattr(settings, parameter, ""):
+    for key in ("wob", "rpm", "accuracy"):
+        if value := getattr(settings, key, ""):
             changes[key] = value
     if table := getattr(settings, "table", ""):
         changes |= _playing(load_scene(settings.scene, overrides=changes), table)
@@ -53,19 +58,17 @@ def resolved(scene: Scene, duration: float, log: Callable[[str], object]) -> Sce
     return plan.scene
 
 
-def pairs_of(parameter: str, text: str) -> dict[str, str]:
-    """Pairs of a text `KEY=VALUE; KEY=VALUE`.
+def pairs_of(parameter: str, items: Iterable[str]) -> dict[str, str]:
+    """Pairs of a list of texts `KEY=VALUE`.
 
     Raises:
-        ParameterError: The text holds no such pairs.
+        ParameterError: A text is no such pair.
     """
     pairs = {}
-    for part in text.split(";"):
-        if not part.strip():
-            continue
-        key, _, value = (word.strip() for word in part.partition("="))
+    for item in items:
+        key, _, value = (word.strip() for word in item.partition("="))
         if not (key and value):
-            raise ParameterError(f'parameter {parameter}: expected KEY=VALUE; KEY=VALUE, found "{part.strip()}"')
+            raise ParameterError(f'parameter {parameter}: expected ["KEY=VALUE", "KEY=VALUE"], found "{item}"')
         pairs[key] = value
     return pairs
 

@@ -27,6 +27,10 @@ _LAST = 0.8  # s for what still arrives, and for what readers still acknowledge,
 _SLICE = 0.1  # s between two looks at a request to stop
 
 
+class StateChanged(BaseException):
+    """Raised by `spin_once` after a requested transition, to end the turn of the loop in which the request came."""
+
+
 class SpinningNode(Node):
     """A node whose events are processed where its loop says so.
 

@@ -3,9 +3,9 @@
 
 from __future__ import annotations
 
-import difflib
 import importlib
 import inspect
+import re
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from importlib.util import find_spec
@@ -23,13 +23,15 @@ from drill_twin.core.errors import MessageError
 from drill_twin.io.messages.readers import reader_of
 from drill_twin.io.messages.topic_row import Topic
 from drill_twin.io.messages.topics import CLOCK_TOPIC, DIAGNOSTICS, RPS_COMMAND, TF, TOPICS, TWIN_SCENE, WOB_COMMAND
+from drill_twin.ros.core.given import ParameterError, given_parameters, refuse_unknown, warn_of_misspelled
 from drill_twin.ros.core.graph import UNKNOWN_NAME, full_name, unmet
-from drill_twin.ros.core.parameters import ParameterError, given_parameters
 from drill_twin.ros.core.queues import DropCounter, SceneGate
 
 _PATIENCE = Duration(seconds=0.1)  # longest wait for a reader, which may have been killed
 _SEVERAL_PUBLISHERS = (DIAGNOSTICS, WOB_COMMAND, RPS_COMMAND, TF)  # their sequence numbers cannot be told apart
 _QOS_OVERRIDES = "qos_overrides."
+_ENDS, _POLICIES = "publisher|subscription", "history|depth|reliability|durability"
+_OVERRIDE = re.compile(rf"qos_overrides\.(/.+)\.(?:{_ENDS})\.(?:{_POLICIES})")
 _OVERRIDABLE = QoSOverridingOptions(
     (QoSPolicyKind.HISTORY, QoSPolicyKind.DEPTH, QoSPolicyKind.RELIABILITY, QoSPolicyKind.DURABILITY)
 )
@@ -286,14 +288,20 @@ def _readable_overrides(topic: str) -> Iterator[None]:
 
 
 def refuse_unused_overrides(node: Node) -> None:
-    """Refuse overrides of topics that this node does not have: rclpy ignores misspelled ones silently.
+    """Refuse overrides of topics that this node lacks, which rclpy ignores; warn where they were given to all nodes.
 
     Raises:
-        ParameterError: An override names no topic of this node.
+        ParameterError: An override that was meant for this node names no topic of this node.
     """
     known = [f"{_QOS_OVERRIDES}{name}" for name in node.get_parameters_by_prefix(_QOS_OVERRIDES.removesuffix("."))]
-    for name in given_parameters(node):
-        if name.startswith(_QOS_OVERRIDES) and name not in known:
-            near = difflib.get_close_matches(name, known, n=1)
-            hint = f"did you mean {near[0]}?" if near else "ros2 param list shows them"
-            raise ParameterError(f"parameter {name}: this node has none of that name; {hint}")
+    given = [name for name in given_parameters(node) if name.startswith(_QOS_OVERRIDES)]
+    others = refuse_unknown(node, known, [name for name in given if name not in known])
+    found = {name: _OVERRIDE.fullmatch(name) for name in others}
+    misspelled = [name for name, parts in found.items() if parts is None or not _ends_as_known(parts[1])]
+    ends = [f"{end}.{policy}" for end in _ENDS.split("|") for policy in _POLICIES.split("|")]
+    warn_of_misspelled(node, misspelled, (f"{_QOS_OVERRIDES}{topic}.{end}" for topic in TOPICS for end in ends))
+
+
+def _ends_as_known(topic: str) -> bool:
+    """True for a topic of the contract, in any namespace."""
+    return any(topic[place:] in TOPICS for place in range(len(topic)) if topic[place] == "/")

@@ -20,6 +20,7 @@ from drill_twin.io.messages.stamps import NANOSECONDS, seconds, within_range
 from drill_twin.io.messages.topics import CLOCK_TOPIC, RIG_COMMAND
 from drill_twin.ros.core.node import AUTOSTART, TwinNode
 from drill_twin.ros.core.parameters import Parameter
+from drill_twin.ros.core.policy import READY, Rights
 from drill_twin.ros.core.scene_parameters import OVERRIDES, SCENE
 from drill_twin.ros.core.startup_barrier import StartupBarrier
 from drill_twin.ros.rig_driver.clock_source import ClockSource
@@ -29,16 +30,18 @@ from drill_twin.scene.set_points.command import Command
 PARAMETERS = (
     SCENE,
     Parameter(
-        "weight_on_bit",
+        "wob",
         "",
-        "weight on bit in place of the scene's, with its unit; a bare number is in N; \"\": the scene's",
+        "weight on bit in place of the scene's; \"\": the scene's",
+        "N",
         live=True,
         such_as="40 N",
     ),
     Parameter(
-        "rotation",
+        "rpm",
         "",
-        "top-drive speed in place of the scene's, with its unit; a bare number is in rev/min; \"\": the scene's",
+        "top-drive speed in place of the scene's; \"\": the scene's",
+        "rad/s",
         live=True,
         such_as="120 rpm",
     ),
@@ -59,7 +62,7 @@ PARAMETERS = (
         choices=("clock", "wall"),
     ),
     Parameter("frame_rate", 0.0, "set-points per second; 0: the scene's frame rate", "Hz", 0.0, 1000.0),
-    Parameter("wait_for", "simulator", "nodes that must be ready before the first set-point, separated by spaces"),
+    Parameter("wait_for", ("simulator",), "nodes that must be ready before the first set-point"),
     Parameter("wait_timeout", 120.0, "longest wait for them", "s", 0.0, 3600.0),
     Parameter(
         "at_end",
@@ -82,6 +85,7 @@ class RigDriver(TwinNode):
     NAME: ClassVar = "rig_driver"
     PURPOSE: ClassVar = "Plays weight on bit and top-drive speed, planned or measured, into the simulator."
     PARAMETERS: ClassVar = PARAMETERS
+    RIGHTS: ClassVar = Rights((CLOCK_TOPIC,), calls=READY)
     _sent = 0
 
     def configure(self) -> None:
@@ -100,7 +104,9 @@ class RigDriver(TwinNode):
             self.samples.expect(CLOCK_TOPIC)
         else:
             self.every(seconds(self._plan.period), self._on_wall)
-        self._barrier = StartupBarrier(self, self.settings.wait_for, self.settings.wait_timeout, self._joins_a_run)
+        self._barrier = StartupBarrier(
+            self, " ".join(self.settings.wait_for), self.settings.wait_timeout, self._joins_a_run
+        )
         self._drives = self._holds = False
 
     def complete(self) -> None:
@@ -184,7 +190,7 @@ class RigDriver(TwinNode):
 
     def on_change(self) -> None:
         """Start the transition to the new set-points."""
-        weight, speed = (text or "as in the scene" for text in (self.settings.weight_on_bit, self.settings.rotation))
+        weight, speed = (text or "as in the scene" for text in (self.settings.wob, self.settings.rpm))
         if self._plan.change(self.settings, self._last, self._time):
             self.get_logger().info(f"from {self._time:.2f} s: weight on bit {weight}, speed {speed}")
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from types import SimpleNamespace
 
 from drill_twin.core.errors import SceneError
-from drill_twin.ros.core.parameters import ParameterError
+from drill_twin.ros.core.given import ParameterError
 from drill_twin.ros.core.scene_parameters import scene_of
 from drill_twin.scene.blocks.numerics import frame_period_ns
 from drill_twin.scene.set_points import Schedule
@@ -92,11 +92,11 @@ def check_set_points(settings: SimpleNamespace, present: SimpleNamespace) -> Non
         try:
             scene_of(settings)
         except SceneError as error:
-            pairs = zip(("weight_on_bit", "rotation"), _planned(settings), _planned(present), strict=True)
+            pairs = zip(("wob", "rpm"), _planned(settings), _planned(present), strict=True)
             names = ", ".join(name for name, wanted, planned in pairs if wanted != planned)
             told = str(error)  # begins with the scene and the key, which are not what was set
             raise ParameterError(f"{names}: {told[max(told.find('expected'), 0) :]}") from error
 
 
 def _planned(settings: SimpleNamespace) -> tuple[str, str]:
-    return settings.weight_on_bit, settings.rotation
+    return settings.wob, settings.rpm

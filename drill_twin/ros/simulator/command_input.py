@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import math
 import time
 from collections import deque
 from collections.abc import Callable, Mapping
@@ -94,10 +93,10 @@ class CommandInput:
         limits = limits_for(
             self._scene,
             max_weight_on_bit=settings.max_weight_on_bit,
-            max_speed=settings.max_speed * math.tau,
+            max_speed=settings.max_speed,
             negative=settings.negative_commands,
         )
-        safe = Command(settings.safe_weight_on_bit, settings.safe_speed * math.tau)
+        safe = Command(settings.safe_weight_on_bit, settings.safe_speed)
         follows = settings.on_silence
         return limits, Silence(
             settings.command_timeout,

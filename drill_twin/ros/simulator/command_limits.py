@@ -12,7 +12,7 @@ from drill_twin.scene.blocks.rig import SetPoint
 _GENEROUS = 10.0  # times what the scene itself commands
 _LEAST_WEIGHT = 100.0  # N
 _LEAST_SPEED = 20.0 * math.pi  # rad/s, 10 rev/s
-_FASTEST = 200.0 * math.pi  # rad/s, 100 rev/s, as in a scene file
+FASTEST = 200.0 * math.pi  # rad/s, 100 rev/s, as in a scene file
 _STRAIN = 0.01  # of the weakest section, where the scene only says that a record is played
 
 
@@ -30,7 +30,7 @@ def limits_for(scene: Scene, *, max_weight_on_bit: float, max_speed: float, nega
     """
     rig = scene.rig
     weight = max_weight_on_bit or _largest(rig.weight_on_bit, _LEAST_WEIGHT, _strained(scene))
-    speed = max_speed or _largest(rig.rotation, _LEAST_SPEED, _FASTEST)
+    speed = max_speed or _largest(rig.rotation, _LEAST_SPEED, FASTEST)
     return CommandLimits(
         weight_on_bit=_range(rig.weight_on_bit, weight, negative=negative),
         rotation=_range(rig.rotation, speed, negative=negative),

@@ -23,9 +23,11 @@ from drill_twin.io.messages.topics import COMMANDER, RIG_COMMAND, RPS_COMMAND, W
 from drill_twin.ros.core.diagnostics_publisher import STANDS_STILL
 from drill_twin.ros.core.node import AUTOSTART, TwinNode
 from drill_twin.ros.core.parameters import Parameter
+from drill_twin.ros.core.policy import Rights
 from drill_twin.ros.core.scene_parameters import OVERRIDES, SCENE
 from drill_twin.ros.core.stop_request import StopRequest
 from drill_twin.ros.core.topics import relative
+from drill_twin.ros.simulator.command_limits import FASTEST
 from drill_twin.ros.simulator.start_up import CheckpointPlaces, StartUp
 
 if TYPE_CHECKING:
@@ -69,7 +71,7 @@ PARAMETERS = (
         live=True,
     ),
     Parameter("safe_weight_on_bit", 0.0, "weight on bit of the safe set-point", "N", -1e7, 1e7, live=True),
-    Parameter("safe_speed", 0.0, "top-drive speed of the safe set-point", "rev/s", -100.0, 100.0, live=True),
+    Parameter("safe_speed", 0.0, "top-drive speed of the safe set-point", "rad/s", -FASTEST, FASTEST, live=True),
     Parameter("safe_ramp_time", 5.0, "time of the ramp to the safe set-point, simulated", "s", 0.0, 3600.0, live=True),
     Parameter(
         "max_weight_on_bit",
@@ -84,9 +86,9 @@ PARAMETERS = (
         "max_speed",
         0.0,
         "faster commands are refused; 0: ten times the scene's fastest",
-        "rev/s",
+        "rad/s",
         0.0,
-        100.0,
+        FASTEST,
         live=True,
     ),
     Parameter("negative_commands", False, "whether tension and left-hand rotation may be commanded", live=True),
@@ -141,6 +143,17 @@ class Simulator(TwinNode):
     NAME: ClassVar = "simulator"
     PURPOSE: ClassVar = "Moves the drillstring of a scene under the set-points it receives."
     PARAMETERS: ClassVar = PARAMETERS
+    RIGHTS: ClassVar = Rights(
+        (RIG_COMMAND, RPS_COMMAND, WOB_COMMAND),
+        tuple(
+            f"~/{name}"
+            for name in (
+                *("pause", "resume", "step", "reset", "save_checkpoint", "load_checkpoint"),
+                *("get_simulation_state", "set_simulation_state", "step_simulation", "reset_simulation"),
+                "get_simulator_features",
+            )
+        ),
+    )
     _control: RunControl
     """Control of the run; made by `configure`."""
     _told = ""

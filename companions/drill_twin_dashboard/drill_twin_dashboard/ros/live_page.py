@@ -44,7 +44,9 @@ _SEARCH_PERIOD = 0.5  # s; topics of subs and frames appear with a simulator
 _MATCHING = 3.0
 """Most time to wait for a simulator that takes a set-point [s]; not measured."""
 _CONTROLS = ("pause", "resume", "step", "reset")
-_SET_POINTS = {"wob": ("weight_on_bit", "N", WOB_COMMAND), "rps": ("rotation", "rev/s", RPS_COMMAND)}
+_SET_POINTS = {"wob": ("wob", "N", WOB_COMMAND), "rps": ("rpm", "rev/s", RPS_COMMAND)}
+"""Parameter of the rig driver, unit, and topic of each set-point."""
+_NAMES = {"wob": "weight on bit", "rps": "rotation"}
 
 
 class LivePage(TwinNode):
@@ -131,9 +133,7 @@ class LivePage(TwinNode):
             requests, self._requests = self._requests, {}
             asked, self._asked = self._asked, []
         for name, value in requests.items():
-            self.page_state.note(
-                f"set-point: {_SET_POINTS[name][0].replace('_', ' ')} {value:.6g} {_SET_POINTS[name][1]}"
-            )
+            self.page_state.note(f"set-point: {_NAMES[name]} {value:.6g} {_SET_POINTS[name][1]}")
             self._command(name, value)
         for name in asked:
             self._control(name)

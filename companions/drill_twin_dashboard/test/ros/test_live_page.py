@@ -102,7 +102,7 @@ def test_a_refusal_of_the_driver_is_shown_and_an_unanswered_request_is_commanded
             return json.loads(socket.recv(timeout=10.0)).get("refused", "")
 
         socket.send('{"rps": 1e9}')
-        until(lambda: "rotation" in told(), "the refusal of the driver")
+        until(lambda: "rpm" in told(), "the refusal of the driver")
         driver.send(signal.SIGSTOP)
         socket.send('{"wob": 20}')
         bench.spin(0.5)

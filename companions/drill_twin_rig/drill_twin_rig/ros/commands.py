@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import math
 import threading
 import time
 from collections.abc import Mapping
@@ -59,7 +58,7 @@ class CommandOutput:
     def go_safe(self) -> None:
         """Go to the safe set-point of the parameters within their ramp time, by the wall clock, and hold it."""
         settings = self._node.settings
-        safe = Command(settings.safe_weight_on_bit, settings.safe_speed * math.tau)
+        safe = Command(settings.safe_weight_on_bit, settings.safe_speed)
         with self._lock:
             if self.command is not None:
                 begin = time.monotonic()

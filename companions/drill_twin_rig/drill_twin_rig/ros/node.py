@@ -21,9 +21,11 @@ from drill_twin.core.loopback import is_loopback
 from drill_twin.io.messages.decode import read_string
 from drill_twin.io.messages.diagnostics import Level, Status
 from drill_twin.io.messages.topics import RIG_STATE, TOPICS, TWIN_SCENE
+from drill_twin.ros.core.given import ParameterError
 from drill_twin.ros.core.node import AUTOSTART, TwinNode
-from drill_twin.ros.core.parameters import Parameter, ParameterError
-from drill_twin.ros.simulator.command_limits import limits_for
+from drill_twin.ros.core.parameters import Parameter
+from drill_twin.ros.core.policy import Rights
+from drill_twin.ros.simulator.command_limits import FASTEST, limits_for
 from drill_twin.scene import parse_scene
 from drill_twin_rig.gateway.control import Control, Permission
 from drill_twin_rig.gateway.quantities import QUANTITIES, TwinQuantities
@@ -55,7 +57,7 @@ PARAMETERS = (
     ),
     Parameter("heartbeat_timeout", 2.0, "wall time without a heartbeat after which control is lost", "s", 0.2, 60.0),
     Parameter("safe_weight_on_bit", 0.0, "weight on bit once control is lost", "N", -1e7, 1e7, live=True),
-    Parameter("safe_speed", 0.0, "top-drive speed once control is lost", "rev/s", -100.0, 100.0, live=True),
+    Parameter("safe_speed", 0.0, "top-drive speed once control is lost", "rad/s", -FASTEST, FASTEST, live=True),
     Parameter("safe_ramp_time", 5.0, "time to the safe set-point, by the wall clock", "s", 0.0, 3600.0, live=True),
     Parameter(
         "rig_url",
@@ -89,6 +91,10 @@ class Gateway(TwinNode):
     NAME: ClassVar = "gateway"
     PURPOSE: ClassVar = "Connects the twin with rig software by OPC UA, with the signals of D-WIS. Needs asyncua."
     PARAMETERS: ClassVar = PARAMETERS
+    RIGHTS: ClassVar = Rights(
+        (TWIN_SCENE, *{quantity.topic for quantity in QUANTITIES.values()}),
+        ("~/grant_control", "~/withdraw_control"),
+    )
 
     _server: OpcUaServer | None = None
     _rig: RigLink | None = None

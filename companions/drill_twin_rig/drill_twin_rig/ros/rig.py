@@ -20,8 +20,8 @@ from drill_twin.io.messages.cdr import JointStateTemplate
 from drill_twin.io.messages.stamps import stamp_ns
 from drill_twin.io.messages.topics import MEASURED as MEASURED_NAMESPACE
 from drill_twin.io.messages.topics import MEASURED_RIG_STATE, summary_topic
+from drill_twin.ros.core.given import ParameterError
 from drill_twin.ros.core.node import TwinNode
-from drill_twin.ros.core.parameters import ParameterError
 from drill_twin_rig.gateway.control import Control, Permission
 from drill_twin_rig.gateway.quantities import MEASURED, downhole
 from drill_twin_rig.gateway.rig_reader import RigReader

@@ -51,7 +51,7 @@ def twin(module_bench, tmp_path_factory):
     bench.gateway = bench.start("gateway", port=bench.port)
     bench.start("analyzer")
     bench.simulator = bench.start("simulator", overrides=STEADY)
-    bench.start("rig_driver", weight_on_bit="40 N", rotation="2 rev/s", change_time=0.0, overrides=STEADY)
+    bench.start("rig_driver", wob="40 N", rpm="2 rev/s", change_time=0.0, overrides=STEADY)
     bench.url = f"opc.tcp://127.0.0.1:{bench.port}/drill_twin"
     bench.until_status("gateway", lambda status: status.text == "showing the twin")
     bench.until(lambda: bench.simulated_time() > 1.0, what="a second of the run")

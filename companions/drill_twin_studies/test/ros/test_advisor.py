@@ -107,7 +107,7 @@ def test_without_a_map_it_says_at_once_how_far_it_is(bench):
 def test_a_driver_that_follows_the_advice_leaves_whirl_or_is_told_that_it_cannot(bench, weights, speeds, calm):
     """The advisor makes a map of its own while the string whirls; the driver's plan is set as a person would."""
     states, followed = bench.collect(ADVICE_STATE), []
-    advisor = bench.start("advisor", wob=weights, rpm=speeds, workers=2)
+    advisor = bench.start("advisor", wob_range=weights, rpm_range=speeds, workers=2)
     analyzer = bench.start("analyzer")
     simulator = bench.start("simulator", overrides=COARSE)
     bench.start("rig_driver", wait_for="simulator analyzer test", overrides=COARSE, change_time=2.5)
@@ -123,8 +123,8 @@ def test_a_driver_that_follows_the_advice_leaves_whirl_or_is_told_that_it_cannot
                 wanted = said["target/weight_on_bit"], said["target/rotation"] / math.tau
                 if [wanted] != followed[-1:]:
                     followed.append(wanted)
-                    assert bench.set_parameter("rig_driver", "weight_on_bit", f"{wanted[0]!r} N").successful
-                    assert bench.set_parameter("rig_driver", "rotation", f"{wanted[1]!r} rev/s").successful
+                    assert bench.set_parameter("rig_driver", "wob", f"{wanted[0]!r} N").successful
+                    assert bench.set_parameter("rig_driver", "rpm", f"{wanted[1]!r} rev/s").successful
             return said["advice"] == AdviceCode.HOLD and not said["whirls"]
 
         bench.until(out_of_whirl, 120.0, "the end of the whirl")

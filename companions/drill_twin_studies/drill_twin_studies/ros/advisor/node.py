@@ -29,6 +29,7 @@ from drill_twin.io.messages.topics import ADVICE_MAP, ADVICE_STATE, RIG_STATE, T
 from drill_twin.ros.core.node import AUTOSTART, TwinNode
 from drill_twin.ros.core.pacing import Tick
 from drill_twin.ros.core.parameters import Parameter
+from drill_twin.ros.core.policy import Rights
 from drill_twin.scene import Scene, parse_scene
 from drill_twin.whirl import MotionCode
 from drill_twin_studies.maps.advice import Advice, Adviser, Tracker, encode_advice
@@ -48,14 +49,14 @@ class MapMaker:
 
         Args:
             scene: The scene.
-            settings: Parameters `wob`, `rpm`, `runs` and `workers` of the node.
+            settings: Parameters `wob_range`, `rpm_range`, `runs` and `workers` of the node.
 
         Raises:
             DrillTwinError: No range is given, and the scene has no set-point to take one from.
         """
         rig = scene.rig
-        wob = settings.wob or _range("wob", rig.weight_on_bit.value, "N")
-        rpm = settings.rpm or _range("rpm", rig.rotation.value, "rad/s")
+        wob = settings.wob_range or _range("wob", rig.weight_on_bit.value, "N")
+        rpm = settings.rpm_range or _range("rpm", rig.rotation.value, "rad/s")
         self._runs = settings.runs
         self._folder = tempfile.TemporaryDirectory(prefix="drill_twin_map_")
         self._out = Path(self._folder.name)
@@ -120,14 +121,15 @@ class Advisor(TwinNode):
     )
     PARAMETERS: ClassVar = (
         Parameter("map", "", 'map.json of `drill-twin map`; "": make a coarse map of the scene on /twin/scene'),
-        Parameter("wob", "", 'range of a map made here; "": up to 1.1 times the scene\'s', such_as="1..60 N"),
-        Parameter("rpm", "", 'range of a map made here; "": up to 1.1 times the scene\'s', such_as="30..180 rpm"),
+        Parameter("wob_range", "", 'range of a map made here; "": up to 1.1 times the scene\'s', such_as="1..60 N"),
+        Parameter("rpm_range", "", 'range of a map made here; "": up to 1.1 times the scene\'s', such_as="30..180 rpm"),
         Parameter("runs", 100, "largest number of runs of a map made here", "", 1, 1_000_000),
         Parameter("workers", 1, "threads of a map made here", "", 1, 4096),
         Parameter("margin", 0.05, "share of the ranges that an advised set-point keeps from a boundary", "", 0.0, 0.5),
         AUTOSTART,
     )
     ON_CHANGE: ClassVar = (TWIN_SCENE,)
+    RIGHTS: ClassVar = Rights((RIG_STATE, TWIN_SCENE, TWIN_SUMMARY))
     _maker: MapMaker | None = None
 
     def configure(self) -> None:

@@ -28,11 +28,14 @@ from drill_twin.io.messages.topics import (
     MEASURED_RIG_STATE,
     OF_NEAREST_TWIN,
     RIG_COMMAND,
+    RIG_STATE,
     TWIN_SCENE,
 )
 from drill_twin.io.scene_geometry import readings_topic
+from drill_twin.ros.core.given import ParameterError
 from drill_twin.ros.core.node import AUTOSTART, TwinNode
-from drill_twin.ros.core.parameters import Parameter, ParameterError
+from drill_twin.ros.core.parameters import Parameter
+from drill_twin.ros.core.policy import Rights
 from drill_twin.ros.core.scene_parameters import OVERRIDES, SCENE, pairs_of, scene_of
 from drill_twin.runs import compile_kernel
 from drill_twin_studies.api.estimator import Estimator as Following
@@ -50,18 +53,18 @@ PARAMETERS = (
     SCENE,
     OVERRIDES,
     Parameter(
-        "free", "load_factor=0.8..1.2", 'free numbers and their ranges as KEY=LO..HI, separated by ";"',
-        such_as="wall_friction.coefficient=0.1..0.4; load_factor=0.8..1.2",
+        "free", ("load_factor=0.8..1.2",), "free numbers and their ranges as KEY=LO..HI",
+        such_as='["wall_friction.coefficient=0.1..0.4", "load_factor=0.8..1.2"]', between=";",
     ),
     Parameter(
-        "channels", "torque hookload",
+        "channels", ("torque", "hookload"),
         "channels that correct: torque, or motor_torque with inertia and bearings of the drive; hookload, "
         "top_drive_speed, bit_speed",
     ),
     Parameter(
-        "subs", "",
+        "subs", (),
         "downhole subs of the scene whose readings correct, by name; of a real rig as measured/NAME",
-        such_as="measured/near_bit",
+        such_as='["measured/near_bit"]',
     ),
     Parameter(
         "set_points", "command", "where set-points come from: /rig/command, the measured message, or the scene", "",
@@ -86,12 +89,10 @@ def make_estimator(settings: SimpleNamespace) -> Following:
     """
     free = pairs_of("free", settings.free)
     if not free:
-        raise ParameterError('parameter free: expected at least one KEY=LO..HI, found ""')
+        raise ParameterError("parameter free: expected at least one KEY=LO..HI, found none")
     names = ("members", "window", "rate", "error", "horizon", "seed")
     options = EstimatorOptions(frames=settings.show, **{name: getattr(settings, name) for name in names})
-    return Following(
-        scene_of(settings), free, channels=settings.channels.split(), subs=settings.subs.split(), options=options
-    )
+    return Following(scene_of(settings), free, channels=settings.channels, subs=settings.subs, options=options)
 
 
 _DEPTH = 1000  # messages that wait while another thread has the processor
@@ -107,6 +108,10 @@ class Estimator(TwinNode):
     NAME: ClassVar = "estimator"
     PURPOSE: ClassVar = "Follows a rig with an ensemble: numbers, virtual sensors, chance of whirl, alarm."
     PARAMETERS: ClassVar = PARAMETERS
+    RIGHTS: ClassVar = Rights(
+        (MEASURED_RIG_STATE, RIG_STATE, RIG_COMMAND, "/downhole/*/imu", "/measured/downhole/*/imu"),
+        publishes=tuple(ESTIMATE + topic for topic in OF_NEAREST_TWIN),
+    )
     ON_CHANGE: ClassVar = (RIG_COMMAND,)
     TIMED_BY: ClassVar = MEASURED_RIG_STATE
     _thread: ThreadPoolExecutor | None = None
@@ -136,7 +141,7 @@ class Estimator(TwinNode):
             self.topics.prefix = ""
         self.topics.subscribe(MEASURED_RIG_STATE, self._on_measured, depth=_DEPTH)
         self.samples.expect(MEASURED_RIG_STATE)
-        for sub in self.settings.subs.split():
+        for sub in self.settings.subs:
             self.topics.subscribe(readings_topic(sub), partial(self._on_readings, sub), depth=_DEPTH)
         if self.settings.set_points == "command":
             self.topics.subscribe(RIG_COMMAND, self._on_command, depth=_DEPTH)
