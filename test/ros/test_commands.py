@@ -32,7 +32,7 @@ def simulator(bench):
 def unchecked(weight_on_bit, rotation):
     """A `/rig/command` as our encoder would refuse to write it."""
     unset = math.nan
-    velocity, effort = (rotation, unset, 0.0), (unset, weight_on_bit, unset)
+    velocity, effort = (rotation, unset, unset), (unset, weight_on_bit, unset)
     return JointStateTemplate(COMMAND_JOINTS, frame_id=DRIVER).fill(0, (unset,) * 3, velocity, effort)
 
 
@@ -253,7 +253,7 @@ def test_two_publishers_with_one_name_are_an_error(bench, simulator):
     status = bench.until_status("simulator", lambda status: status.level == Level.ERROR)
     assert "expected one publisher of /rig/command as /rig_driver, found several" in status.text
     assert drivers[1].end() == 0
-    bench.until_status("simulator", lambda status: status.level == Level.OK)
+    bench.until_status("simulator", lambda status: status.level < Level.ERROR)
     assert drivers[0].end() == 0
 
 

@@ -13,7 +13,6 @@ import math
 import time
 from collections import Counter
 from collections.abc import Callable, Mapping
-from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any
 
@@ -123,26 +122,25 @@ class CommandArbiter:
         if source is not None:
             source = shortened(source, _LETTERS_OF_A_NAME)
             what = f"a command of {source or ANONYMOUS}"
+        command, left_out = self._limits.without_block(command)
         given = [quantity for quantity in self.quantities if quantity.is_in(command)]
         mine = [quantity for quantity in given if not quantity.belongs_to_another(source)]
         refusal = ""
-        if not given:
+        if not given and not left_out:
             refusal = self._refuse("not_finite", f"expected a set-point, found {what} without a number")
         elif len(mine) < len(given):
             refusal = self._refuse("other_source", self._belongs_to_another(given, mine, what))
         try:
             bases = ["" if source is None else self._base(quantity, source, stamp) for quantity in mine]
             command = command.part([name for quantity in mine for name in quantity.fields])
-            if reason := self._limits.why_block_is_left_out(command):
-                refusal = self._refuse("block", reason)
-                command = replace(command, block=math.nan if math.isnan(command.weight_on_bit) else 0.0)
+            if left_out and len(mine) == len(given):
+                refusal = self._refuse("block", left_out)
             self._limits.check(command)
         except CommandError as error:
             return self._refuse(error.kind, str(error))
-        followed = [pair for pair in zip(mine, bases, strict=True) if pair[0].is_in(command)]
-        for quantity, base in followed:
+        for quantity, base in zip(mine, bases, strict=True):
             quantity.follow(command, source, base, number)
-        self.accepted += bool(followed)
+        self.accepted += bool(mine)
         return refusal
 
     def _belongs_to_another(self, given: list[CommandQuantity], mine: list[CommandQuantity], what: str) -> str:

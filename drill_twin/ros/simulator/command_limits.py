@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from drill_twin.core.errors import DrillTwinError
 from drill_twin.scene import Scene
@@ -62,14 +62,16 @@ class CommandLimits:
                 expected = f"expected {low / unit:g} to {high / unit:g} {symbol}"
                 raise CommandError("out_of_range", f"{name}: {expected}, {found}")
 
-    def why_block_is_left_out(self, command: Command) -> str:
-        """Reason to leave out the speed of the block in a command; empty where there is none."""
-        if not self.block_not_followed or command.block == 0.0 or not math.isfinite(command.block):
-            return ""
-        return (
+    def without_block(self, command: Command) -> tuple[Command, str]:
+        """The command without a speed of the block that is not followed, and a sentence on the speed unless it is 0."""
+        if not self.block_not_followed or math.isnan(command.block):
+            return command, ""
+        told = (
             f"speed of the block: expected none, since {self.block_not_followed}, found {command.block:g} m/s; "
             "the other set-points are followed"
         )
+        without = replace(command, block=math.nan if math.isnan(command.weight_on_bit) else 0.0)
+        return without, told if command.block else ""
 
 
 def limits_for(scene: Scene, *, max_weight_on_bit: float, max_speed: float, negative: bool) -> CommandLimits:

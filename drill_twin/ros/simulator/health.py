@@ -30,7 +30,7 @@ def health(node: TwinNode, control: RunControl) -> Status:
     if not node.active or control.paused:
         return Status(node.NAME, Level.OK, f"{control.state_text} at {simulation.time_text}", values)
     rival = next((quantity for quantity in simulation.commands.quantities if quantity.several_send), None)
-    if rival and len(publishers := node.topics.publisher_nodes(RIG_COMMAND)) > 1:  # one that sent before may be gone
+    if rival and len(publishers := node.topics.publisher_nodes(RIG_COMMAND)) > 1:  # the other may be gone
         text = (
             f"expected one publisher of {RIG_COMMAND} as {rival.source or ANONYMOUS}, found several "
             f"({', '.join(publishers)}): the set-points flip between them; stop all but one, or name them"
@@ -55,7 +55,8 @@ def _values(settings: SimpleNamespace, simulation: SimulatorRun) -> dict[str, st
         **{f"commands_refused_{kind}": str(count) for kind, count in sorted(arbiter.refused.items())},
         "last_refusal": arbiter.last_refusal,
         "commander": arbiter.commander,
-        **{f"commander_{quantity.fields[0]}": quantity.commander for quantity in arbiter.quantities},
+        "commander_weight_on_bit": arbiter.quantities[0].commander,
+        "commander_rotation": arbiter.quantities[1].commander,
         "checkpoint_time": "" if written is None else f"{written:.6f}",
     }
 
@@ -66,7 +67,7 @@ def _verdict(settings: SimpleNamespace, simulation: SimulatorRun) -> tuple[Level
     waiting = simulation.waits_for_command
     if loop.rejected_steps.stopped:
         return loop.verdict()
-    if waiting and not arbiter.heard and arbiter.refused:
+    if waiting and not arbiter.heard and arbiter.last_refusal:
         return Level.WARN, f"waiting for the first good command; the last one was refused: {arbiter.last_refusal}"
     if waiting and not arbiter.heard:
         return Level.OK, "waiting for the first command"
