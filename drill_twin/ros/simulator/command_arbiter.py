@@ -161,7 +161,7 @@ class CommandArbiter:
             CommandError: The stamp cannot be used.
         """
         now = self._stamps.now()
-        if quantity.is_before_reset(source, stamp, now):
+        if quantity.is_before_reset(source, stamp, now, self._stamps.period):
             raise CommandError(
                 "before_reset",
                 f"stamp: expected simulated time ({seconds(now):g} s) since it went back, found {seconds(stamp):g} s, "

@@ -82,9 +82,13 @@ class CommandQuantity:
         """Time base that a source has to keep to; empty where its next stamp sets it."""
         return self.base if source == self.source and not self.silent else ""
 
-    def is_before_reset(self, source: str, stamp: int, now: int) -> bool:
-        """True where a command was under way when time went back: its source has not stamped an earlier time since."""
-        return self._before[0] == source and now < self._before[1] < stamp
+    def is_before_reset(self, source: str, stamp: int, now: int, period: int) -> bool:
+        """True where a command was under way when time went back: its source has not stamped an earlier time since.
+
+        The stamp of the next frame may have been the last one of the run before.
+        """
+        before, last = self._before
+        return before == source and now < last <= stamp and stamp > now + period
 
     def hear(self, source: str, stamp: int, base: str) -> None:
         """Note a command of a source that may send, before its set-points are judged."""

@@ -31,7 +31,7 @@ class CommandStamps:
             period: Simulated time of a frame [ns].
             now: Simulated time [ns].
         """
-        self._pace, self._period, self.now = pace, period, now
+        self._pace, self.period, self.now = pace, period, now
         self._ahead = period + (_IN_LOCKSTEP if pace == "lockstep" else _NEAR)
 
     def base(self, stamp: int, kept: str) -> str:
@@ -79,6 +79,6 @@ class CommandStamps:
         expected = {
             "realtime": f"simulated time ({seconds(now):g} s), the wall clock, or zero",
             "fast": f"simulated time ({seconds(now):g} s) or zero",
-            "lockstep": f"simulated time of a frame to come, from {seconds(now + self._period):g} s on",
+            "lockstep": f"simulated time of a frame to come, from {seconds(now + self.period):g} s on",
         }[self._pace]
         return CommandError(f"stamp_{kind}", f"stamp: expected {expected}, found {found}; {remedy}")
