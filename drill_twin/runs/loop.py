@@ -114,6 +114,10 @@ class RunLoop:
     def announce(self) -> None:
         """Send the description of the run and its time, at the start of a run or after a checkpoint was resumed."""
         self._sink(TWIN_SCENE, encode_string(describe_run(self.twin, self._pace)))
+        self.tell_time()
+
+    def tell_time(self) -> None:
+        """Send the simulated time."""
         self._sink(CLOCK_TOPIC, *self._encoder.clock(np.array([self.twin.time])))
 
     def reset(self) -> None:

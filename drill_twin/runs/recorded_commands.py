@@ -109,7 +109,7 @@ class _Reading:
             self._on_command(replace(self.now, rotation=read_float64(raw) * math.tau))
         else:
             state = self._commands.read(raw)
-            self._on_command(read_command(state, 0.0 if self.block else None))
+            self._on_command(read_command(state))
             self.stamped[state.stamp] = self.now
 
     def _on_command(self, command: Command) -> None:

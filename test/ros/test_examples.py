@@ -4,6 +4,7 @@
 import math
 import re
 import shutil
+import signal
 import sys
 from ast import literal_eval
 from pathlib import Path
@@ -49,6 +50,25 @@ def test_an_own_driver_and_an_own_analyzer_take_part(bench, joints):
     assert driver.end() == 0, driver.text
     assert "mark_1 " in analyzer.text
     assert "Traceback" not in analyzer.text + driver.text
+
+
+@pytest.mark.parametrize("order", [("driver", "simulator"), ("simulator", "driver"), ("simulator", "stop", "driver")])
+def test_an_own_driver_and_the_simulator_meet_in_any_order(bench, order):
+    """Also where the simulator hears nothing while the driver starts: the first command may reach no reader."""
+    begun = {}
+    for one in order:
+        if one == "stop":
+            bench.until_ready("simulator")
+            begun["simulator"].send(signal.SIGSTOP)
+        elif one == "simulator":
+            begun[one] = bench.start("simulator", pace="lockstep", duration=1.0)
+        else:
+            begun[one] = bench.command("own_driver", [sys.executable, str(EXAMPLES / "own_driver.py")])
+            bench.until(lambda: bench.node.count_publishers("/rig/command") == 1, what="the driver")
+    begun["simulator"].send(signal.SIGCONT)
+    bench.until(lambda: begun["simulator"].code is not None, what="the run to end")
+    assert begun["simulator"].code == 0, bench.logs()
+    assert begun["driver"].end() == 0, begun["driver"].text
 
 
 def test_a_listener_of_a_stranger_learns_onset_whirl_rates_loads_and_driver_in_a_line_each(bench):

@@ -306,7 +306,7 @@ def test_a_stamp_from_the_future_sets_no_frames_free(bench):
     bench.until_ready("simulator")
     publisher, encoder = bench.publisher(RIG_COMMAND), CommandEncoder()
     publisher.publish(encoder.command(3600 * 10**9, Command(40.0, 12.0)))
-    status = bench.until_status("simulator", lambda status: "commands_refused_malformed" in status.values)
+    status = bench.until_status("simulator", lambda status: "commands_refused_stamp_ahead" in status.values)
     assert status.values["frames"] == "0"
     assert "3600 s ahead" in status.values["last_refusal"]
     publisher.publish(encoder.command(FRAME, Command(40.0, 12.0)))

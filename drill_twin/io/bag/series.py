@@ -164,10 +164,10 @@ class CommandSeries(JointSeries):
     weight_on_bit = Column(0)
     """Weight on bit [N], NaN where a command has none, shape (T,)."""
     rotation = Column(1)
-    """Top-drive speed [rad/s], shape (T,)."""
+    """Top-drive speed [rad/s], NaN where a command has none, shape (T,)."""
 
     def _row(self, state: JointState) -> tuple[Any, tuple[str, ...]]:
-        command = read_command(state, absent_weight=math.nan)
+        command = read_command(state)
         return (command.weight_on_bit, command.rotation), ()
 
     def rows(self, raws: Sequence[bytes]) -> Rows | None:

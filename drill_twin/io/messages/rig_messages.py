@@ -19,7 +19,8 @@ from drill_twin.scene.set_points.command import Command
 TOP_DRIVE, BIT_AXIAL, BLOCK = COMMAND_JOINTS = ("top_drive", "bit_axial", "block")
 """Joints of a `/rig/command`: velocity of the top drive, effort of the bit along the hole, velocity of the block.
 
-One without `block` leaves the block at rest. NaN stands for no set-point, as in ros2_control.
+NaN stands for no set-point, as in ros2_control: what a command does not name stays, and a weight without a speed of the
+block lets the block rest.
 """
 DRIVER = "/rig_driver"
 """Source of the commands in a bag of a session: full name of the node that sends them where there are nodes."""
@@ -65,31 +66,25 @@ class CommandEncoder:
         return self._one.fill(finite_number(RPS_COMMAND, "rotation", command.rotation) / math.tau)
 
 
-def read_command(state: JointState, absent_weight: float | None = None) -> Command:
-    """Set-points of a `/rig/command`, without a check of their range.
+def read_command(state: JointState) -> Command:
+    """Set-points of a `/rig/command`, NaN where it has none, without a check of their range.
 
-    Args:
-        state: The message.
-        absent_weight: Weight on bit [N] for a message without a set-point of the weight, as in a scene whose block is
-            moved at a given speed. None: the joint `bit_axial` must be there.
+    A weight without a speed of the block lets the block rest.
 
     Raises:
-        MessageError: A set-point is missing.
+        MessageError: The message has none of the joints, or another joint for the weight.
     """
     if "bit" in state.names and BIT_AXIAL not in state.names:
         raise MessageError(
             f"expected the weight on bit as effort of the joint {BIT_AXIAL!r} of a /rig/command, found a joint 'bit'"
         )
-    given = BIT_AXIAL in state.names or absent_weight is None
-    if not state.velocity.size or (given and not state.effort.size):
-        raise MessageError("expected a /rig/command with velocity and effort, found one of the arrays empty")
-    weight = float(state.effort[state.index(BIT_AXIAL)]) if given else math.nan
-    block = float(state.velocity[state.index(BLOCK)]) if BLOCK in state.names else math.nan
-    return Command(
-        weight_on_bit=absent_weight if math.isnan(weight) and absent_weight is not None else weight,
-        rotation=float(state.velocity[state.index(TOP_DRIVE)]),
-        block=0.0 if math.isnan(block) else block,
-    )
+    if not set(state.names) & set(COMMAND_JOINTS):
+        found = ", ".join(state.names) or "none"
+        raise MessageError(f"expected a joint of {', '.join(COMMAND_JOINTS)} in a /rig/command, found {found}")
+    velocity, effort = (dict(zip(state.names, part.tolist(), strict=False)) for part in (state.velocity, state.effort))
+    weight, block = effort.get(BIT_AXIAL, math.nan), velocity.get(BLOCK, math.nan)
+    rests = math.isnan(block) and not math.isnan(weight)
+    return Command(weight, velocity.get(TOP_DRIVE, math.nan), 0.0 if rests else block)
 
 
 def read_measured_state(state: JointState) -> RigState:

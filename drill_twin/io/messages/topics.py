@@ -62,8 +62,8 @@ _ROWS = (
         "rig_driver, gateway, or rig software",
         _FULL_RATE,
         "set-points: `top_drive` velocity [rad/s], `bit_axial` effort = weight on bit [N], `block` velocity [m/s]; "
-        "NaN = no set-point; `header.frame_id` names the source: the first keeps the rig until it is silent, others "
-        "are refused",
+        "NaN or no joint = as before; `header.frame_id` names the source: the first keeps weight or speed until it is "
+        "silent, others are refused; stamp: end of the next frame, wall clock or zero",
     ),
     Topic(WOB_COMMAND, FLOAT64, "a person", "on change", "weight on bit [N], while nobody commands", optional=True),
     Topic(
@@ -74,7 +74,8 @@ _ROWS = (
         STRING,
         "simulator",
         "on change",
-        "who drives: source of `/rig/command`, `by hand` for single values, `anonymous`; empty = nobody",
+        "who drives: source of `/rig/command`, `by hand` for single values, `anonymous`; a list where weight and speed "
+        "have another; empty = nobody",
         latched=True,
     ),
     Topic(

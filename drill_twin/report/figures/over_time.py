@@ -50,8 +50,9 @@ def set_points(recording: Recording) -> Figure:
     units = recording.units
     for panel, (label, quantity, lines, commanded) in zip(panels, found, strict=True):
         if commanded is not None:
-            wanted = units.show(commanded, quantity)
-            panel.plot(recording.commands.time, wanted, color=GREY, linewidth=4.5, alpha=0.4, label="commanded")
+            given = np.isfinite(commanded)  # a command may have a part of the set-points
+            wanted = units.show(commanded[given], quantity)
+            panel.plot(recording.commands.time[given], wanted, color=GREY, linewidth=4.5, alpha=0.4, label="commanded")
         for name, values in lines.items():
             colour, line = (ORANGE, "--") if name == "bit" else (BLUE, "-")
             time, drawn = unbridged(recording.rig.time, units.show(values, quantity))

@@ -62,8 +62,8 @@ class Replayer(TwinNode):
         Parameter(
             "topics",
             (),
-            "topics to replay; none: all of the contract that the bag holds but /diagnostics, which would be mixed with "
-            "what the running nodes say",
+            "topics to replay; none: all of the contract that the bag holds but /diagnostics, which would be "
+            "mixed with what the running nodes say",
             such_as='["/rig/state", "/marks/state"]',
         ),
         Parameter(

@@ -32,6 +32,7 @@ from drill_twin.ros.core.startup_barrier import answer_ready
 from drill_twin.ros.core.stop_request import StopRequest
 from drill_twin.ros.core.topics import NodeTopics, refuse_unused_overrides
 
+_DONE, _FAILED = TransitionCallbackReturn.SUCCESS, TransitionCallbackReturn.FAILURE
 _DIAGNOSTICS_PERIOD, _SCENE_PERIOD = 1.0, 0.1  # s between two reports, and two looks at the scenes that wait
 AUTOSTART = Parameter(
     "autostart", True, "whether to configure and activate itself; else a lifecycle manager does (ros2 lifecycle)"

@@ -58,7 +58,7 @@ PARAMETERS = (
     Parameter(
         "follow",
         "clock",
-        "clock: send with the simulator's /clock; wall: send by the wall clock, for a simulator without one",
+        "clock: send with the simulator's /clock; wall: send and stamp by the wall clock, for a simulator without one",
         choices=("clock", "wall"),
     ),
     Parameter("frame_rate", 0.0, "set-points per second; 0: the scene's frame rate", "Hz", 0.0, 1000.0),
@@ -76,6 +76,7 @@ PARAMETERS = (
 
 
 _QUIET = 0.1  # s
+_CROSSED = 1.0  # s; a time that is told again within it, as by a simulator that waits, crossed with the answer to it
 _REPEAT = 5.0  # s of wall time after which a set-point is sent again, should the simulator have missed it
 
 
@@ -139,17 +140,17 @@ class RigDriver(TwinNode):
             self._sent_stamp = -1
             self._plan.begin_again()
         self._clock_stamp, self._holds = stamp, False
-        if self._sent_stamp != stamp + self._plan.period:
+        if self._sent_stamp != stamp + self._plan.period or time.monotonic() - self._sent_at > _CROSSED:
             self._send(stamp)
 
     def _hold(self) -> None:
-        """Send the last set-point again: which clock is the simulator's is not known."""
+        """Send the last set-point again, without a stamp: which clock is the simulator's is not known."""
         self.samples.take(CLOCK_TOPIC)
         if not self._holds:
             self._holds = True
             self.publish_diagnostics()
         if self._last is not None:
-            self._publish(self._sent_stamp, self._last)
+            self._publish(0, self._last)
 
     def _repeat(self) -> None:
         self._simulated_clock.settle()
@@ -167,8 +168,9 @@ class RigDriver(TwinNode):
         """Send the set-points for the end of the frame that begins at this time [ns]."""
         if not self._drives:
             return
-        stamp = within_range(clock + self._plan.period)
-        self._publish(stamp, self._plan.at(seconds(stamp)))
+        end = within_range(clock + self._plan.period)
+        by_clock = self.settings.follow == "clock"
+        self._publish(end if by_clock else self.get_clock().now().nanoseconds, self._plan.at(seconds(end)))
 
     def _publish(self, stamp: int, command: Command) -> None:
         self.topics.publish(RIG_COMMAND, self._encoder.command(stamp, command))

@@ -4,16 +4,74 @@
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass, replace
 
-from drill_twin.ros.simulator.command_arbiter import CommandLimits
+from drill_twin.core.errors import DrillTwinError
 from drill_twin.scene import Scene
-from drill_twin.scene.blocks.rig import SetPoint
+from drill_twin.scene.blocks.rig import FASTEST_BLOCK, SetPoint
+from drill_twin.scene.set_points.command import Command
 
 _GENEROUS = 10.0  # times what the scene itself commands
 _LEAST_WEIGHT = 100.0  # N
 _LEAST_SPEED = 20.0 * math.pi  # rad/s, 10 rev/s
 FASTEST = 200.0 * math.pi  # rad/s, 100 rev/s, as in a scene file
 _STRAIN = 0.01  # of the weakest section, where the scene only says that a record is played
+
+
+class CommandError(DrillTwinError):
+    """A command that is not followed.
+
+    Attributes:
+        kind: Word by which refusals are counted.
+    """
+
+    def __init__(self, kind: str, reason: str) -> None:
+        super().__init__(reason)
+        self.kind = kind
+
+
+@dataclass(frozen=True)
+class CommandLimits:
+    """Ranges of accepted set-points; both ends included."""
+
+    weight_on_bit: tuple[float, float]
+    """Weight on bit [N]."""
+    rotation: tuple[float, float]
+    """Top-drive speed [rad/s]."""
+    block: tuple[float, float] = (-FASTEST_BLOCK, FASTEST_BLOCK)
+    """Speed of the block [m/s]."""
+    block_not_followed: str = ""
+    """Reason why a speed of the block is not followed; empty where it is."""
+
+    def check(self, command: Command) -> None:
+        """Check the set-points that a command has.
+
+        Raises:
+            CommandError: A set-point is infinite or outside its range.
+        """
+        checks = (
+            ("weight on bit", command.weight_on_bit, self.weight_on_bit, 1.0, "N"),
+            ("top-drive speed", command.rotation, self.rotation, math.tau, "rev/s"),
+            ("speed of the block", command.block, self.block, 1.0, "m/s"),
+        )
+        for name, value, (low, high), unit, symbol in checks:
+            found = f"found {value / unit:g} {symbol}"
+            if math.isinf(value):
+                raise CommandError("not_finite", f"{name}: expected a finite number, {found}")
+            if not (math.isnan(value) or low <= value <= high):
+                expected = f"expected {low / unit:g} to {high / unit:g} {symbol}"
+                raise CommandError("out_of_range", f"{name}: {expected}, {found}")
+
+    def without_block(self, command: Command) -> tuple[Command, str]:
+        """The command without a speed of the block that is not followed, and a sentence on the speed unless it is 0."""
+        if not self.block_not_followed or math.isnan(command.block):
+            return command, ""
+        told = (
+            f"speed of the block: expected none, since {self.block_not_followed}, found {command.block:g} m/s; "
+            "the other set-points are followed"
+        )
+        without = replace(command, block=math.nan if math.isnan(command.weight_on_bit) else 0.0)
+        return without, told if command.block else ""
 
 
 def limits_for(scene: Scene, *, max_weight_on_bit: float, max_speed: float, negative: bool) -> CommandLimits:

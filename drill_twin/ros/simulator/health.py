@@ -7,9 +7,11 @@ import math
 from types import SimpleNamespace
 
 from drill_twin.io.messages.diagnostics import Level, Status
+from drill_twin.io.messages.stamps import seconds
 from drill_twin.io.messages.topics import RIG_COMMAND, STRING_POSES
 from drill_twin.ros.core.node import TwinNode
 from drill_twin.ros.core.topics import relative
+from drill_twin.ros.simulator.command_quantity import ANONYMOUS, CommandQuantity
 from drill_twin.ros.simulator.run_control import RunControl
 from drill_twin.ros.simulator.simulation import SimulatorRun
 
@@ -26,11 +28,18 @@ def health(node: TwinNode, control: RunControl) -> Status:
         return Status(node.NAME, Level.ERROR, text, values)
     if not node.active or control.paused:
         return Status(node.NAME, Level.OK, f"{control.state_text} at {simulation.time_text}", values)
+    rival = next((quantity for quantity in simulation.commands.quantities if quantity.several_send), None)
+    if rival and len(publishers := node.topics.publisher_nodes(RIG_COMMAND)) > 1:  # the other may be gone
+        text = (
+            f"expected one publisher of {RIG_COMMAND} as {rival.source or ANONYMOUS}, found several "
+            f"({', '.join(publishers)}): the set-points flip between them; stop all but one, or name them"
+        )
+        return Status(node.NAME, Level.ERROR, text, values)
     return Status(node.NAME, *_verdict(node.settings, simulation), values)
 
 
 def _values(settings: SimpleNamespace, simulation: SimulatorRun) -> dict[str, str]:
-    arbiter, pacer, written = simulation.commands.arbiter, simulation.pacer, simulation.checkpoints.written
+    arbiter, pacer, written = simulation.commands, simulation.pacer, simulation.checkpoints.written
     return {
         "scene": settings.scene,
         "pace": settings.pace,
@@ -45,32 +54,25 @@ def _values(settings: SimpleNamespace, simulation: SimulatorRun) -> dict[str, st
         **{f"commands_refused_{kind}": str(count) for kind, count in sorted(arbiter.refused.items())},
         "last_refusal": arbiter.last_refusal,
         "commander": arbiter.commander,
+        "commander_weight_on_bit": arbiter.quantities[0].commander,
+        "commander_rotation": arbiter.quantities[1].commander,
         "checkpoint_time": "" if written is None else f"{written:.6f}",
     }
 
 
 def _verdict(settings: SimpleNamespace, simulation: SimulatorRun) -> tuple[Level, str]:
     """Level and sentence, the most severe first."""
-    loop, arbiter, trouble = simulation.loop, simulation.commands.arbiter, simulation.checkpoints.trouble
+    loop, arbiter, trouble = simulation.loop, simulation.commands, simulation.checkpoints.trouble
     waiting = simulation.waits_for_command
     if loop.rejected_steps.stopped:
         return loop.verdict()
-    if rivals := simulation.commands.rivals():
-        return Level.ERROR, (
-            f"expected one publisher of {RIG_COMMAND} as {arbiter.commander}, found several ({', '.join(rivals)}): the "
-            "set-points flip between them; stop all but one"
-        )
-    if waiting and not arbiter.heard and arbiter.refused:
+    if waiting and not arbiter.heard and arbiter.last_refusal:
         return Level.WARN, f"waiting for the first good command; the last one was refused: {arbiter.last_refusal}"
     if waiting and not arbiter.heard:
         return Level.OK, "waiting for the first command"
-    # Single values are sent on change: who sends one has not fallen silent, unless time or a ramp depends on it.
-    if arbiter.silent and not (arbiter.by_hand and settings.on_silence != "ramp" and settings.pace != "lockstep"):
-        held = "ramping to the safe set-point" if arbiter.ramps else "the last one is held"
-        waits = "the lockstep waits" if settings.pace == "lockstep" else held
-        whose = "" if arbiter.by_hand or not arbiter.source else f" of {arbiter.source}"
+    if text := (_lockstep if settings.pace == "lockstep" else _silence)(simulation, settings):
         refused = f"; the last was refused: {arbiter.last_refusal}" if arbiter.last_was_refused else ""
-        return Level.WARN, f"no valid command{whose} for {arbiter.age:.1f} s; {waits}{refused}"
+        return Level.WARN, f"{text}{refused}"
     if arbiter.refused_recently:
         return Level.WARN, f"commands were refused; the last: {arbiter.last_refusal}"
     if trouble:
@@ -78,6 +80,40 @@ def _verdict(settings: SimpleNamespace, simulation: SimulatorRun) -> tuple[Level
     if not loop.rejected_steps.last and (late := _real_lag_dropped(simulation)):
         return Level.WARN, late
     return loop.verdict()
+
+
+def _lockstep(simulation: SimulatorRun, settings: SimpleNamespace) -> str:
+    """Commands that a lockstep has waited for longer than for silence, in a sentence; empty where it goes on."""
+    awaited = simulation.commands.awaited
+    if not awaited or simulation.waited <= settings.command_timeout:
+        return ""
+    last = max(quantity.last_stamp for quantity in awaited)
+    stamped = f", the last is stamped {seconds(last):g} s" if last >= 0 else ""
+    return (
+        f"{_missing(simulation, awaited)} for {simulation.waited:.1f} s; the lockstep waits for the stamp of the next "
+        f"frame, after {simulation.time_text}{stamped}"
+    )
+
+
+def _silence(simulation: SimulatorRun, settings: SimpleNamespace) -> str:
+    """Silence of commanders, in a sentence; empty where there is none.
+
+    Single values are sent on change: who sends one has not fallen silent, unless a ramp depends on it.
+    """
+    found = simulation.commands.quantities
+    silent = [one for one in found if one.silent and not (one.by_hand and settings.on_silence != "ramp")]
+    if not silent:
+        return ""
+    held = "ramping to the safe set-point" if any(one.ramps for one in silent) else "the last one is held"
+    return f"{_missing(simulation, silent)} for {max(one.age for one in silent):.1f} s; {held}"
+
+
+def _missing(simulation: SimulatorRun, quantities: list[CommandQuantity]) -> str:
+    """Command that is missing, or the part of it where others have the rest, and its sources."""
+    others = [one for one in simulation.commands.quantities if one not in quantities and one.age < math.inf]
+    sources = sorted({one.source for one in quantities if one.source and not one.by_hand})
+    whose = f" of {', '.join(sources)}" if sources else ""
+    return f"no valid {quantities[0].name if others else 'command'}{whose}"
 
 
 def _real_lag_dropped(simulation: SimulatorRun) -> str:

@@ -72,7 +72,9 @@ PARAMETERS = (
     ),
     Parameter("safe_weight_on_bit", 0.0, "weight on bit of the safe set-point", "N", -1e7, 1e7, live=True),
     Parameter("safe_speed", 0.0, "top-drive speed of the safe set-point", "rad/s", -FASTEST, FASTEST, live=True),
-    Parameter("safe_ramp_time", 5.0, "time of the ramp to the safe set-point, simulated", "s", 0.0, 3600.0, live=True),
+    Parameter(
+        "safe_ramp_time", 5.0, "time of the ramp to the safe set-point and back, simulated", "s", 0.0, 3600.0, live=True
+    ),
     Parameter(
         "max_weight_on_bit",
         0.0,
@@ -183,8 +185,8 @@ class Simulator(TwinNode):
         if settings.checkpoint and Path(settings.checkpoint).exists():
             run.resume(self._places.file(settings.checkpoint))
         run.loop.announce()
-        self.topics.subscribe_raw(RIG_COMMAND, run.commands.on_command)
-        arbiter = run.commands.arbiter
+        arbiter = run.commands
+        self.topics.subscribe_raw(RIG_COMMAND, arbiter.message)
         for topic, received in ((WOB_COMMAND, arbiter.weight_on_bit), (RPS_COMMAND, arbiter.speed)):
             self.topics.subscribe(topic, received, malformed=arbiter.malformed)
         run.apply_settings()

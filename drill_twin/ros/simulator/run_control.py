@@ -82,8 +82,9 @@ class RunControl:
         if not self._node.active or self.paused:
             return "paused" if self._node.active else "inactive"
         # In lockstep a run waits within every frame; it stands still once commands have stopped coming.
-        commands = self.simulation.commands.arbiter
-        waits = self.simulation.waits_for_command and (commands.silent or not commands.heard)
+        commands = self.simulation.commands
+        silent = any(quantity.silent for quantity in commands.quantities) or not commands.heard
+        waits = self.simulation.waits_for_command and silent
         return "waiting" if waits else "running"
 
     def quit(self) -> None:

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import os
 import threading
+import time
 from datetime import UTC, datetime
 from pathlib import Path
 
@@ -23,13 +24,15 @@ from drill_twin.io.messages.topics import COMMANDER, OF_TF, TF, TF_STATIC
 from drill_twin.ros.core.node import TwinNode
 from drill_twin.ros.core.pacing import Pacer, Tick
 from drill_twin.ros.core.topics import installed
-from drill_twin.ros.simulator.command_input import CommandInput
+from drill_twin.ros.simulator.command_arbiter import CommandArbiter
+from drill_twin.ros.simulator.command_stamps import CommandStamps
 from drill_twin.ros.simulator.start_up import CheckpointPlaces
 from drill_twin.runs.loop import RunLoop
 from drill_twin.scene import Scene
 from drill_twin.scene.blocks.numerics import frame_period
 from drill_twin.scene.set_points.command import Command
 
+_ASK_AGAIN = 2.0  # s of wall time without a frame; rare on a busy machine with all connected
 _LOOK = 0.01  # s between two looks at what has come, where there is no wait
 _BURST = 200  # frames; as fast as possible must not be faster than the readers
 
@@ -90,8 +93,10 @@ class SimulatorRun:
         self.loop = RunLoop(
             scene, period, node.topics.publish, pace=node.settings.pace, frame_prefix=node.settings.frame_prefix
         )
-        self.commands = CommandInput(node, scene, self.loop.first, lambda: self.loop.twin.time)
+        stamps = CommandStamps(node.settings.pace, stamp_ns(period), lambda: stamp_ns(self.loop.twin.time))
+        self.commands = CommandArbiter(scene, node.settings, stamps)
         self.pacer, self._look = Pacer(period), Tick(_LOOK)
+        self._frame_at, self._ask = time.monotonic(), Tick(_ASK_AGAIN)  # when the last frame was due
         self.checkpoints = CheckpointWriter()
         self.started = False
         self._commander: str | None = None  # as last told
@@ -106,7 +111,7 @@ class SimulatorRun:
     def apply_settings(self) -> None:
         """Apply the node's settings, of which one may have changed."""
         settings = self._node.settings
-        self.commands.apply_settings()
+        self.commands.set_limits()
         self._markers = Tick(1.0 / settings.marker_rate) if settings.marker_rate else None
         periodic = settings.checkpoint and settings.checkpoint_period
         self._checkpoint_due = Tick(settings.checkpoint_period) if periodic else None
@@ -125,14 +130,19 @@ class SimulatorRun:
     @property
     def waits_for_command(self) -> bool:
         """True while time stands still for a command: for the first one, or in lockstep for the next."""
-        settings, arbiter = self._node.settings, self.commands.arbiter
-        if not self.started and settings.wait_for_command and not arbiter.heard:
+        settings = self._node.settings
+        if not self.started and settings.wait_for_command and not self.commands.heard:
             return True
-        return settings.pace == "lockstep" and arbiter.last_stamp <= stamp_ns(self.loop.twin.time)
+        return settings.pace == "lockstep" and bool(self.commands.awaited)
+
+    @property
+    def waited(self) -> float:
+        """Wall time since simulated time began to stand still for a command [s]."""
+        return time.monotonic() - self._frame_at
 
     def tell_commander(self) -> None:
         """Publish who commands, if another does."""
-        if (commander := self.commands.arbiter.commander) != self._commander:
+        if (commander := self.commands.commander) != self._commander:
             self._commander = commander
             self._node.topics.publish(COMMANDER, encode_string(commander))
 
@@ -142,8 +152,8 @@ class SimulatorRun:
         Raises:
             RunError: The motion could not be followed; the last good state is saved.
         """
-        self.started = True
-        command = self.commands.arbiter.set_point(self.loop.period)
+        self.started, self._frame_at = True, time.monotonic()
+        command = self.commands.set_point(self.loop.period)
         exaggeration = self._node.settings.exaggeration or None
         markers = self._markers_due()
         try:
@@ -172,14 +182,21 @@ class SimulatorRun:
                 self._node.spin_all()
 
     def stand_still(self, *, paused: bool) -> None:
-        """Let wall time pass without a frame; it counts in the real-time factor unless it is a pause."""
+        """Let wall time pass without a frame; it counts in the real-time factor unless it is a pause.
+
+        While a command is missing, the time is told again: whoever commands by it may not have been connected before.
+        """
         self.pacer.restart()
         if paused or not self.started:
             self.loop.timing.pause()
+        if paused:
+            self._frame_at = time.monotonic()
+        elif self.waited > _ASK_AGAIN and self._ask.due():
+            self.loop.tell_time()
 
     def reset(self) -> None:
         """Start a new run at time zero."""
-        self.commands.reset()
+        self.commands.begin()
         self.started = False
         self.pacer.restart()
         self.loop.reset()
@@ -193,7 +210,7 @@ class SimulatorRun:
 
     def checkpoint(self) -> Checkpoint:
         """State of the run, with the set-points in force."""
-        return Checkpoint.of(self.loop.twin, self.commands.arbiter.good)
+        return Checkpoint.of(self.loop.twin, self.commands.good)
 
     def resume(self, path: Path) -> None:
         """Go on from a checkpoint file.
@@ -210,7 +227,7 @@ class SimulatorRun:
                 f"{checkpoint.time:g} s, where the run was over; move it away, or simulate for longer"
             )
         self.loop.resume(checkpoint)
-        self.commands.reset(checkpoint.command)
+        self.commands.go_on(checkpoint.command)
         self.pacer.restart()
         self._node.get_logger().info(f"going on from {path} at {checkpoint.time:.6g} s")
 

@@ -1,20 +1,24 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Set-points of the rig at one instant: three values, which are taken, mixed and completed together only."""
+"""Set-points of the rig at one instant: three values, of which a command may have a part."""
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from collections.abc import Collection
+from dataclasses import dataclass, replace
 from typing import Self
 
 import numpy as np
 
 from drill_twin.core.arrays import Array
 
+QUANTITIES = {"weight on bit": ("weight_on_bit", "block"), "top-drive speed": ("rotation",)}
+"""Quantities that may have a commander each, with the set-points that belong together."""
+
 
 @dataclass(frozen=True, slots=True)
 class Command:
-    """Set-points of the rig.
+    """Set-points of the rig; NaN where a command has none.
 
     A command that is made from other commands is made by a method of this class. Code elsewhere that names single
     set-points would forget the set-points that are added later.
@@ -50,10 +54,7 @@ class Command:
         pairs = zip(self.values, other.values, strict=True)
         return type(self)(*(own + share * (wanted - own) for own, wanted in pairs))
 
-    def towards(self, target: Self, begun: Self, share: float) -> Self:
-        """This command, each set-point moved to a target by at most a share of the way from `begun` to the target."""
-        moved = []
-        for own, wanted, start in zip(self.values, target.values, begun.values, strict=True):
-            step = min(abs(share * (start - wanted)), abs(wanted - own))
-            moved.append(own + math.copysign(step, wanted - own))
-        return type(self)(*moved)
+    def part(self, names: Collection[str]) -> Self:
+        """The set-points of these names alone."""
+        none = type(self)(math.nan, math.nan, math.nan)
+        return replace(none, **{name: getattr(self, name) for name in names})

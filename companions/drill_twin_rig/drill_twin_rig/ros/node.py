@@ -146,6 +146,7 @@ class Gateway(TwinNode):
 
     def _on_scene(self, raw: bytes) -> None:
         """Take the limits of the scene, so that a set-point beyond them is refused here, and the client is told."""
+        self._quantities.stamp = 0  # time may have gone back; without a stamp a command is of its time of arrival
         try:
             limits = limits_for(
                 parse_scene(read_string(raw), name=TWIN_SCENE), max_weight_on_bit=0.0, max_speed=0.0, negative=False

@@ -203,9 +203,9 @@ class Estimator(TwinNode):
         self.get_logger().info(f"{len(following.filter.members)} members of {following.scene.name} follow the rig")
 
     def _on_command(self, state: JointState) -> None:
-        command = read_command(state, absent_weight=math.nan)
-        self.samples.take(RIG_COMMAND, finite=math.isfinite(command.rotation))
-        self._set_points = asdict(command)
+        known = {name: value for name, value in asdict(read_command(state)).items() if math.isfinite(value)}
+        self.samples.take(RIG_COMMAND, finite=bool(known))
+        self._set_points |= known
 
     def _on_measured(self, state: JointState) -> None:
         if self._following is None:
