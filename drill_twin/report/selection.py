@@ -57,6 +57,8 @@ class Selection:
     sub: str = ""
     """Downhole sub whose readings are analysed instead of the marks; empty: the one with most readings in a bag without
     marks."""
+    choices: tuple[str, ...] = ()
+    """Columns of a record by channel, and its null values (`drill_twin.scene.records.read_columns`)."""
     units: str = ""
     """Units that people read (`drill_twin.core.units.system`); empty: the scene's."""
 
@@ -88,7 +90,7 @@ def open_bag(path: str | Path, selection: Selection) -> Bag:
     """
     path = bag_path(path)
     if is_record(path):
-        return RecordBag(path)
+        return RecordBag(path, selection.choices)
     window = (
         (selection.begin, selection.end) if math.isfinite(selection.begin) or math.isfinite(selection.end) else None
     )

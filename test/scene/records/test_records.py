@@ -141,7 +141,7 @@ BAD = [
     (WITSML.replace(",1,200,", ",200,"), "row 2: expected 5 values as in the header, found 4"),
     (WITSML.replace("10:04:02.000Z", "noon"), 'expected a time in row 2, found "2016-09-30Tnoon"'),
     (WITSML.replace("57826.881", "heavy"), HEAVY),
-    (WITSML.replace("WOB_AVG,", "Time,"), "each once, found Time again"),
+    (WITSML.replace("WOB_AVG,", "Time,"), "expected one column for time, found 2 (Time:1, Time:2)"),
     (DATA, "expected <data> in the log, found none"),
     (WITSML.replace("</logs>", ""), "expected a WITSML log, found no element found"),
     (WITSML.replace("</log>", "</log><log/>"), "expected one log, found more"),
@@ -174,7 +174,7 @@ def test_numbers_beyond_any_record_are_missing_or_refused(tmp_path):
 
 ODD = {
     "gaps.csv": ("time [s],RPM [rpm],WOB [klbf],TQ [kft-lb]\n0,0,0,0\n0.1,10,,1\n0.2,,-999.25,1.5\n0.3,30,3,\n", "kN"),
-    "one_row.csv": ("time [s],BRPM [rpm]\n3,120\n", "no weight and no speed"),
+    "two_rows.csv": ("time [s],BRPM [rpm]\n3,120\n4,120\n", "no weight and no speed"),
     "only_speed.csv": (
         "DTIM,RPM [rpm],HKLD [kN]\n" + "".join(f"2024-05-01T12:00:{k:02d}Z,{60 + k},-999.25\n" for k in range(30)),
         "top drive at 82 rpm on average",

@@ -212,7 +212,7 @@ def test_a_channel_needs_a_name_of_the_contract_and_a_unit(tmp_path):
         channel_column("bit_torqe=x:N m")
     record = tmp_path / "rig.csv"
     record.write_text("time [s],T,TQA [kft-lb]\n0,1,1\n1,2,2\n")
-    with pytest.raises(TableError, match='expected a unit of torque, as in "torque=T:UNIT", found none'):
+    with pytest.raises(TableError, match='found "T"; or give it, as --channel "torque=T:UNIT"'):
         dt.read_record(record, ["torque=T"])
     with pytest.raises(ArgumentError, match="expected one or more, as bit_speed=COLUMN:rpm, found time"):
         dt.read_record(record, ["time=T:s"])
