@@ -37,7 +37,7 @@ class RigChannel(NamedTuple):
 RIG_CHANNELS: Mapping[str, RigChannel] = {
     "bit_force": RigChannel(
         FORCE, "effort", "bit_axial", "weight on bit", ("weight_on_bit",),
-        ("wob", "swob", "woba", "wobavg", "weightonbit", "bitweight", "wtonbit", "wobkn"), (-2e6, 2e6),
+        ("wob", "swob", "woba", "wobavg", "weightonbit", "bitweight", "wtonbit"), (-2e6, 2e6),
     ),
     "top_drive_speed": RigChannel(
         ANGULAR_SPEED, "velocity", "top_drive", "speed of the top drive", ("rotation", "surface_rotation"),
@@ -47,12 +47,12 @@ RIG_CHANNELS: Mapping[str, RigChannel] = {
     "top_drive_torque": RigChannel(
         TORQUE, "effort", "top_drive", "torque of the top drive on the string",
         ("torque", "motor_torque", "surface_torque"),
-        ("tqa", "torque", "stor", "trq", "tq", "tdtq", "torqueavg", "torqueknm", "surfacetorque", "torq", "tor",
+        ("tqa", "torque", "stor", "trq", "tq", "tdtq", "torqueavg", "surfacetorque", "torq", "tor",
          "topdrivetorque", "tdtorque", "rotarytorque", "convertibletorque", "surftorque"), (-5e5, 5e5),
     ),
     "hookload": RigChannel(
         FORCE, "effort", "block", "hookload", (),
-        ("hkld", "hkla", "hookload", "hkldavg", "hook", "hkl", "hookloadkn", "totalhookload", "hookloadtotal"),
+        ("hkld", "hkla", "hookload", "hkldavg", "hook", "hkl", "totalhookload", "hookloadtotal"),
         (-2e6, 2e7),
     ),
     "bit_speed": RigChannel(

@@ -9,11 +9,12 @@ from pathlib import Path
 from drill_twin.core.errors import TableError
 from drill_twin.core.files.foreign_file import ForeignFile
 from drill_twin.core.files.yaml_reader import plain_yaml
-from drill_twin.scene.records.columns import CHANNELS, Columns, Taken
+from drill_twin.scene.records.channels import CHANNELS
+from drill_twin.scene.records.columns import Columns, Taken
 from drill_twin.scene.records.las_file import read_las
 from drill_twin.scene.records.matlab_file import read_matlab
 from drill_twin.scene.records.rows import read_csv
-from drill_twin.scene.records.time_axis import set_in_order
+from drill_twin.scene.records.times import set_in_order
 from drill_twin.scene.records.witsml_file import read_witsml
 
 __all__ = ["CHANNELS", "RECORDS", "Columns", "Taken", "read_columns"]

@@ -1,101 +1,31 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Channels of a rig's record, and the columns of a file: their names, their units, and what is done with each."""
+"""Columns of a file: their names, their units, and what is done with each."""
 
 from __future__ import annotations
 
-import math
 import re
 from collections import defaultdict
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
-from drill_twin.core import numerals
 from drill_twin.core.arrays import Array
-from drill_twin.core.errors import ArgumentError, TableError, nearest
+from drill_twin.core.errors import TableError, nearest
 from drill_twin.core.missing import left_out, without_missing
-from drill_twin.core.rig_channels import FIELDS, INSTANT, RECORDED, RIG_CHANNELS
+from drill_twin.core.rig_channels import FIELDS, INSTANT, RIG_CHANNELS
 from drill_twin.core.units import Dimension, UnitError
-from drill_twin.core.units.dimension import ANGULAR_SPEED, TIME
+from drill_twin.core.units.dimension import ANGULAR_SPEED
 from drill_twin.core.units.parse import AMBIGUOUS, name_and_unit, record_factor
-from drill_twin.scene.records.dates import Dates
+from drill_twin.scene.records.channels import CHANNELS, NULL, channel_column, null_values, plain, recorded
+from drill_twin.scene.records.times import Dates
 
-
-class RecordChannel(NamedTuple):
-    """Channel of a record, and the names of its column in the order of preference."""
-
-    dimension: Dimension
-    mnemonics: tuple[str, ...]
-
-
-def _plain(name: str) -> str:
-    return re.sub(r"[\W_]+", "", name.lower())
-
-
-CHANNELS: Mapping[str, RecordChannel] = {
-    "time": RecordChannel(
-        TIME,
-        ("time", "etim", "timestamputciso", "datetime", "dtim", "timestamp", "rigtime", "elapsedtime", "date", "t",
-         "epoch", "unixtime", "timedate", "utc", "localtime"),
-    )
-} | {
-    name: RecordChannel(channel.dimension, (*channel.mnemonics, _plain(channel.heading)))
-    for name, channel in ((name, RIG_CHANNELS[field]) for name, field in RECORDED.items())
-}  # fmt: skip
-"""Time and the channels of `drill_twin.core.rig_channels` that records have."""
 _QUALIFIERS = frozenset(["average", "averaged", "avg", "ave", "mean", "surface", "surf", "gs", "actual", "measured"])
 """Words of a heading that do not change the channel."""
 _MOST_NAMES, _LONGEST_NAME = 20, 60  # in a message
 _LONGEST_HEADING = 1000  # characters
-NULL = "null_value"
-"""Name that gives a null value in place of a channel: `null_value: -5555`."""
-
-
-def null_values(given: str, place: str) -> tuple[float, ...]:
-    """The null value of a file or an option, if it is a number at all.
-
-    Raises:
-        TableError: The text is no number.
-    """
-    null = math.nan if given.lower() in {"", "nan"} else numerals.number(given)
-    if null is None:
-        raise TableError(f'{place}: expected a number as null value, found "{given[:40]}"; correct it')
-    return () if math.isnan(null) else (null,)
-
-
-class ChannelColumn(NamedTuple):
-    """Column of a record; the name of a channel ends with `@instant` if its samples are no means."""
-
-    channel: str
-    column: str
-    """Name of the column; empty: the column that has a known mnemonic of the channel."""
-    unit: str
-    """Unit of the column, of dates their form; empty: the unit that the file gives."""
-
-
-def channel_column(text: str, is_name: Callable[[str], bool] = lambda _: False) -> ChannelColumn:
-    """Parse `CHANNEL=COLUMN:UNIT`, `CHANNEL=COLUMN` where the file gives the unit, or `CHANNEL` for a known mnemonic.
-
-    `CHANNEL@instant` is a channel whose samples are values at their times, and not means since the last ones.
-
-    Args:
-        text: The text.
-        is_name: Tells a name of a column, which may have a colon.
-
-    Raises:
-        ArgumentError: An unknown channel.
-    """
-    channel, _, rest = (part.strip() for part in text.partition("="))
-    if channel.removesuffix(INSTANT) not in (known := [*dict.fromkeys((*CHANNELS, *FIELDS, NULL))]):
-        raise ArgumentError(
-            f'channel: expected NAME=COLUMN:UNIT with one of {", ".join(known)}, found "{text}"'
-            + nearest(channel, known)
-        )
-    column, colon, unit = rest.rpartition(":")
-    return ChannelColumn(channel, column, unit) if colon and not is_name(rest) else ChannelColumn(channel, rest, "")
 
 
 class Taken(NamedTuple):
@@ -181,12 +111,11 @@ class Columns(dict[str, Array]):
         """Columns of a channel: chosen by the user, else named by the first of its mnemonics that the file has."""
         if given := self.chosen(channel)[0]:
             return [given]
-        record = CHANNELS[_recorded(channel)]
+        record = CHANNELS[recorded(channel)]
         exact, loose = defaultdict[str, list[str]](list), defaultdict[str, list[str]](list)
         for name in (*self, *self._texts):
-            bare = self._parts(name, record.dimension)[0].partition(":")[0]  # WOB:2 is the second WOB of a header
-            exact[_plain(bare)].append(name)
-            words = re.findall(r"[a-z0-9]+", bare.lower())
+            exact[plain(name_and_unit(name)[0].partition(":")[0])].append(name)  # WOB:2 is the second WOB of a header
+            words = re.findall(r"[a-z0-9]+", self._parts(name, record.dimension)[0].partition(":")[0].lower())
             loose["".join(word for word in words if word not in _QUALIFIERS)].append(name)
         found = next((names[key] for names in (exact, loose) for key in record.mnemonics if key in names), [])
         if channel == "time" and not found:
@@ -207,7 +136,7 @@ class Columns(dict[str, Array]):
         Raises:
             TableError: No column or several have the name, the unit is missing or of another dimension, or it is text.
         """
-        dimension, found = CHANNELS[_recorded(name)].dimension, self.named(name)
+        dimension, found = CHANNELS[recorded(name)].dimension, self.named(name)
         if len(found) != 1:
             what = f"{len(found)} ({', '.join(found[:3])[:_LONGEST_NAME]})" if found else "none"
             raise TableError(
@@ -278,7 +207,7 @@ class Columns(dict[str, Array]):
             return "twice in the header"
         for channel, record in CHANNELS.items():
             bare, unit = self._parts(name, record.dimension)
-            if _plain(bare) in record.mnemonics:
+            if plain(bare) in record.mnemonics:
                 if channel in self.taken:
                     return f"{channel} is taken from {self.taken[channel].column}"
                 said = f"unknown unit {unit}" if unit else "no unit"
@@ -287,7 +216,7 @@ class Columns(dict[str, Array]):
 
     def chosen(self, channel: str) -> tuple[str, str]:
         """Column and unit that the user gives a channel, under any of its names; empty where none."""
-        same = (given for name, given in self.given.items() if _recorded(name) == _recorded(channel))
+        same = (given for name, given in self.given.items() if recorded(name) == recorded(channel))
         return self.given.get(channel) or next(same, ("", ""))
 
     def _parts(self, name: str, dimension: Dimension) -> tuple[str, str]:
@@ -301,12 +230,6 @@ class Columns(dict[str, Array]):
                 return " ".join(words[:-count]) or bare, " ".join(words[-count:])
         by_name = (unit for word, unit in (("rpm", "rpm"), ("rps", "rev/s")) if word in bare.lower())
         return bare, next(by_name, "") if dimension is ANGULAR_SPEED else ""
-
-
-def _recorded(channel: str) -> str:
-    """Name of a channel in records, of any of its names."""
-    field = FIELDS.get(channel, "")
-    return next((name for name, one in RECORDED.items() if one == field), channel)
 
 
 def _is_of(unit: str, dimension: Dimension) -> bool:

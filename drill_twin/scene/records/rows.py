@@ -20,8 +20,9 @@ from drill_twin.core.errors import DrillTwinError, TableError
 from drill_twin.core.files.foreign_file import LONGEST_LINE, ForeignFile
 from drill_twin.core.missing import WORDS
 from drill_twin.core.units.parse import is_unit
-from drill_twin.scene.records.columns import Columns, null_values
-from drill_twin.scene.records.dates import Dates
+from drill_twin.scene.records.channels import null_values
+from drill_twin.scene.records.columns import Columns
+from drill_twin.scene.records.times import Dates
 
 LARGEST_FILE = 200_000_000
 """Bytes of a record."""
@@ -181,8 +182,10 @@ def read_csv(path: Path) -> Columns:
             break
     place = head[0][0] if head else 0
     try:
+        if not head:
+            raise RowError("expected a header and rows of numbers, found none")
         begin, rows, units = _begin([line for _, line in head])
-        header = head[begin - bool(units)][1] if head else ""
+        header = head[begin - bool(units)][1]
         for place, line in chain(head[begin + 1 :], lines):  # noqa: B007  the place is told
             if line != header:
                 rows.add(line)
@@ -199,8 +202,8 @@ def _begin(head: list[str]) -> tuple[int, RecordRows, list[str]]:
     Raises:
         RowError: There is no header.
     """
-    given = head[0].strip()[4:5] if head and head[0].lower().startswith("sep=") else ""
-    place, delimiter = int(bool(given)), given or delimiter_of(head[0] if head else "")
+    given = head[0].strip()[4:5] if head[0].lower().startswith("sep=") else ""
+    place, delimiter = int(bool(given)), given or delimiter_of(head[0])
     tables, text = list[list[str]](), "".join(head)
     for other in given or [*sorted(_DELIMITERS, key=text.count, reverse=True), " "]:
         tables = [_trimmed(split(line, other)) for line in head]
@@ -211,7 +214,7 @@ def _begin(head: list[str]) -> tuple[int, RecordRows, list[str]]:
             break
     else:
         tables = [_trimmed(split(line, delimiter)) for line in head]
-    names = [cell.strip() for cell in split(head[place], delimiter)] if head else [""]
+    names = [cell.strip() for cell in split(head[place], delimiter)]
     if len(names) > MOST_COLUMNS:
         raise RowError(f"expected at most {MOST_COLUMNS} columns, found {len(names)}")
     units = list[str]()
@@ -236,11 +239,9 @@ def _trimmed(cells: list[str]) -> list[str]:
 
 def _is_data(cells: list[str], *, strict: bool = False) -> bool:
     """True for a row of which most cells are values or few are blank; where strict, for any row with a value."""
-    values = sum(
-        _VALUE.fullmatch(cell) is not None or (len(cell) < _LONGEST_CELL and Dates(0).add(cell)) for cell in cells
-    )
-    texts = sum(cell.lower() not in WORDS for cell in cells) - values
-    return values > (0 if strict or 2 * (values + texts) > len(cells) else texts)
+    told = [cell for cell in cells[:MOST_COLUMNS] if cell.lower() not in WORDS]
+    values = sum(bool(_VALUE.fullmatch(cell)) or (len(cell) < _LONGEST_CELL and Dates(0).add(cell)) for cell in told)
+    return values > (0 if strict or 2 * len(told) > len(cells) else len(told) - values)
 
 
 def used_lines(kind: ForeignFile, path: Path, *, latin: bool = False) -> Iterator[tuple[int, str]]:

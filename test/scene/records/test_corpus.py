@@ -1,12 +1,15 @@
 # SPDX-License-Identifier: Apache-2.0
+# ruff: noqa: E501  a line a record
 """A corpus of records in the layouts of the trade, made here with their right values: wrong must be 0."""
 
 from __future__ import annotations
 
 import math
 from collections import Counter
-from datetime import datetime, timedelta
+from collections.abc import Mapping
+from datetime import UTC, datetime, timedelta
 from pathlib import Path
+from types import MappingProxyType
 from typing import NamedTuple
 
 import numpy as np
@@ -22,7 +25,7 @@ RPM = np.round(118.0 + 2.0 * np.cos(0.5 * K), 1)
 TQ = np.round(9.4 + 1.7 * np.sin(0.9 * K), 3)
 HKL = np.round(186.0 + 4.0 * np.cos(0.2 * K), 1)
 KLBF, FTLBF, KGF, TURN = 4448.2216152605, 1.3558179483, 9.80665, math.pi / 30.0
-START = datetime(2025, 11, 7, 23, 59, 42)
+START = datetime(2025, 11, 7, 23, 59, 42, tzinfo=UTC)
 NAN = math.nan
 
 
@@ -31,7 +34,7 @@ class Case(NamedTuple):
 
     text: str | bytes
     factors: tuple[float, float, float, float] = (KLBF, TURN, 1e3 * FTLBF, KLBF)
-    gaps: dict[str, slice] = {}
+    gaps: Mapping[str, object] = MappingProxyType({})
     options: tuple[str, ...] = ()
     refused: str = ""
     ending: str = "csv"
@@ -146,7 +149,7 @@ CORPUS = {
         "%d.%m.%Y %H:%M:%S", "%d-%b-%Y %H:%M:%S", "%d %B %Y %H:%M:%S", "%d-%b-%y %H:%M:%S", "%b %d %Y %I:%M:%S %p",
         "%m/%d/%Y %I:%M:%S %p", "%y/%m/%d %H:%M:%S", "%Y%m%dT%H%M%S",
     )},
-    "day above 12": Case(table(head=DATE_HEAD, times=stamps("%m/%d/%Y %H:%M:%S", start=datetime(2025, 11, 17, 23, 59, 42)))),
+    "day above 12": Case(table(head=DATE_HEAD, times=stamps("%m/%d/%Y %H:%M:%S", start=START + timedelta(days=10)))),
     "fractions of seconds": Case(table(head=DATE_HEAD, times=[f"2025-11-07 10:00:{0.2 * k:06.3f}" for k in K]), step=0.2),
     "month first by an option": Case(
         table(head=DATE_HEAD, times=stamps("%m/%d/%Y %H:%M:%S")), options=("time=Date Time:MM/DD/YYYY",)),

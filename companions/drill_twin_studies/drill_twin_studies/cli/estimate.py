@@ -54,7 +54,7 @@ def estimate(
 ) -> None:
     """Estimate numbers, loads and the chance of whirl along a record, as the node `estimator` does along a rig."""
     import drill_twin as dt
-    from drill_twin.scene.records.columns import channel_column
+    from drill_twin.scene.records.channels import channel_column
     from drill_twin_studies.estimation import CHANNELS, SET_POINTS
     from drill_twin_studies.estimation.estimate import HELD
     from drill_twin_studies.estimation.figure import estimate_figure

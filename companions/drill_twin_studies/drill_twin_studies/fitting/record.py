@@ -16,7 +16,7 @@ from drill_twin.core.rig_channels import FIELDS, INSTANT, channel_of
 from drill_twin.core.units import Dimension
 from drill_twin.core.units.dimension import ANGULAR_SPEED
 from drill_twin.scene.records import read_columns
-from drill_twin.scene.records.columns import ChannelColumn, channel_column
+from drill_twin.scene.records.channels import ChannelColumn, channel_column
 
 if TYPE_CHECKING:
     from drill_twin.io.bag.reader import Bag

@@ -12,7 +12,7 @@ import drill_twin as dt
 from drill_twin.cli.app import app
 from drill_twin.core.errors import ArgumentError, SceneError, TableError
 from drill_twin.io.bag.series import CommandSeries
-from drill_twin_studies.fitting.record import channel_column
+from drill_twin.scene.records.channels import channel_column
 
 HIDDEN = {"bit_torque_stribeck.sticking": 0.71, "bit_torque_stribeck.decay": 1.3}
 FREE = {"bit_torque_stribeck.sticking": "0.55..0.95", "bit_torque_stribeck.decay": "0.2 s/rad..6 s/rad"}
