@@ -13,8 +13,8 @@ from drill_twin.scene.records.channels import CHANNELS
 from drill_twin.scene.records.columns import Columns, Taken
 from drill_twin.scene.records.las_file import read_las
 from drill_twin.scene.records.matlab_file import read_matlab
+from drill_twin.scene.records.order import set_in_order
 from drill_twin.scene.records.rows import read_csv
-from drill_twin.scene.records.times import set_in_order
 from drill_twin.scene.records.witsml_file import read_witsml
 
 __all__ = ["CHANNELS", "RECORDS", "Columns", "Taken", "read_columns"]
