@@ -191,7 +191,7 @@ class Columns(dict[str, Array]):
         return ", ".join([name[:_LONGEST_NAME] for name in self][:_MOST_NAMES]) or "no column of numbers"
 
     def account(self) -> Iterator[dict[str, Any]]:
-        """What is done with each column: `column`, `channel` and `unit` if it is taken, else `why` not; `left_out`."""
+        """Use of each column: `column`, `channel` and `unit` if it is taken, else `why` not; `left_out`."""
         by_column = {taken.column: (name, taken.unit) for name, taken in self.taken.items()}
         for name in (*self, *self._texts):
             channel, unit = by_column.get(name, ("", ""))
