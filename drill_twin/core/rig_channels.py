@@ -41,8 +41,8 @@ RIG_CHANNELS: Mapping[str, RigChannel] = {
     ),
     "top_drive_speed": RigChannel(
         ANGULAR_SPEED, "velocity", "top_drive", "speed of the top drive", ("rotation", "surface_rotation"),
-        ("rpm", "rpma", "srpm", "surfrpm", "tdrpm", "rpmavg", "surfacerpm", "rotaryrpm", "rotaryspeed", "topdriverpm",
-         "topdrivespeed", "tdspeed", "rpmsurface", "rotation", "rotarytablespeed"), (-1000.0, 1000.0),
+        ("rpm", "rpma", "srpm", "surfrpm", "tdrpm", "rpmavg", "surfacerpm", "topdriverpm", "topdrivespeed", "tdspeed",
+         "rotaryrpm", "rotaryspeed", "rpmsurface", "rotation", "rotarytablespeed"), (-1000.0, 1000.0),
     ),
     "top_drive_torque": RigChannel(
         TORQUE, "effort", "top_drive", "torque of the top drive on the string",

@@ -11,14 +11,14 @@ from drill_twin.core.units.dimension import TIME
 from drill_twin.scene.records.columns import Columns
 from drill_twin.scene.records.times import past_midnight
 
-_LATE = 100
+_LATE = 10
 """Places by which a row may come late; a record that goes back farther is several records in one file."""
 _SINCE_1970, _EPOCHS = (1e9, 4e9), {1.0: "s", 1e3: "ms", 1e6: "us", 1e9: "ns"}
 """Seconds since 1970 in the years 2001 to 2096, and units that computers count so."""
 _SPREADSHEET, _DENSE = (30_000.0, 80_000.0), 0.005
 """Days of a spreadsheet in the years 1982 to 2119, and their largest usual step [d]: seconds do not come so dense."""
-_FEWEST, _LONGEST = 2, 1e8
-"""Fewest rows, and the time from which it is one since 1970, three years [s]."""
+_FEWEST, _LONGEST, _HOUR = 2, 1e8, 3600.0
+"""Fewest rows, an hour [s], and the time from which it is one since 1970, three years [s]."""
 
 
 def set_in_order(columns: Columns) -> None:
@@ -35,6 +35,11 @@ def set_in_order(columns: Columns) -> None:
     unit = given or ("s" if name in columns.dates else _guessed(time))
     rows = np.flatnonzero(np.isfinite(time))
     steps = np.diff(time[rows])
+    back = np.flatnonzero(steps < 0.0)
+    if name in columns.dates and back.size == 1 and abs(steps[back[0]] + _HOUR) < 0.1 * _HOUR:
+        time[rows[back[0] + 1 :]] += _HOUR
+        notes.append(f"the clock was set back by an hour before row {rows[back[0] + 1] + 1}")
+        steps = np.diff(time[rows])
     if newest_first := bool(2 * np.sum(steps > 0.0) < np.sum(steps < 0.0)):
         rows = rows[::-1]
     order = np.argsort(time[rows], kind="stable")

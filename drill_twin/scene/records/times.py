@@ -7,6 +7,7 @@ import math
 import re
 from array import array
 from datetime import date
+from functools import lru_cache
 
 import numpy as np
 
@@ -93,6 +94,7 @@ def _times(part: dict[str, str], *, dated: bool) -> tuple[float, ...]:
     return tuple((_days(*order) if dated else 0.0) * _DAY + 60.0 * minutes + second for order in orders)
 
 
+@lru_cache(maxsize=256)
 def _days(year: str, month: str, day: str) -> float:
     """Days since 1970; NaN where there is no such day."""
     number = _MONTHS.index(month[:3]) + 1 if month[:3] in _MONTHS else month
