@@ -68,6 +68,8 @@ def analyze(
     ] = None,
     units: options.UnitsOption = "",
     run: options.RunOption = 0,
+    channel: options.ColumnOption = [],  # noqa: B006
+    null: options.NullOption = [],  # noqa: B006
 ) -> None:
     """Find whirl in a bag, its onset, frequencies and motion states, and stick-slip of the bit.
 
@@ -92,7 +94,8 @@ def analyze(
         room = in_si("--clearance", clearance, LENGTH) if clearance else None
         rim = in_si("--rim", outer_radius, LENGTH) if outer_radius else 0.0
         names = parse_remappings(topics, "--remap")
-        selection = Selection(chosen, begin, end, names, namespace or None, room, rim, sub or "", run, units)
+        columns = options.choices(channel, null)
+        selection = Selection(chosen, begin, end, names, namespace or None, room, rim, sub or "", run, columns, units)
         recording = _recording(bag, scene, selection)
         summary = summarise(recording)
         if states:
@@ -123,6 +126,8 @@ def report(
     states: StatesOption = False,
     units: options.UnitsOption = "",
     run: options.RunOption = 0,
+    channel: options.ColumnOption = [],  # noqa: B006
+    null: options.NullOption = [],  # noqa: B006
 ) -> None:
     """Draw the report of a bag: report.html, which needs no network, and its figures as PNG."""
     from drill_twin.report.selection import Selection
@@ -132,7 +137,8 @@ def report(
     if existing.exists() and not replace:
         raise BagError(f"{existing}: expected none yet, found one; choose another folder with --out, or --replace")
     with shown_progress("analysing the bag"):
-        selection = Selection(begin=begin, end=end, namespace=namespace or None, run=run, units=units)
+        columns = options.choices(channel, null)
+        selection = Selection(begin=begin, end=end, namespace=namespace or None, run=run, choices=columns, units=units)
         recording = _recording(bag, scene, selection)
     files = draw(recording, folder, states=states)
     figures = {name: str(path) for name, path in files.figures.items()}
@@ -167,4 +173,6 @@ def _recording(bag: Path, scene: str, selection: Selection) -> Recording:
     found = read_recording(bag, load_scene(scene) if scene else None, selection)
     if isinstance(found.bag, RecordBag):
         remark(found.bag.read)
+        if pairs := [choice.replace("=", ": '", 1) + "'" for choice in selection.choices]:
+            remark(f"for all commands: write {found.path.name}.yaml beside it, a line each: {', '.join(pairs)}")
     return found

@@ -58,6 +58,8 @@ def export(
     end: options.ToOption = math.inf,
     namespace: options.NamespaceOption = "",
     replace: options.ReplaceOption = False,
+    channel: options.ColumnOption = [],  # noqa: B006  typer makes a new list of it
+    null: options.NullOption = [],  # noqa: B006
 ) -> None:
     """Write weight on bit, hookload, torques and speeds of a bag over time as CSV or LAS, in kN, kN.m and rpm."""
     from drill_twin.cli.analyze import default_folder
@@ -66,7 +68,8 @@ def export(
     if not (las or csv or drillbotics):
         raise ArgumentError("export: expected --csv, --las, --drillbotics or several, found none")
     folder = out or default_folder(bag)
-    selection = Selection(begin=begin, end=end, namespace=namespace or None)
+    columns = options.choices(channel, null)
+    selection = Selection(begin=begin, end=end, namespace=namespace or None, choices=columns)
     if files := [folder / f"rig.{ending}" for ending, wanted in (("csv", csv), ("las", las)) if wanted]:
         _series(bag, selection, files, replace=replace)
     if drillbotics:

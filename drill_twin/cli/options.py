@@ -99,6 +99,18 @@ ChannelOption = Annotated[
         "set-points; repeatable.",
     ),
 ]
+ColumnOption = Annotated[
+    list[str],
+    typer.Option(
+        "--channel",
+        metavar="NAME=COLUMN:UNIT",
+        help='Column of a record for a channel, as "weight_on_bit=WOB:klbf"; of dates the form, as '
+        '"time=Time:DD/MM/YYYY"; repeatable. All commands read such pairs from RECORD.yaml beside the record.',
+    ),
+]
+NullOption = Annotated[
+    list[str], typer.Option("--null", metavar="NUMBER", help="Number that a record has for no value; repeatable.")
+]
 SeedOption = Annotated[int, typer.Option("--seed", min=0, help="Seed of the draws.")]
 SceneOption = Annotated[
     str, typer.Option("--scene", metavar="SCENE", help="Scene of the record, or of a bag that contains none.")
@@ -158,6 +170,11 @@ def overrides(pairs: list[str], **shorthands: str) -> dict[str, str]:
     """
     given = {key: value for key, value in shorthands.items() if value}
     return given | pairs_of("--set", pairs, "KEY=VALUE", "hole.radius=80 mm")
+
+
+def choices(channels: list[str], nulls: list[str]) -> tuple[str, ...]:
+    """Columns and null values of a record from the options."""
+    return (*channels, *(f"null_value={null}" for null in nulls))
 
 
 def ranges_of(option: str, pairs: list[str]) -> dict[str, str]:

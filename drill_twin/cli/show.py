@@ -60,7 +60,7 @@ def remark(text: str, style: str = "") -> None:
 
 def findings_shown(summary: Mapping[str, Any]) -> Iterator[Table]:
     """Tables of a summary: findings, marks and timeline; what limits the findings goes to stderr."""
-    from drill_twin.report.text import findings, limitations, provenance, timeline_rows
+    from drill_twin.report.text import column_rows, findings, limitations, provenance, timeline_rows
 
     rows = [row for row in findings(summary) if not row[0].startswith("largest radius")]
     yield Table((), [*rows, *provenance(summary)])
@@ -70,6 +70,8 @@ def findings_shown(summary: Mapping[str, Any]) -> Iterator[Table]:
         yield _accelerations(found, summary)
     if periods := timeline_rows(summary["motion"]):
         yield Table(("from", "to", "motion of the string", "what decided it"), periods, right=(0, 1))
+    if columns := list(column_rows(summary)):
+        yield Table(("column", "what is done with it"), columns)
     for trouble in limitations(summary):
         remark(f"note: {trouble}", "yellow")
 

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from typing import NamedTuple
 
@@ -28,37 +29,43 @@ class RigChannel(NamedTuple):
     names: tuple[str, ...] = ()
     """Other names for the channel: of set-points and records first, of the gateway last."""
     mnemonics: tuple[str, ...] = ()
-    """Names of the channel's column in a record, in the order of preference; lower case."""
+    """Names of the channel's column in a record, in the order of preference; letters and digits, lower case."""
+    bounds: tuple[float, float] = (-math.inf, math.inf)
+    """Least and largest value that a rig can have, far from any rig of today, SI; beyond, no value was measured."""
 
 
 RIG_CHANNELS: Mapping[str, RigChannel] = {
     "bit_force": RigChannel(
         FORCE, "effort", "bit_axial", "weight on bit", ("weight_on_bit",),
-        ("wob", "swob", "woba", "wob_avg", "wob_kn"),
+        ("wob", "swob", "woba", "wobavg", "weightonbit", "bitweight", "wtonbit"), (-2e6, 2e6),
     ),
     "top_drive_speed": RigChannel(
         ANGULAR_SPEED, "velocity", "top_drive", "speed of the top drive", ("rotation", "surface_rotation"),
-        ("rpm", "rpma", "srpm", "surf_rpm", "tdrpm", "rpm_avg", "surfacerpm"),
+        ("rpm", "rpma", "srpm", "surfrpm", "tdrpm", "rpmavg", "surfacerpm", "topdriverpm", "topdrivespeed", "tdspeed",
+         "rotaryrpm", "rotaryspeed", "rpmsurface", "rotation", "rotarytablespeed"), (-1000.0, 1000.0),
     ),
     "top_drive_torque": RigChannel(
         TORQUE, "effort", "top_drive", "torque of the top drive on the string",
         ("torque", "motor_torque", "surface_torque"),
-        ("tqa", "torque", "stor", "trq", "tq", "tdtq", "torque_avg", "torque_knm", "surfacetorque"),
+        ("tqa", "torque", "stor", "trq", "tq", "tdtq", "torqueavg", "surfacetorque", "torq", "tor",
+         "topdrivetorque", "tdtorque", "rotarytorque", "convertibletorque", "surftorque"), (-5e5, 5e5),
     ),
     "hookload": RigChannel(
-        FORCE, "effort", "block", "hookload", (), ("hkld", "hkla", "hookload", "hkld_avg", "hookload_kn")
+        FORCE, "effort", "block", "hookload", (),
+        ("hkld", "hkla", "hookload", "hkldavg", "hook", "hkl", "totalhookload", "hookloadtotal"),
+        (-2e6, 2e7),
     ),
     "bit_speed": RigChannel(
         ANGULAR_SPEED, "velocity", "bit", "speed of the bit", ("bit_speed", "bit_rotation"),
-        ("brpm", "drpm", "dhrpm", "bit_rpm", "bit_rpm_avg", "downholerpm"),
+        ("brpm", "drpm", "dhrpm", "bitrpm", "bitrpmavg", "downholerpm", "bitspeed"), (-1000.0, 1000.0),
     ),
     "bit_torque": RigChannel(
         TORQUE, "effort", "bit", "torque of the rock on the bit", (),
-        ("btq", "dtor", "dhtq", "downholetorque"),
+        ("btq", "dtor", "dhtq", "downholetorque", "bittorque"), (-5e5, 5e5),
     ),
     "block_position": RigChannel(
         LENGTH, "position", "block", "height of the travelling block above its start", (),
-        ("bpos", "blkpos", "block_position", "hookposition"),
+        ("bpos", "blkpos", "blockposition", "hookposition", "blockheight", "travellingblockposition"), (-500.0, 500.0),
     ),
     "block_velocity": RigChannel(SPEED, "velocity", "block", "velocity of the travelling block, positive up"),
     "top_drive_angle": RigChannel(ANGLE, "position", "top_drive", "angle of the top drive"),
@@ -68,8 +75,9 @@ RIG_CHANNELS: Mapping[str, RigChannel] = {
 }  # fmt: skip
 """Channels by their field of `RigState`.
 
-Mnemonics are the short mnemonics of WITS level 0 (record 1), the usual mnemonics of LAS and WITSML, the names of D-WIS
-and the columns of Drillbotics. The heading is a mnemonic too, so that exported files can be read.
+Mnemonics are the short mnemonics of WITS level 0 (record 1), the usual mnemonics of LAS and WITSML, the names of D-WIS,
+the columns of Drillbotics, and the headings of the exports of Pason, Totco and NOV and of the field data of Volve. The
+heading is a mnemonic too, so that exported files can be read.
 """
 
 RECORDED: Mapping[str, str] = {

@@ -24,6 +24,7 @@ from drill_twin.report.string_curve import FLAT, deviated
 from drill_twin.report.text import (
     NOT_VALIDATED,
     applied,
+    column_rows,
     findings,
     interval,
     irregular,
@@ -74,6 +75,7 @@ def build_page(
         "</section><section>",
         Table((), provenance(summary)).html(),
         "</section></div>",
+        f"<section>{Table((), columns).html()}</section>" if (columns := list(column_rows(summary))) else "",
         f"<h2>Over time</h2><p>{_HOW}</p>",
         '<section class="stack">',
         *(_both(figures[name], name) for name in OVER_TIME if name in figures),

@@ -59,6 +59,8 @@ class Selection:
     marks."""
     run: int = 0
     """Number of the run in a bag with several, from 1; 0: the last."""
+    choices: tuple[str, ...] = ()
+    """Columns of a record by channel, and its null values (`drill_twin.scene.records.read_columns`)."""
     units: str = ""
     """Units that people read (`drill_twin.core.units.system`); empty: the scene's."""
 
@@ -103,7 +105,7 @@ def open_bag(path: str | Path, selection: Selection) -> Bag:
     """
     path = bag_path(path)
     if is_record(path):
-        record = RecordBag(path)
+        record = RecordBag(path, selection.choices)
         record.count_from_start()
         return record
     names, namespace = selection.topics, selection.namespace

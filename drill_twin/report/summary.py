@@ -82,6 +82,8 @@ def summarise(bag: Recording | Bag | str | Path) -> dict[str, Any]:
         * `energy`: the energy balance at the end [J], where the scene asks for it; `residual` as a share of `scale_J`.
         * `units`: the system in which people read it (`field`, `si`, `lab`); the numbers here are in SI.
         * `scene`, `effects`, `elements`, `step_s`, `seed`, `version`, `pace`, `started`: the run.
+        * `columns`: of the record of a rig, what is done with each column: `channel` and `unit` it is taken as, or
+          `why` it is left out, and values in `left_out` that are no measurement.
         * `duration_s`, `samples`, `quality`, `truncated`, `damage`, `notes`: extent and quality of the bag.
         * `whirl_states`, only where asked for: the steady whirls near the findings (`drill_twin.report.near_states`).
         * `live`: findings recorded while the twin ran, and the number that differ from this analysis.
@@ -138,7 +140,8 @@ def summarise(bag: Recording | Bag | str | Path) -> dict[str, Any]:
         "quality": found.quality._asdict(),
         "truncated": bag.bag.truncated,
         "damage": bag.bag.damage,
-        "notes": [*found.notes, *_notes(bag), *soft_wall(wall, bag.units)],
+        "columns": getattr(bag.bag, "columns", []),
+        "notes": [*getattr(bag.bag, "notes", ()), *found.notes, *_notes(bag), *soft_wall(wall, bag.units)],
         "live": {
             "onset_s": bag.live.onset.time - seconds(bag.bag.origin) if bag.live.onset else None,
             "messages": bag.live.messages,

@@ -149,6 +149,13 @@ def provenance(summary: Summary) -> Iterator[Row]:
     yield from (row for row in rows.items() if is_run or row[1] not in {"", "unknown", "none recorded"})
 
 
+def column_rows(summary: Summary) -> Iterator[Row]:
+    """Columns of a record, and what is done with each."""
+    for one in summary.get("columns", ()):
+        taken = f"taken as {one['channel']} in {one['unit']}" if one["channel"] else f"left out: {one['why']}"
+        yield one["column"], "; ".join((taken, *(f"no measurement: {text}" for text in one["left_out"])))
+
+
 def limitations(summary: Summary) -> list[str]:
     """Sentences on what limits the findings: notes, damage, samples left out."""
     lines = list(summary["notes"])

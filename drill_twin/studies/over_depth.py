@@ -83,8 +83,8 @@ def read_measured(path: Path) -> dict[str, Points]:
     found = {}
     places = columns.si(depth, columns.unit(depth, LENGTH), LENGTH, "depth")
     drilling = np.zeros(places.size, bool)
-    for name in columns.named("weight_on_bit"):
-        drilling |= columns.si(name, columns.unit(name, FORCE), FORCE, "weight on bit") > ON_BOTTOM
+    for _ in columns.named("weight_on_bit")[:1]:
+        drilling |= columns.channel("weight_on_bit").values > ON_BOTTOM
     for load, name in named.items():
         if name:
             dimension = TORQUE if load == "torque" else FORCE

@@ -92,12 +92,12 @@ class ForeignFile:
             raise self.refused(path, encoding_problem(error), "in UTF-8") from None
 
     def lines(self, path: str | Path, *, longest: int = LONGEST_LINE, latin: bool = False) -> Iterator[tuple[int, str]]:
-        """Read a text in UTF-8 line by line: number of the line, from 1, and its text; an endless line is not read.
+        """Read a text in UTF-8 line by line: its number, from 1, and text; an endless one is not read.
 
         Args:
             path: The file.
             longest: Characters of a line.
-            latin: Read bytes that are not UTF-8 as Latin-1.
+            latin: Read bytes that are not UTF-8 as Latin-1, and UTF-16 that begins with its mark.
 
         Raises:
             DrillTwinError: As `text`, or the file has a line that is too long, or binary data.
@@ -105,10 +105,11 @@ class ForeignFile:
         number = 0
         try:
             with self.open(path) as stream:
-                if stream.read(2) in {b"\xff\xfe", b"\xfe\xff"}:
+                encoding = "utf-16" if stream.read(2) in {b"\xff\xfe", b"\xfe\xff"} else "utf-8-sig"
+                if encoding == "utf-16" and not latin:
                     raise self.refused(path, "UTF-16; save it as UTF-8", "in UTF-8")
                 stream.seek(0)
-                text = io.TextIOWrapper(stream, "utf-8-sig", _OTHERS if latin else "strict")
+                text = io.TextIOWrapper(stream, encoding, _OTHERS if latin and encoding != "utf-16" else "strict")
                 while line := text.readline(longest + 1):
                     number += 1
                     if len(line) > longest:

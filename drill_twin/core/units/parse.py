@@ -143,16 +143,24 @@ def _simple_units(dimension: Dimension, names: tuple[str, ...]) -> list[str]:
     return [name for name in names if si_factor(name)[1] in _accepted(dimension)]
 
 
-_PRODUCT = str.maketrans("", "", " .*·-")
+_PRODUCT = str.maketrans("", "", " .*·-_")
 _AS_HERE = (
     "kN m", "N m", "daN m", "ft lbf", "kN", "N", "daN", "kgf", "tf", "lbf", "klbf", "rpm", "rev/s", "rad/s", "m", "ft",
-    "s", "sec", "min", "h", "hr",
+    "s", "sec", "min", "h", "hr", "ms", "kgf m", "tf m", "deg/s", "MN", "MN m",
 )  # fmt: skip
 _OTHERS = {
-    ("daN m", 1000.0): "kdanm", ("ft lbf", 1.0): "ftlb ftlbs lbfft", ("ft lbf", 1000.0): "kftlb kftlbf klbfft",
-    ("daN", 1000.0): "kdan", ("kgf", 1000.0): "kkgf", ("tf", 1.0): "t tonf", ("lbf", 1.0): "lb lbs",
-    ("klbf", 1.0): "klb klbs 1000lbf", ("rpm", 1.0): "1/min c/min rev/min", ("rev/s", 1.0): "c/s rps",
-    ("ft", 1.0): "f", ("h", 24.0): "d",
+    ("daN m", 1000.0): "kdanm kdnm", ("ft lbf", 1.0): "ftlb ftlbs lbfft lbft lbsft ftlbfs",
+    ("ft lbf", 1000.0): "kftlb kftlbs kftlbf klbfft klbft klbsft ftklb ftklbs ftklbf kipft kipsft ftkip ftkips "
+    "1000ftlb 1000ftlbs 1000ftlbf 1000lbft 1000lbfft", ("kgf m", 1.0): "kgm mkgf mkg", ("kgf m", 1000.0): "kkgfm kkgm",
+    ("tf m", 1.0): "tm tonm tonnem", ("daN", 1000.0): "kdan kdn", ("daN", 1.0): "dan",
+    ("kgf", 1000.0): "kkgf kkg 1000kgf 1000kg", ("kgf", 1.0): "kg kgs",
+    ("tf", 1.0): "t tonf tonne tonnes mt mton metricton metrictons ton tons te", ("lbf", 1.0): "lb lbs pound pounds",
+    ("klbf", 1.0): "klb klbs 1000lbf 1000lb 1000lbs kip kips klbfs kpound kpounds",
+    ("rpm", 1.0): "1/min c/min rev/min r/min revs/min revolutions/minute u/min tr/min",
+    ("rev/s", 1.0): "c/s rps r/s", ("ft", 1.0): "f feet foot", ("m", 1.0): "meter meters metre metres",
+    ("s", 1.0): "secs second seconds", ("min", 1.0): "mins minute minutes", ("h", 1.0): "hrs hour hours",
+    ("h", 24.0): "d day days", ("ms", 1.0): "msec millisecond milliseconds", ("ms", 1e-3): "us usec",
+    ("ms", 1e-6): "ns nsec",
 }  # fmt: skip
 """Unit of this package, how many -> other spellings of it."""
 _SPELLINGS: dict[str, tuple[str, float]] = {unit.lower().translate(_PRODUCT): (unit, 1.0) for unit in _AS_HERE} | {
@@ -174,6 +182,25 @@ def record_factor(unit: str, dimension: Dimension) -> float:
         if not known:
             raise
         return count * factor_of(known, dimension)
+
+
+AMBIGUOUS = {
+    "ton": "tonnes-force of 1,000 kgf", "tons": "tonnes-force of 1,000 kgf", "lb": "pounds-force",
+    "lbs": "pounds-force", "kg": "kilograms-force",
+}  # fmt: skip
+"""Units that may mean something else, lower case, and what each is taken for in a record."""
+_NO_UNIT = {"", "unitless", "none", "-", "--", "----", "text", "euc", "n/a"}
+_CLOCK = re.compile(r"[ymdhs:/.\-,\s]{0,20}(?:yy|dd|hh)[ymdhs:/.\-,\s]{0,30}", re.IGNORECASE)
+
+
+def is_unit(text: str) -> bool:
+    """True for a unit of any quantity, as in a row of units below the header of a record."""
+    if {text.lower(), text.lower().translate(_PRODUCT)} & {*_NO_UNIT, *_SPELLINGS} or _CLOCK.fullmatch(text):
+        return True
+    try:
+        return bool(si_factor(text))
+    except UnitError:
+        return False
 
 
 def name_and_unit(heading: str) -> tuple[str, str]:

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Collection, Iterable, Iterator
+from contextlib import nullcontext, suppress
 from dataclasses import replace
 from pathlib import Path
 
@@ -15,6 +16,7 @@ import numpy as np
 
 from drill_twin.core.errors import TableError
 from drill_twin.core.rig_channels import ARRAYS, RECORDED, RIG_JOINTS, channel_of
+from drill_twin.core.units.parse import name_and_unit
 from drill_twin.core.units.system import typed_in_pounds
 from drill_twin.io.bag.metadata import RecordedTopic, contract_topic
 from drill_twin.io.bag.reader import Bag
@@ -112,33 +114,42 @@ class RecordBag(Bag):
 
     Attributes:
         read: The columns that were read and their units, for the user.
+        columns: What is done with each column (`Columns.account`).
+        chosen: Column and unit of channels that were chosen, by name.
+        notes: Sentences on what was left out, and on time and units.
         units: Units that people read: `field` where a force or torque is in pounds, else `si`.
     """
 
-    def __init__(self, path: Path) -> None:
-        """Read a record; columns are found by their mnemonics.
+    def __init__(self, path: Path, choices: Iterable[str] = ()) -> None:
+        """Read a record; columns are found by their mnemonics, or chosen (`drill_twin.scene.records.read_columns`).
 
         Raises:
             TableError: The record cannot be read, or has no time or no speed.
         """
         self.path, self.damage = path, list[str]()
-        columns = read_columns(path)
-        self.units = "si"
-        values, told = {}, []
-        for name, channel in CHANNELS.items():
-            found = columns.named(name)
-            unit = columns.unit(found[0], channel.dimension) if found else ""
-            if len(found) == 1 and unit:
-                values[name] = columns.si(found[0], unit, channel.dimension, name)
-                self.units = "field" if typed_in_pounds(unit.lower()) else self.units
-                told.append(f"{name} from {found[0].partition('[')[0].strip()} [{unit}]")
+        columns = read_columns(path, choices)
+        self.chosen = columns.given
+        for name in CHANNELS:
+            if columns.named(name):
+                with nullcontext() if columns.chosen(name)[0] else suppress(TableError):  # the account tells it
+                    columns.channel(name)
+        values = {name: one.values for name, one in columns.taken.items()}
+        self.units = "field" if any(typed_in_pounds(one.unit.lower()) for one in columns.taken.values()) else "si"
+        self.columns = list(columns.account())
         if "time" not in values or not any(name in values for name in _SPEEDS):
             known = "; ".join(f"{name}: {', '.join(CHANNELS[name].mnemonics)}" for name in ("time", *_SPEEDS))
+            why = "; ".join(f"{one['column'][:60]}: {one['why']}" for one in self.columns[:20] if one["why"])
             raise TableError(
                 f"{path}: expected columns of time and of the speed of top drive or bit with their units, found "
-                f"{columns.listed}; known names: {known}"
+                f"{columns.listed} ({why}); name them with --channel, or in {path.name}.yaml; known names: {known}"
             )
+        told = (f"{name} from {name_and_unit(one.column)[0]} [{one.unit}]" for name, one in columns.taken.items())
         self.read = f"{path.name}: {', '.join(told)}; converted to SI"
+        self.notes = [
+            *columns.notes,
+            *(f"{one['column']}: left out {', '.join(one['left_out'])}" for one in self.columns
+              if one["channel"] and one["left_out"]),
+        ]  # fmt: skip
         time = values["time"]
         if not np.nanmin(time, initial=0.0) >= 0.0:
             raise TableError(f"{path}: expected times from 0 s, found {np.nanmin(time):g} s; shift them")

@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-from collections import Counter
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -26,24 +25,19 @@ def read_las(path: Path) -> Columns:
     """
     lines = _used(path)
     version, well, curves = _header(path, lines)
-    count = Counter(name for name, _ in curves)
-    place, names, units = dict.fromkeys(count, 0), list[str](), dict[str, str]()
-    for name, unit in curves:  # curves of the same name are numbered
-        place[name] += 1
-        names.append(name if count[name] == 1 else f"{name}:{place[name]}")
-        units[names[-1]] = unit
-    rows = RecordRows(names, _DELIMITERS.get(version.get("DLM", "").upper(), " "))
+    rows = RecordRows([name for name, _ in curves], _DELIMITERS.get(version.get("DLM", "").upper(), " "))
     if version.get("WRAP", "").upper() == "YES":
-        lines = _unwrapped(lines, len(names))
+        lines = _unwrapped(lines, len(curves))
     for number, line in lines:
         try:
             rows.add(line)
         except RowError as error:
             raise TableError(f"{path}:{number}: {error}; export it again") from None
-    if not names or not rows.count:
+    if not curves or not rows.count:
         raise TableError(
-            f"{path}: expected curves and rows of data, found {len(names)} curves without; export it again"
+            f"{path}: expected curves and rows of data, found {len(curves)} curves without; export it again"
         )
+    units = dict(zip(rows.names, (unit for _, unit in curves), strict=True))
     return rows.columns(path, units, well.get("NULL", ""))
 
 

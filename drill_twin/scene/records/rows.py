@@ -5,17 +5,24 @@ from __future__ import annotations
 
 import csv
 import math
+import re
 from array import array
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
+from itertools import chain, islice
 from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
 
+from drill_twin.core import numerals
 from drill_twin.core.errors import DrillTwinError, TableError
-from drill_twin.core.files.foreign_file import ForeignFile
-from drill_twin.scene.records.columns import Columns, date, from_first, null_values, number
+from drill_twin.core.files.foreign_file import LONGEST_LINE, ForeignFile
+from drill_twin.core.missing import WORDS
+from drill_twin.core.units.parse import is_unit
+from drill_twin.scene.records.channels import null_values
+from drill_twin.scene.records.columns import Columns
+from drill_twin.scene.records.times import Dates
 
 LARGEST_FILE = 200_000_000
 """Bytes of a record."""
@@ -38,6 +45,16 @@ class Text(NamedTuple):
         return f'"{self.cell}" in row {self.row}'
 
 
+_BETWEEN = r"[+-]?\d{{1,3}}([{0} '\u00a0\u202f])\d{{3}}(?:\1\d{{3}})*(?:{1}\d+)?"
+_GROUPED = {mark: re.compile(_BETWEEN.format(other, re.escape(mark)), re.ASCII) for mark, other in (".,", ",.")}
+"""Numbers with separators of thousands, by the decimal mark."""
+_MARK = re.compile(
+    r"[+-]?(?:(?:0|\d{4,}|)([.,])\d+|\d+([.,])(?!\d{3}$)\d+|\d{1,3}(?:[ .,']\d{3})+(?<!,)(?<!\.)([.,])\d+)", re.ASCII
+)
+"""Numbers that tell their decimal mark, other than 1,150 and 1.150."""
+_VALUE = re.compile(r"[+-]?[\d.,'\u00a0\u202f ]*\d(?:[.,]|[eE][+-]?\d+)?", re.ASCII)
+
+
 class RecordRows:
     """Rows as they are read; 8 bytes a cell.
 
@@ -46,30 +63,39 @@ class RecordRows:
         texts: First text of each column that has one, by the place of the column.
     """
 
-    def __init__(self, names: Sequence[str], delimiter: str) -> None:
+    def __init__(self, names: Sequence[str], delimiter: str, mark: str = "") -> None:
         """Begin without rows.
 
         Args:
-            names: Names of the columns.
+            names: Names of the columns; names that come again are numbered.
             delimiter: One character; a blank: any number of blanks and tabs.
+            mark: Decimal mark of numbers that may have separators of thousands; empty: they have none, and a comma
+                that is no delimiter is a decimal comma.
         """
-        self._names, self._delimiter = names, delimiter
-        self._numbers, self._dates = array("d"), set[int]()
+        count, place = Counter(names), Counter[str]()
+        for k, name in enumerate(names := list(names)):
+            place[name] += 1
+            names[k] = f"{name}:{place[name]}" if count[name] > 1 else name
+        self.names, self._delimiter, self._mark = names, delimiter, mark
+        self._numbers, self._dates = array("d"), dict[int, Dates]()
         self.count, self.texts = 0, dict[int, Text]()
 
     def add(self, line: str) -> None:
-        """Append a line; the first cell of a column that is not missing decides between numbers and ISO 8601 dates.
+        """Append a line; the first cell of a column that is not missing decides between numbers, dates and text.
 
         Raises:
             RowError: The number of cells is not the number of columns.
         """
         cells = split(line, self._delimiter)
-        if len(cells) != len(self._names):
-            raise RowError(f"expected {len(self._names)} values as in the header, found {len(cells)}")
+        if len(cells) == len(self.names) + 1 and not cells[-1].strip():  # rows that end with a delimiter
+            cells.pop()
+        if len(cells) != len(self.names):
+            raise RowError(f"expected {len(self.names)} values as in the header, found {len(cells)}")
         self.count += 1
-        if not self._dates and line.isascii() and "_" not in line:  # Python reads 1_0 and other scripts as numbers
-            try:
-                values = [*map(float, cells)]
+        comma = self._mark == ","
+        if not self._dates and line.isascii() and "_" not in line and not (comma and "." in line):
+            try:  # Python reads 1_0 and other scripts as numbers
+                values = [float(cell.replace(",", ".")) for cell in cells] if comma else [*map(float, cells)]
             except ValueError:  # a missing value, a date or a text
                 values = []
             if values:
@@ -78,7 +104,7 @@ class RecordRows:
         self._numbers.fromlist([self._value(k, cell.strip()) for k, cell in enumerate(cells)])
 
     def columns(self, path: Path, units: Mapping[str, str], null: str = "") -> Columns:
-        """The columns; a number that is infinite, -999.25 or the null value is missing.
+        """The columns.
 
         Args:
             path: The file, for messages.
@@ -88,32 +114,38 @@ class RecordRows:
         Raises:
             TableError: The null value is no number, or a name is endless.
         """
-        nulls, units = list(null_values(null, str(path))), dict(units)
-        table, values = np.frombuffer(self._numbers).reshape(-1, len(self._names)), {}
-        for k, name in enumerate(self._names):
-            column = table[:, k]
-            if k in self._dates:
-                column, units[name] = from_first(column), "s"
-            if k not in self.texts:
-                missing = ~np.isfinite(column) | np.isin(column, nulls)
-                values[name] = np.where(missing, math.nan, column) if missing.any() else column
-        return Columns(path, values, units, {self._names[k]: str(text) for k, text in self.texts.items()})
+        table = np.frombuffer(self._numbers).reshape(-1, len(self.names))
+        values = {name: table[:, k] for k, name in enumerate(self.names) if k not in self.texts}
+        texts = {self.names[k]: str(text) for k, text in self.texts.items()}
+        dates = {self.names[k]: found for k, found in self._dates.items() if k not in self.texts}
+        return Columns(path, values, units, texts, null_values(null, str(path)), dates)
 
     def _value(self, k: int, cell: str) -> float:
-        """Value of a cell; NaN if it is missing or a text."""
+        """Value of a cell; NaN if it is missing, a date or a text."""
         if k in self.texts:
             return math.nan
-        decimal = cell if self._delimiter == "," else cell.replace(",", ".", 1)
-        value = date(cell) if k in self._dates else number(decimal)
-        if value is None and k not in self._dates and (value := date(cell)) is not None:
-            if all(map(math.isnan, self._numbers[k :: len(self._names)])):
-                self._dates.add(k)
-            else:
-                value = None
-        if value is None:
-            self.texts[k] = Text(cell[:_LONGEST_CELL], self.count)
+        missing = cell.lower() in WORDS
+        if (dates := self._dates.get(k)) is None:
+            value = math.nan if missing else self.number(cell)
+            if value is not None:
+                return value
+            if all(map(math.isnan, self._numbers[k :: len(self.names)])):
+                dates = Dates(self.count - 1)
+                if dates.add(cell):
+                    self._dates[k] = dates
+                    return math.nan
+        elif dates.add("" if missing else cell) or missing:
             return math.nan
-        return value
+        self.texts[k] = Text(cell[:_LONGEST_CELL], self.count)
+        return math.nan
+
+    def number(self, cell: str) -> float | None:
+        """Number of a cell, which may have a decimal comma or separators of thousands; None if it is text."""
+        if self._mark and (grouped := _GROUPED[self._mark].fullmatch(cell)):
+            cell = cell.replace(grouped[1], "")
+        if self._mark == "," or (not self._mark and self._delimiter != ","):
+            cell = cell.replace(",", ".", 1)
+        return numerals.number(cell)
 
 
 def split(line: str, delimiter: str) -> list[str]:
@@ -132,50 +164,89 @@ def split(line: str, delimiter: str) -> list[str]:
 
 CSV = ForeignFile("a CSV file", LARGEST_FILE, TableError, may_be_empty=False)
 _DELIMITERS = ",;\t|"
+_HEAD = 60
+"""Lines among which header, units and decimal mark are looked for."""
 
 
 def read_csv(path: Path) -> Columns:
-    """Read a CSV file.
+    """Read a CSV file, with its preamble, its row of units, and the decimal mark that its cells tell.
 
     Raises:
-        TableError: The file is no CSV file, or has a cell that is not a number (with its line).
+        TableError: The file is no CSV file.
     """
-    lines = used_lines(CSV, path)
-    place, header = next(lines, (0, ""))
+    lines = used_lines(CSV, path, latin=True)
+    head, size = list[tuple[int, str]](), 0
+    for one in islice(lines, _HEAD):
+        head.append(one)
+        if (size := size + len(one[1])) > LONGEST_LINE:
+            break
+    place = head[0][0] if head else 0
     try:
-        names, rows = _begin(header)
-        for place, line in lines:  # noqa: B007  the place is told
-            rows.add(line)
-            if rows.texts:
-                column, text = next(iter(rows.texts.items()))
-                raise RowError(f'expected a number in column "{names[column][:40]}", found "{text.cell}"')
+        if not head:
+            raise RowError("expected a header and rows of numbers, found none")
+        begin, rows, units = _begin([line for _, line in head])
+        header = head[begin - bool(units)][1]
+        for place, line in chain(head[begin + 1 :], lines):  # noqa: B007  the place is told
+            if line != header:
+                rows.add(line)
     except RowError as error:
         raise TableError(f"{path}:{place}: {error}") from None
     if not rows.count:
-        raise TableError(f"{path}: expected a header and rows of numbers, found {1 if header else 0} lines")
-    return rows.columns(path, {})
+        raise TableError(f"{path}: expected a header and rows of numbers, found {len(head)} lines")
+    return rows.columns(path, dict(zip(rows.names, units, strict=False)))
 
 
-def _begin(header: str) -> tuple[list[str], RecordRows]:
-    """Names of the columns, and their rows to be filled.
+def _begin(head: list[str]) -> tuple[int, RecordRows, list[str]]:
+    """Place of the last line above the data, the rows to be filled, and the units, if that line has them.
 
     Raises:
-        RowError: The line is no header.
+        RowError: There is no header.
     """
-    delimiter = delimiter_of(header)
-    names = [cell.strip() for cell in split(header, delimiter)]
+    given = head[0].strip()[4:5] if head[0].lower().startswith("sep=") else ""
+    place, delimiter = int(bool(given)), given or delimiter_of(head[0])
+    tables, text = list[list[str]](), "".join(head)
+    for other in given or [*sorted(_DELIMITERS, key=text.count, reverse=True), " "]:
+        tables = [_trimmed(split(line, other)) for line in head]
+        block = next((k for k in range(len(head), 0, -1) if len(tables[k - 1]) != len(tables[-1])), 0)
+        found = next((k for k in range(block, len(head)) if _is_data(tables[k])), 0)
+        if len(tables[-1]) > 1 and found > block and not _is_data(tables[found - 1], strict=True):
+            place, delimiter = found - 1, other
+            break
+    else:
+        tables = [_trimmed(split(line, delimiter)) for line in head]
+    names = [cell.strip() for cell in split(head[place], delimiter)]
     if len(names) > MOST_COLUMNS:
         raise RowError(f"expected at most {MOST_COLUMNS} columns, found {len(names)}")
-    if names and all(number(name if delimiter == "," else name.replace(",", ".")) is not None for name in names):
+    units = list[str]()
+    if place and len(tables[place - 1]) == len(tables[place]) and not _is_data(tables[place - 1], strict=True):
+        told = [cell.strip("[]()") for cell in names if cell]
+        if len(told) < 2 * sum(map(is_unit, told)) and len(told) <= sum(map(bool, tables[place - 1])):
+            names, units = tables[place - 1], [cell.strip("[]()") for cell in names]
+    if names and all(_VALUE.fullmatch(name) or name.lower() in WORDS for name in names):
         raise RowError("expected a header with column names, found numbers")
-    if twice := sorted(name for name, count in Counter(names).items() if count > 1):
-        raise RowError(f"expected each column once, found {', '.join(twice)[:100]} again")
-    return names, RecordRows(names, delimiter)
+    cells = [cell for row in tables[place + 1 :] for cell in row]
+    marks = {one for cell in cells if (told_by := _MARK.fullmatch(cell)) for one in told_by.groups() if one}
+    if not marks and delimiter not in ",;" and (odd := next(filter(_GROUPED["."].fullmatch, cells), "")):
+        raise RowError(f'expected a comma that is of thousands or of decimals, found "{odd}", which may be either')
+    mark = marks.pop() if len(marks) == 1 else "," if delimiter == ";" else ""
+    return place, RecordRows(names, delimiter, "." if delimiter == "," and mark != "," else mark), units
 
 
-def used_lines(kind: ForeignFile, path: Path) -> Iterator[tuple[int, str]]:
+def _trimmed(cells: list[str]) -> list[str]:
+    cells = [cell.strip() for cell in cells]
+    return cells[:-1] if len(cells) > 1 and not cells[-1] else cells
+
+
+def _is_data(cells: list[str], *, strict: bool = False) -> bool:
+    """True for a row of which most cells are values or few are blank; where strict, for any row with a value."""
+    told = [cell for cell in cells[:MOST_COLUMNS] if cell.lower() not in WORDS]
+    values = sum(bool(_VALUE.fullmatch(cell)) or (len(cell) < _LONGEST_CELL and Dates(0).add(cell)) for cell in told)
+    return values > (0 if strict or 2 * len(told) > len(cells) else len(told) - values)
+
+
+def used_lines(kind: ForeignFile, path: Path, *, latin: bool = False) -> Iterator[tuple[int, str]]:
     """Lines of a table that are neither empty nor a comment, with their numbers."""
-    return ((place, line) for place, line in kind.lines(path) if line.strip() and not line.startswith("#"))
+    return ((place, line) for place, line in kind.lines(path, latin=latin) if line.strip() and not line.startswith("#"))
 
 
 def delimiter_of(header: str) -> str:

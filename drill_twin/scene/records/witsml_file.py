@@ -8,7 +8,6 @@ file of 200 MB takes the memory of its numbers.
 
 from __future__ import annotations
 
-from collections import Counter
 from pathlib import Path
 from typing import Any
 from xml.parsers import expat
@@ -97,11 +96,11 @@ class _LogReader:
                 f'expected a dataDelimiter of one character, found "{self.header["dataDelimiter"][:40]}"'
             )
         self.names = [name.strip() for name in self.header.get("mnemonicList", "").split(",")]
-        twice = [name for name, count in Counter(self.names).items() if count > 1]
-        if not 1 < len(self.names) <= MOST_COLUMNS or twice:
-            found = f"{', '.join(twice)[:100]} again" if twice else f"{len(self.names)} names"
-            raise _RefusedError(f"expected 2 to {MOST_COLUMNS} names in mnemonicList, each once, found {found}")
-        return RecordRows(self.names, self.header.get("dataDelimiter") or ",")
+        if not 1 < len(self.names) <= MOST_COLUMNS:
+            raise _RefusedError(f"expected 2 to {MOST_COLUMNS} names in mnemonicList, found {len(self.names)}")
+        rows = RecordRows(self.names, self.header.get("dataDelimiter") or ",")
+        self.names = rows.names
+        return rows
 
     def columns(self, path: Path) -> Columns:
         """The columns of numbers, the index first and in s."""

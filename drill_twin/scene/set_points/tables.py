@@ -3,21 +3,16 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-import numpy.typing as npt
 
 from drill_twin.core.arrays import Array, Mask
 from drill_twin.core.errors import TableError
 from drill_twin.scene.blocks.rig import Column
-from drill_twin.scene.records import CHANNELS, Columns, read_columns
-
-_LONGEST_NAME = 60  # in a message
-_UNIT_BY_NAME = {"rpm": "rpm", "rps": "rev/s"}
+from drill_twin.scene.records import Taken, read_columns
 
 
 @dataclass(frozen=True)
@@ -73,23 +68,15 @@ def read_table(
         TableError: No such file or column, an unknown unit, decreasing time, or a gap longer than `longest_gap`.
     """
     file = Path(path)
-    columns = read_columns(file)
     given = {"time": time, "weight_on_bit": weight_on_bit, "rotation": rotation}
-    chosen = {name: given[name] or _found(columns, name) for name in ("time", *wanted)}
-    raw = {
-        name: columns.si(column.column, column.unit, CHANNELS[name].dimension, name) for name, column in chosen.items()
-    }
-    lengths = {name: len(values) for name, values in raw.items()}
-    if len(set(lengths.values())) > 1:
-        said = ", ".join(f"{name} {length}" for name, length in lengths.items())
-        raise TableError(f"{file}: expected columns of one length, found {said}")
-    rows, note = _increasing(file, raw["time"])
-    stamps = raw["time"][rows]
+    columns = read_columns(file, [f"{name}={one.column}:{one.unit}" for name, one in given.items() if one])
+    chosen = {name: columns.channel(name) for name in ("time", *wanted)}
+    stamps = chosen["time"].values
     cleaned: dict[str, Array] = {}
     cleaning: dict[str, Cleaning] = {}
     for name in wanted:
         cleaned[name], cleaning[name] = clean(
-            stamps, raw[name][rows], name=f"{file}: {name}", longest_gap=longest_gap, spike_window=spike_window
+            stamps, chosen[name].values, name=f"{file}: {name}", longest_gap=longest_gap, spike_window=spike_window
         )
     return Table(
         path=file,
@@ -97,63 +84,18 @@ def read_table(
         weight_on_bit=cleaned.get("weight_on_bit"),
         rotation=cleaned.get("rotation"),
         cleaning=cleaning,
-        report=_report(file, stamps, cleaning, note, chosen),
+        report="; ".join((_report(file, stamps, cleaning, chosen), *columns.notes)),
     )
 
 
-def _found(columns: Columns, name: str) -> Column:
-    found = columns.named(name) or [c for c in columns if re.search(CHANNELS[name].pattern, c, re.IGNORECASE)]
-    if len(found) != 1:
-        what = f"{len(found)} ({', '.join(found[:3])[:_LONGEST_NAME]})" if found else "none"
-        raise TableError(
-            f"{columns.file}: expected one column for {name}, found {what}; name it (`rig.table.{name}`) out of: "
-            f"{columns.listed}"
-        )
-    return Column(column=found[0], unit=_unit_of(columns, found[0], name))
-
-
-def _unit_of(columns: Columns, column: str, name: str) -> str:
-    dimension = CHANNELS[name].dimension
-    if unit := columns.unit(column, dimension):
-        return unit
-    for word, unit in _UNIT_BY_NAME.items():
-        if name == "rotation" and word in column.lower():
-            return unit
-    raise TableError(
-        f'{columns.file}: expected a unit in the header, such as "{column[:_LONGEST_NAME]} [{dimension.unit}]", '
-        f'found "{column[:_LONGEST_NAME]}"; '
-        f"or give column and unit in `rig.table.{name}`"
-    )
-
-
-def _increasing(file: Path, stamps: Array) -> tuple[npt.NDArray[np.intp], str]:
-    """Rows with a distinct stamp, and a note on the rows left out."""
-    rows = np.flatnonzero(np.isfinite(stamps))
-    missing = len(stamps) - len(rows)
-    steps = np.diff(stamps[rows])
-    if np.any(steps < 0.0):
-        place = int(np.flatnonzero(steps < 0.0)[0])
-        before, after = stamps[rows[place]], stamps[rows[place + 1]]
-        raise TableError(f"{file}: expected time that increases, found {after:.6g} s after {before:.6g} s")
-    if len(rows):
-        rows = rows[np.concatenate(([True], steps > 0.0))]
-    if len(rows) < 2:
-        raise TableError(f"{file}: expected at least two time stamps, found {len(rows)}")
-    twice = len(stamps) - missing - len(rows)
-    said = [f"{_count(missing, 'row')} without a stamp"] * (missing > 0) + [_count(twice, "repeated stamp")] * (
-        twice > 0
-    )
-    return rows, f"; left out {' and '.join(said)}" if said else ""
-
-
-def _report(file: Path, stamps: Array, cleaning: dict[str, Cleaning], note: str, chosen: Mapping[str, Column]) -> str:
+def _report(file: Path, stamps: Array, cleaning: dict[str, Cleaning], chosen: Mapping[str, Taken]) -> str:
     spacing = float(np.median(np.diff(stamps)))
-    head = f"{file.name}: {len(stamps)} rows over {stamps[-1] - stamps[0]:.6g} s, {1.0 / spacing:.6g} per second{note}"
+    head = f"{file.name}: {len(stamps)} rows over {stamps[-1] - stamps[0]:.6g} s, {1.0 / spacing:.6g} per second"
     read = ", ".join(map(_text, chosen.values()))
     return "; ".join([f"{head}; read: {read}", *(f"{name}: {_cleaning_text(done)}" for name, done in cleaning.items())])
 
 
-def _text(column: Column) -> str:
+def _text(column: Taken) -> str:
     """Name and unit of a column."""
     return column.column if f"[{column.unit}]" in column.column else f"{column.column} [{column.unit}]"
 

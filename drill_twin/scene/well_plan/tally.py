@@ -10,6 +10,7 @@ from typing import Any, NamedTuple
 
 from drill_twin.core.errors import SceneError
 from drill_twin.core.units import parse
+from drill_twin.core.units.dimension import DENSITY as SOLID
 from drill_twin.core.units.dimension import LENGTH
 from drill_twin.physics.model.steel import COLLAR, GRADES, HEAVY_WEIGHT, LARGE_COLLAR, Steel
 from drill_twin.scene.well_plan.catalogue import (
@@ -42,6 +43,8 @@ KINDS = {
     "tube": "tube",
 }  # fmt: skip
 """Words for the kinds of pipe."""
+ROUNDED = 0.05
+"""Difference of a weight from the weight of the tube up to which both are the same, rounded [-]."""
 REST = "rest"
 """Length of a row that takes what is left of the well."""
 
@@ -143,6 +146,8 @@ def _piece(row: Row, length: float) -> TallyPiece:
             )
         section["blade_diameter"] = f"{gauge:.10g} m"
     section |= _material(row)
+    if row.text("id") and row.text("weight") and KINDS[word] not in {"pipe", "heavy"}:
+        section |= _joints(row, outer, parse(section["inner_diameter"], LENGTH))
     widest = section.get("blade_diameter", section["outer_diameter"])
     return TallyPiece(row, section, word, length, parse(widest, LENGTH))
 
@@ -185,11 +190,11 @@ def _plain(row: Row, outer: float) -> dict[str, Any]:
 
 
 def _bore(row: Row, outer: float) -> float:
-    """Bore of a row; without one the bore of a steel tube of its weight, as tables seldom give the bore of a motor."""
+    """Bore of a row; without one the bore of a tube of its weight and material (motors seldom have it)."""
     if not row.text("id"):
         if not row.text("weight"):
             raise SceneError(f"{row.place}, id: expected the bore, or a `weight` from which it follows, found neither")
-        square = outer**2 - _positive(row, "weight", "mass") / (0.25 * math.pi * DENSITY)
+        square = outer**2 - _positive(row, "weight", "mass") / (0.25 * math.pi * _density(row))
         if not square > 0.0:
             raise SceneError(
                 f"{row.place}, weight: expected less than the weight of a bar of that od, found {row.text('weight')}"
@@ -209,6 +214,25 @@ def _material(row: Row) -> dict[str, Any]:
             f'steel, found "{row.text("material")}"'
         )
     return MATERIALS[word]
+
+
+def _density(row: Row) -> float:
+    return parse(_material(row).get("density", f"{DENSITY} kg/m^3"), SOLID)
+
+
+def _joints(row: Row, outer: float, inner: float) -> dict[str, str]:
+    """Adjusted mass of a row whose weight is more than the weight of its tube: of tool joints and upsets.
+
+    Raises:
+        SceneError: The weight is less than the weight of the tube.
+    """
+    mass, tube = _positive(row, "weight", "mass"), 0.25 * math.pi * (outer**2 - inner**2) * _density(row)
+    if mass < (1.0 - ROUNDED) * tube:
+        raise SceneError(
+            f"{row.place}, weight: expected at least the weight of a tube of that od, id and material "
+            f"({tube:.4g} kg/m), found {row.text('weight')} ({mass:.4g} kg/m); correct one of the four"
+        )
+    return {"adjusted_mass": f"{mass:.6g} kg/m"} if mass > (1.0 + ROUNDED) * tube else {}
 
 
 def _grade(row: Row) -> Steel:

@@ -141,7 +141,7 @@ BAD = [
     (WITSML.replace(",1,200,", ",200,"), "row 2: expected 5 values as in the header, found 4"),
     (WITSML.replace("10:04:02.000Z", "noon"), 'expected a time in row 2, found "2016-09-30Tnoon"'),
     (WITSML.replace("57826.881", "heavy"), HEAVY),
-    (WITSML.replace("WOB_AVG,", "Time,"), "each once, found Time again"),
+    (WITSML.replace("WOB_AVG,", "Time,"), "expected one column for time, found 2 (Time:1, Time:2)"),
     (DATA, "expected <data> in the log, found none"),
     (WITSML.replace("</logs>", ""), "expected a WITSML log, found no element found"),
     (WITSML.replace("</log>", "</log><log/>"), "expected one log, found more"),
@@ -172,9 +172,37 @@ def test_numbers_beyond_any_record_are_missing_or_refused(tmp_path):
         RecordBag(path)
 
 
+def test_a_block_of_nulls_is_no_set_point_and_a_file_beside_the_record_names_its_columns(tmp_path, capsys):
+    rows = "".join(
+        f"{k},{-9999 if 20 <= k < 31 else 9 + k % 3},{110 + k % 2},{-555 if k == 4 else 70}\n" for k in range(60)
+    )
+    path = written(tmp_path, f"Time,Load cell,RPM [rpm],Hook\n{rows}", "well.csv")
+    with pytest.raises(TableError, match="Time: no unit: give it, as --channel"):
+        read_recording(path)
+    written(
+        tmp_path,
+        "time: Time:s\nweight_on_bit: Load cell:klbs\nhookload: Hook:tonne\nnull_value: -555\n",
+        "well.csv.yaml",
+    )
+    played = read_table(path, longest_gap=20.0, spike_window=0.0)
+    assert played.weight_on_bit.min() == pytest.approx(9.0 * 4448.2216152605)
+    assert "1 gap (11 samples, longest 12 s) bridged" in played.report
+    summary = summarise(read_recording(path))
+    assert summary["loads"]["hookload_n"]["min"] == pytest.approx(70.0 * 9806.65)
+    assert [one["left_out"] for one in summary["columns"]] == [
+        [], ["11 of -9999 (rows 21 to 31)"], [], ["1 of -555 (row 5)"],
+    ]  # fmt: skip
+    analyze(path, channel=["rotation=RPM [rpm]"])
+    told = capsys.readouterr()
+    assert "taken as weight_on_bit in klbs; no measurement: 11 of" in " ".join(told.out.split())
+    assert "write well.csv.yaml beside it, a line each: rotation: 'RPM [rpm]'" in " ".join(told.err.split())
+    (series,) = dt.read_record(path, ["hookload"]).series.values()
+    assert series[0].size == 59
+
+
 ODD = {
     "gaps.csv": ("time [s],RPM [rpm],WOB [klbf],TQ [kft-lb]\n0,0,0,0\n0.1,10,,1\n0.2,,-999.25,1.5\n0.3,30,3,\n", "kN"),
-    "one_row.csv": ("time [s],BRPM [rpm]\n3,120\n", "no weight and no speed"),
+    "two_rows.csv": ("time [s],BRPM [rpm]\n3,120\n4,120\n", "no weight and no speed"),
     "only_speed.csv": (
         "DTIM,RPM [rpm],HKLD [kN]\n" + "".join(f"2024-05-01T12:00:{k:02d}Z,{60 + k},-999.25\n" for k in range(30)),
         "top drive at 82 rpm on average",

@@ -154,5 +154,4 @@ def test_what_is_refused_for_its_size_is_told(tmp_path):
 @pytest.mark.parametrize("cell", ["1_0", "\u0661\u0662", "\uff11", "1_0.5e1_0"])
 def test_numbers_of_other_scripts_and_of_python_are_texts(tmp_path, cell):
     (tmp_path / "r.csv").write_text(f"t,a\n0,1\n1,{cell}\n", "utf-8")
-    with pytest.raises(DrillTwinError, match='expected a number in column "a"'):
-        read_columns(tmp_path / "r.csv")
+    assert "a" not in read_columns(tmp_path / "r.csv")

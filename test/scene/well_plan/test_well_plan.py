@@ -77,6 +77,20 @@ def test_a_motor_has_the_bore_that_follows_from_its_weight(tmp_path: Path) -> No
     assert motor.adjusted_mass is None
 
 
+def test_a_weight_beside_a_bore_counts_or_is_contradicted(tmp_path: Path) -> None:
+    """A tube with tool joints weighs what the table says; three numbers give the fourth, for aluminium as well."""
+    body = 0.25 * math.pi * ((5.5 * INCH) ** 2 - (4.778 * INCH) ** 2)
+    tally = "kind,length [m],od [in],id [in],weight [kg/m],material,name\ncollar,120,7,3,164.5,,collars\n"
+    jointed = made(tmp_path, tally=f"{tally}tube,rest,5.5,4.778,38.2,,pipe\n").string.sections
+    assert [section.mass_per_length for section in jointed] == pytest.approx(
+        [7850.0 * 0.25 * math.pi * 40.0 * INCH**2, 38.2]
+    )
+    (light,) = made(tmp_path, tally=f"{tally}tube,rest,5.5,,{2700.0 * body:.9g},aluminium,pipe\n").string.sections[1:]
+    assert light.inner_diameter == pytest.approx(4.778 * INCH)
+    with pytest.raises(SceneError, match=r"at least the weight of a tube .* \(29.*kg/m\), found 20 \(20 kg/m\)"):
+        made(tmp_path, tally=f"{tally}tube,rest,5.5,4.778,20,,pipe\n")
+
+
 def test_field_and_si_tables_give_one_scene(tmp_path: Path) -> None:
     survey = "MD,INC,AZI\n" + "".join(
         f"{depth / FOOT!r},{angle},{way}\n"

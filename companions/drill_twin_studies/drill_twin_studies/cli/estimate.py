@@ -54,11 +54,11 @@ def estimate(
 ) -> None:
     """Estimate numbers, loads and the chance of whirl along a record, as the node `estimator` does along a rig."""
     import drill_twin as dt
+    from drill_twin.scene.records.channels import channel_column
     from drill_twin_studies.estimation import CHANNELS, SET_POINTS
     from drill_twin_studies.estimation.estimate import HELD
     from drill_twin_studies.estimation.figure import estimate_figure
     from drill_twin_studies.fitting.posterior import of_law
-    from drill_twin_studies.fitting.record import channel_column
 
     settings = dt.EstimatorOptions(members=members, window=window, error=error, horizon=horizon, seed=seed)
     ranges = options.ranges_of("--free", free)

@@ -3,20 +3,20 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from drill_twin.core.arrays import Array
-from drill_twin.core.errors import ArgumentError, TableError, nearest
-from drill_twin.core.rig_channels import FIELDS, INSTANT, RECORDED, channel_of
+from drill_twin.core.errors import ArgumentError, TableError
+from drill_twin.core.rig_channels import FIELDS, INSTANT, channel_of
 from drill_twin.core.units import Dimension
-from drill_twin.core.units.dimension import ANGULAR_SPEED, TIME
-from drill_twin.scene.records import Columns, read_columns
+from drill_twin.core.units.dimension import ANGULAR_SPEED
+from drill_twin.scene.records import read_columns
+from drill_twin.scene.records.channels import ChannelColumn, channel_column
 
 if TYPE_CHECKING:
     from drill_twin.io.bag.reader import Bag
@@ -30,18 +30,6 @@ _KNOWN = {**CHANNELS, **SET_POINTS}
 GAP = 2.5
 """Distance of two samples over the usual distance, from which there is a gap between the two; not measured."""
 _OF_BAG = {name: FIELDS[name] for name in _KNOWN if name != "motor_torque"}
-_MNEMONICS = {name: record for name in _KNOWN for record, field in RECORDED.items() if field == FIELDS[name]}
-"""Channels, and the names of their columns in records."""
-
-
-class ChannelColumn(NamedTuple):
-    """Column of a record; the name of a channel ends with `@instant` if its samples are no means."""
-
-    channel: str
-    column: str
-    """Name of the column; empty: the column that has a known mnemonic of the channel."""
-    unit: str
-    """Unit of the column; empty: the unit that the file gives."""
 
 
 @dataclass(frozen=True)
@@ -92,24 +80,6 @@ class Record:
         return np.where(missing, np.nan, np.diff(np.interp(edges, stamps, total)) / np.diff(edges))
 
 
-def channel_column(text: str) -> ChannelColumn:
-    """Parse `CHANNEL=COLUMN:UNIT`, `CHANNEL=COLUMN` where the file gives the unit, or `CHANNEL` for a known mnemonic.
-
-    `CHANNEL@instant` is a channel whose samples are values at their times, and not means since the last ones.
-
-    Raises:
-        ArgumentError: An unknown channel.
-    """
-    channel, _, rest = text.partition("=")
-    if channel.removesuffix(INSTANT) not in _KNOWN and channel != "time":
-        raise ArgumentError(
-            f'channel: expected NAME=COLUMN:UNIT with one of {", ".join(_KNOWN)}, found "{text}"'
-            + nearest(channel, [*_KNOWN])
-        )
-    column, colon, unit = rest.rpartition(":")
-    return ChannelColumn(channel, column, unit) if colon else ChannelColumn(channel, rest, "")
-
-
 def read_record(
     path: str | Path, columns: Sequence[str | ChannelColumn], *, start: float = 0.0, subs: Sequence[str] = ()
 ) -> Record:
@@ -145,11 +115,9 @@ def read_record(
         raise ArgumentError(
             f"{file}: expected a bag, which alone has readings of subs, found a file; leave out {', '.join(subs)}"
         )
-    found = read_columns(file)
-    wanted = {item.channel: item for item in items}
-    wanted.setdefault("time", ChannelColumn("time", "", ""))
-    values = {channel: _si(found, item) for channel, item in wanted.items()}
-    time = values.pop("time") - start
+    found = read_columns(file, [f"{channel}={column}{unit and ':'}{unit}" for channel, column, unit in items])
+    time = found.channel("time", "s").values - start
+    values = {channel: found.channel(channel).values for channel in names if channel != "time"}
     series = {channel: _present(file, channel, time, column) for channel, column in values.items()}
     return Record(str(file), series, instant=instant, ends=frozenset(CHANNELS) - instant)
 
@@ -199,17 +167,3 @@ def _present(source: Path, channel: str, time: Array, values: Array) -> tuple[Ar
     if found[0].size < 2 or np.any(np.diff(found[0]) <= 0.0):
         raise TableError(f"{source}: expected two values of {channel} or more at increasing times; mend the record")
     return found
-
-
-def _si(found: Columns, item: ChannelColumn) -> Array:
-    channel, dimension = item.channel, _KNOWN.get(item.channel, TIME)
-    names = [item.column] if item.column else found.named(_MNEMONICS.get(channel, channel))
-    if channel == "time" and not names:
-        names = [name for name in found if re.match(r"(time|t_|t$)", name, re.IGNORECASE)]
-    if len(names) != 1:
-        what = f'{len(names)} of {found.listed}; give it as "{channel}=COLUMN:{dimension.unit}"'
-        raise TableError(f"{found.file}: expected one column of {channel}, found {what}")
-    unit = item.unit or found.unit(names[0], dimension) or ("s" if channel == "time" else "")
-    if not unit and names[0] in found:
-        raise TableError(f'{found.file}: expected a unit of {channel}, as in "{channel}={names[0]}:UNIT", found none')
-    return found.si(names[0], unit, dimension, channel)

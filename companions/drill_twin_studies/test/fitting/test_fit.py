@@ -12,7 +12,7 @@ import drill_twin as dt
 from drill_twin.cli.app import app
 from drill_twin.core.errors import ArgumentError, SceneError, TableError
 from drill_twin.io.bag.series import CommandSeries
-from drill_twin_studies.fitting.record import channel_column
+from drill_twin.scene.records.channels import channel_column
 
 HIDDEN = {"bit_torque_stribeck.sticking": 0.71, "bit_torque_stribeck.decay": 1.3}
 FREE = {"bit_torque_stribeck.sticking": "0.55..0.95", "bit_torque_stribeck.decay": "0.2 s/rad..6 s/rad"}
@@ -212,7 +212,7 @@ def test_a_channel_needs_a_name_of_the_contract_and_a_unit(tmp_path):
         channel_column("bit_torqe=x:N m")
     record = tmp_path / "rig.csv"
     record.write_text("time [s],T,TQA [kft-lb]\n0,1,1\n1,2,2\n")
-    with pytest.raises(TableError, match='expected a unit of torque, as in "torque=T:UNIT", found none'):
+    with pytest.raises(TableError, match='found "T"; or give it, as --channel "torque=T:UNIT"'):
         dt.read_record(record, ["torque=T"])
     with pytest.raises(ArgumentError, match="expected one or more, as bit_speed=COLUMN:rpm, found time"):
         dt.read_record(record, ["time=T:s"])
