@@ -106,6 +106,11 @@ class CommandArbiter:
         """Apply other limits from now on."""
         self._limits, self._silence = limits, silence
 
+    @property
+    def limits(self) -> CommandLimits:
+        """Limits in force."""
+        return self._limits
+
     def resume(self, command: Command) -> None:
         """Resume a run in which this command was in force; it counts as just received."""
         self._good = self._applied = command

@@ -16,18 +16,15 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 from std_srvs.srv import Trigger
 
-from drill_twin.core.errors import DrillTwinError, MessageError, missing
+from drill_twin.core.errors import MessageError, missing
 from drill_twin.core.loopback import is_loopback
-from drill_twin.io.messages.decode import read_string
 from drill_twin.io.messages.diagnostics import Level, Status
-from drill_twin.io.messages.topics import RIG_STATE, TOPICS, TWIN_SCENE
+from drill_twin.io.messages.topics import DIAGNOSTICS, RIG_STATE, TOPICS
 from drill_twin.ros.core.node import AUTOSTART, TwinNode
 from drill_twin.ros.core.parameters import Parameter, ParameterError
-from drill_twin.ros.simulator.command_limits import limits_for
-from drill_twin.scene import parse_scene
 from drill_twin_rig.gateway.control import Control, Permission
 from drill_twin_rig.gateway.quantities import QUANTITIES, TwinQuantities
-from drill_twin_rig.gateway.signals import Signals, read_signals, signals_path
+from drill_twin_rig.gateway.signals import SET_POINTS, Limits, Signals, read_signals, signals_path
 from drill_twin_rig.ros.commands import CommandOutput
 from drill_twin_rig.ros.rig import ControlDesk, RigLink
 
@@ -103,26 +100,29 @@ class Gateway(TwinNode):
         self._signals = read_signals(signals_path(self.settings.signals))
         self._quantities = TwinQuantities(time.monotonic)
         self._output = CommandOutput(self, self._quantities)
+        self._limits: Limits = {}
+        self._refused_before = 0
         self._control = Control(
             self._signals.command,
             self.settings.heartbeat_timeout,
             lambda: self._output.send(self._control.values),  # at once, in the server's thread
+            self._limits,
         )
         self._desk = ControlDesk(self, self._output, self._control)
         self._unread = ""
         self._server, keys = _make_server(self.settings, self._signals, self._control)
         if self.settings.rig_url:
-            self._rig = self._desk.rig = RigLink(self, self._output, self._signals, keys)
+            self._rig = self._desk.rig = RigLink(self, self._output, self._signals, keys, self._limits)
         topics = {QUANTITIES[signal.quantity].topic for signal in self._signals.show}
         for topic in topics | ({RIG_STATE} if self._signals.command or self._rig else set()):
             depth = 1 if TOPICS[topic].latched else _DEPTH
             self.topics.subscribe_raw(topic, partial(self._on_message, topic), depth=depth)
-        self.topics.subscribe_scenes(self._on_scene)
+        self.topics.subscribe(DIAGNOSTICS, self._on_diagnostics)
         self.create_service(Trigger, "~/grant_control", self._desk.grant)
         self.create_service(Trigger, "~/withdraw_control", self._desk.withdraw)
         self.every(1.0 / self.settings.rate, self._show)
         self.every(_CONTROL_PERIOD, self._work)
-        self.get_logger().info(f"{len(self._signals.show)} signals at {self._server.url}")
+        self.get_logger().info(f"{len(self._signals.show)} signals at {self._server.url}; {_security(keys)}")
 
     def complete(self) -> None:
         """End server and client."""
@@ -138,19 +138,21 @@ class Gateway(TwinNode):
         except MessageError as error:
             self._unread = f"{topic}: {error}"
 
-    def _on_scene(self, raw: bytes) -> None:
-        """Take the limits of the scene, so that a set-point beyond them is refused here, and the client is told."""
-        try:
-            limits = limits_for(
-                parse_scene(read_string(raw), name=TWIN_SCENE), max_weight_on_bit=0.0, max_speed=0.0, negative=False
-            )
-        except DrillTwinError as error:
-            self._unread = f"{TWIN_SCENE}: {error}"
-            return
-        taken = {"weight_on_bit": limits.weight_on_bit, "surface_rotation": limits.rotation}
-        self._control.set_limits(taken)
-        if self._rig is not None:
-            self._rig.limits = taken
+    def _on_diagnostics(self, found: tuple[int, Sequence[Status]]) -> None:
+        """Take what the simulator of this twin tells: its limits, which may change, and what it refused."""
+        twin = f"drill_twin{self.get_namespace().rstrip('/')}"
+        told = (one.values for one in found[1] if one.hardware_id == twin)
+        for values in (one for one in told if "range_weight_on_bit" in one):
+            try:
+                for quantity in SET_POINTS:
+                    low, high = map(float, values[f"range_{quantity}"].split())
+                    self._limits[quantity] = low, high
+                refused = int(values["commands_refused"])
+            except (KeyError, ValueError) as error:
+                raise MessageError(f"expected limits in the diagnostics of the simulator, found {error}") from error
+            refuses = self._output.command is not None and refused > self._refused_before
+            self._desk.twin_refuses = values["last_refusal"] if refuses else ""
+            self._refused_before = refused
 
     def step(self) -> None:
         """Process many messages at a time."""
@@ -223,6 +225,8 @@ class Gateway(TwinNode):
             return Level.WARN, f"refused: {refusal}"
         if self._desk.denied and self._control.permission is Permission.DENIED:
             return Level.WARN, self._desk.denied
+        if self._desk.twin_refuses:
+            return Level.WARN, f"the twin refuses the set-point: {self._desk.twin_refuses}"
         if self._unread:
             text, self._unread = f"a message could not be read: {self._unread}", ""
             return Level.WARN, text
@@ -232,6 +236,13 @@ class Gateway(TwinNode):
             said = [part for part in (silent, text, f"{len(stale)} signals are marked uncertain") if part]
             return max(level, Level.WARN), ": ".join(said)
         return Level.OK, "showing the twin" if present else "waiting for the twin"
+
+
+def _security(keys: Keys | None) -> str:
+    if keys is None:
+        return "security policy None: without encryption or users, read only"
+    where = f"certificate {keys.folder / 'certificate.der'}, trusted ones in {keys.folder / 'trusted'}"
+    return f"security policy Basic256Sha256, signed and encrypted; {where}"
 
 
 def _make_server(settings: Any, signals: Signals, control: Control) -> tuple[OpcUaServer, Keys | None]:

@@ -25,7 +25,7 @@ from drill_twin.ros.core.parameters import ParameterError
 from drill_twin_rig.gateway.control import Control, Permission
 from drill_twin_rig.gateway.quantities import MEASURED, downhole
 from drill_twin_rig.gateway.rig_reader import RigReader
-from drill_twin_rig.gateway.signals import Limits, RigSignal, Signals, range_taken
+from drill_twin_rig.gateway.signals import Limits, RigSignal, Signals, why_refused
 from drill_twin_rig.gateway.wits0 import WitsReader
 from drill_twin_rig.ros.commands import CommandOutput
 
@@ -38,7 +38,9 @@ if TYPE_CHECKING:
 class RigLink:
     """Link to a rig: publishes what it measures, and sends its set-points."""
 
-    def __init__(self, node: TwinNode, output: CommandOutput, signals: Signals, keys: Keys | None) -> None:
+    def __init__(
+        self, node: TwinNode, output: CommandOutput, signals: Signals, keys: Keys | None, limits: Limits
+    ) -> None:
         """Begin to read.
 
         Args:
@@ -46,6 +48,7 @@ class RigLink:
             output: Publisher of set-points.
             signals: Signals of the file.
             keys: Keys of the gateway.
+            limits: Limits of the simulator, as they are known at a time.
 
         Raises:
             ParameterError: The connection would not be secure enough for what is asked of it.
@@ -53,13 +56,11 @@ class RigLink:
         settings, read = node.settings, (*signals.measure, *signals.follow)
         wits, secure = _is_wits(settings), _is_secure(settings)
         check_security(settings, follows=bool(signals.follow), has_keys=keys is not None)
-        self._node, self._output, self._signals = node, output, signals
+        self._node, self._output, self._signals, self._limits = node, output, signals, limits
         self._client: RigReader = (
             WitsReader(settings.rig_url, read) if wits else _opc_ua_client(settings, read, keys if secure else None)
         )
         self._checked = self._client.checked()
-        self.limits: Limits = {}
-        """Limits of the scene for the set-points that are followed."""
         self._published, self._withdrawn = dict[str, int](), False
         measured = {MEASURED[one.quantity][0] for one in signals.measure if one.quantity in MEASURED}
         self._joints = tuple(joint for joint in RIG_JOINTS if joint in measured)
@@ -128,13 +129,10 @@ class RigLink:
         return next((f"{one.quantity} of the rig: {checked.fault}" for one, checked in found if checked.fault), "")
 
     def _beyond_limits(self) -> str:
-        """First set-point of the rig that the scene does not admit, in a sentence; empty if all are admitted."""
+        """First set-point of the rig that the simulator does not admit, in a sentence; empty if all are admitted."""
         for one in self._signals.follow:
-            low, high = range_taken(one, self.limits)
-            if not (math.isfinite(low) and math.isfinite(high)):
-                return f"{one.quantity} of the rig: expected a scene of the twin, which limits it, found none so far"
-            if not low <= (value := self._checked[one].value / one.factor) <= high:
-                return f"{one.quantity} of the rig: expected {low:g} to {high:g} {one.unit}, found {value:g}"
+            if reason := why_refused(one, self._checked[one].value / one.factor, self._limits):
+                return f"{one.quantity} of the rig: {reason}"
         return ""
 
     def fault(self) -> str:
@@ -172,7 +170,9 @@ class ControlDesk:
         """Link to a rig, where there is one."""
         self.denied = ""
         """Reason why the last request was denied, in a sentence."""
-        self._told: tuple[Permission, str] | None = None
+        self.twin_refuses = ""
+        """Reason why the twin refuses the set-point in force, as its diagnostics tell it; empty if it does not."""
+        self._told: tuple[Permission, str, str] | None = None
 
     def work(self, server: OpcUaServer) -> None:
         """Decide what is due, show it to the clients, and repeat the set-points in force."""
@@ -184,7 +184,7 @@ class ControlDesk:
         held = self.output.is_safe or (self.rig is not None and self.rig.follows)
         if self.control.permission is Permission.UNSET and self.output.command is not None and not held:
             self.output.end()
-        now = (self.control.permission, self.control.holder)
+        now = (self.control.permission, self.control.holder, self.twin_refuses)
         if now != self._told:
             self._told = now
             server.show_control(*now)

@@ -137,6 +137,60 @@ def test_control_is_granted_used_lost_and_given_back(rig, joints):
     rig.until(lambda: rig.node.count_publishers(RIG_COMMAND) == 0, what="the gateway to leave /rig/command")
 
 
+def test_the_limits_are_the_simulator_s_also_when_they_change(rig):
+    """401 N was answered Good where the simulator takes 60 N."""
+    rig.set_parameter("gateway", "grant", "always")
+    assert rig.set_parameter("simulator", "max_weight_on_bit", 60.0).successful
+    holder = rig.client()
+    assert holder.ask("write", "Request", True) == "Good"
+    holder.ask("beat", 0.2)
+    rig.until(lambda: holder.ask("read", "Permission") == 1, what="control")
+    rig.until(lambda: holder.ask("write", "WOBTarget", 60.5) == "BadOutOfRange", what="the limit of the simulator")
+    assert holder.ask("write", "WOBTarget", 60.0) == "Good"
+    rig.until_status("simulator", lambda status: float(status.values["weight_on_bit"]) == 60.0)
+    assert holder.ask("read", "Refusal") == ""
+    # The set-point in force is beyond the new limit: the twin refuses it, which the client can read.
+    assert rig.set_parameter("simulator", "max_weight_on_bit", 50.0).successful
+    rig.until(lambda: "expected 0 to 50 N, found 60 N" in holder.ask("read", "Refusal"), what="the refusal of the twin")
+    rig.until_status("gateway", lambda status: status.text.startswith("the twin refuses the set-point: weight on bit"))
+    assert holder.ask("write", "WOBTarget", 50.0) == "Good"
+    rig.until(lambda: holder.ask("read", "Refusal") == "", what="the end of the refusal")
+    assert rig.set_parameter("simulator", "max_weight_on_bit", 0.0).successful
+    rig.until(lambda: holder.ask("write", "WOBTarget", 100.0) == "Good", what="the limit of the scene")
+    assert holder.ask("write", "Request", False) == "Good"
+
+
+def test_while_no_simulator_has_told_its_limits_a_write_is_not_called_good(bench):
+    keys, client = bench.folder / "server", bench.folder / "client"
+    for folder in (keys, client):
+        make_keys(folder, "urn:drill_twin:gateway", "localhost", {"driller": PASSWORD})
+    (keys / TRUSTED / "client.der").write_bytes((client / CERTIFICATE).read_bytes())
+    file = bench.folder / "signals.yaml"
+    file.write_text(
+        "command:\n"
+        "  WOBTarget: {value: weight_on_bit, unit: kN, low: 0, high: 1}\n"
+        "  RPMTarget: {value: surface_rotation, unit: rpm}\n"
+    )
+    port = free_port()
+    process = bench.start("gateway", port=port, keys=str(keys), signals=str(file), grant="always")
+    bench.until_status("gateway", bool)
+    assert f"signals at opc.tcp://127.0.0.1:{port}/drill_twin; security policy Basic256Sha256" in process.text
+    assert str(keys / CERTIFICATE) in process.text
+    holder = Holder(f"opc.tcp://127.0.0.1:{port}/drill_twin", client, keys)
+    try:
+        assert holder.ask("write", "Request", True) == "Good"
+        holder.ask("beat", 0.2)
+        bench.until(lambda: holder.ask("read", "Permission") == 1, what="control")
+        assert holder.ask("write", "WOBTarget", 0.5) == "GoodCompletesAsynchronously"
+        assert holder.ask("write", "WOBTarget", 1.5) == "BadOutOfRange"
+        assert holder.ask("write", "RPMTarget", 10.0) == "BadOutOfRange"  # neither file nor simulator limits it
+        bench.start("simulator", max_weight_on_bit=60.0)
+        bench.until(lambda: holder.ask("write", "WOBTarget", 0.4) == "BadOutOfRange", what="the simulator's limits")
+        assert holder.ask("write", "WOBTarget", 0.06) == "Good"
+    finally:
+        holder.kill()
+
+
 @pytest.mark.long
 def test_nobody_gets_control_beside_a_driver(rig):
     rig.set_parameter("gateway", "grant", "always")

@@ -21,7 +21,7 @@ from drill_twin.core import __version__
 from drill_twin.core.errors import RunError
 from drill_twin.core.loopback import in_url
 from drill_twin_rig.gateway.control import Control
-from drill_twin_rig.gateway.opc_ua.address_space import HOLDER, PERMISSION, AddressSpace
+from drill_twin_rig.gateway.opc_ua.address_space import HOLDER, PERMISSION, REFUSAL, AddressSpace
 from drill_twin_rig.gateway.opc_ua.keys import Keys
 from drill_twin_rig.gateway.opc_ua.sessions import Sessions
 from drill_twin_rig.gateway.rig_reader import EventLoopThread
@@ -141,11 +141,10 @@ class OpcUaServer:
         if changed:
             self._thread.post(self._write(changed))
 
-    def show_control(self, permission: int, holder: str) -> None:
-        """Show who has control."""
-        values = ua.Variant(permission, ua.VariantType.UInt16), ua.Variant(holder, ua.VariantType.String)
-        nodes = self._control_nodes[PERMISSION], self._control_nodes[HOLDER]
-        self._thread.post(self._write(list(zip(nodes, map(ua.DataValue, values), strict=True))))
+    def show_control(self, permission: int, holder: str, refusal: str) -> None:
+        """Show who has control, and why the twin refuses the set-point."""
+        values = {PERMISSION: ua.Variant(permission, ua.VariantType.UInt16), HOLDER: holder, REFUSAL: refusal}
+        self._thread.post(self._write([(self._control_nodes[name], ua.DataValue(one)) for name, one in values.items()]))
 
     async def _write(self, values: Sequence[tuple[Any, Any]]) -> None:
         """Write values by node id."""

@@ -136,10 +136,12 @@ class Sessions:
                 raise ServiceError(codes.BadOutOfRange if refusal.of_value else codes.BadUserAccessDenied)
 
     def after_write(self, event: Any, _service: Any) -> None:
-        """Hand a write that was taken to the control."""
+        """Hand a write that was taken to the control; where the simulator may still refuse it, the client is told."""
         for index, (name, value) in enumerate(self._writes(event)):
             if event.response_params[index].is_good():
                 self._control.write(event.user.user, name, value)
+                if self._control.is_unsure(name):
+                    event.response_params[index] = ua.StatusCode(ua.StatusCodes.GoodCompletesAsynchronously)
 
     def _writes(self, event: Any) -> list[tuple[str, Any]]:
         """Names and values of the nodes that a client writes; any other node has the empty name."""
