@@ -66,7 +66,11 @@ _KINDS = {
     "chaotic": (MotionCode.IRREGULAR,),
 }
 """Motion states of a mark that are a kind of whirl of D-WIS."""
-_SAFE = ("safe_weight_low", "safe_weight_high", "safe_rotation_low", "safe_rotation_high")
+_SAFE = {
+    f"safe_{name}_{end}": f"{which} {words} of the window of the operating map that stays calm"
+    for name, words in (("weight", "weight on bit"), ("rotation", "speed"))
+    for end, which in (("low", "smallest"), ("high", "largest"))
+}
 _MEANINGS = {
     "weight_on_bit": "weight on bit as applied, positive in compression",
     "hookload": "upward force on the string at the top",
@@ -103,8 +107,8 @@ QUANTITIES = {
     "whirl_onset": RigQuantity(WHIRL_ONSET, TIME, "simulated time of the first onset of whirl"),
     "advised_weight_on_bit": RigQuantity(ADVICE_STATE, FORCE, "weight on bit of the nearest calmer set-point"),
     "advised_rotation": RigQuantity(ADVICE_STATE, ANGULAR_SPEED, "speed of the nearest calmer set-point"),
-    **{name: RigQuantity(ADVICE_MAP, FORCE if "weight" in name else ANGULAR_SPEED, "edge of the window that stays calm")
-       for name in _SAFE},
+    **{name: RigQuantity(ADVICE_MAP, FORCE if "weight" in name else ANGULAR_SPEED, meaning)
+       for name, meaning in _SAFE.items()},
     "real_time_factor": RigQuantity(REALTIME_FACTOR, DIMENSIONLESS, "simulated over wall time"),
 }  # fmt: skip
 """Quantities by name."""
