@@ -84,6 +84,10 @@ class GoodSamples:
         found = self._inputs.get(name)
         return math.inf if found is None or found.good is None else self._clock() - found.good
 
+    def patience(self, name: str) -> float:
+        """Age above which an input of which something has come is stale [s]."""
+        return self._inputs[name].stale_after
+
     def values(self) -> dict[str, str]:
         """Values for the diagnostics: age [s] by input, infinite before the first good one, and bad samples in all."""
         return {f"good_sample_age {name}": f"{self.age(name):.3f}" for name in self._inputs} | {

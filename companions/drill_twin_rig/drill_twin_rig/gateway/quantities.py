@@ -27,7 +27,6 @@ from drill_twin.io.messages.topics import (
     REALTIME_FACTOR,
     RIG_STATE,
     STRING_POSES,
-    TOPICS,
     TWIN_SUMMARY,
     WHIRL_ONSET,
     WHIRL_STATE,
@@ -49,11 +48,6 @@ class RigQuantity(NamedTuple):
     """Dimension; values are in its SI unit."""
     meaning: str
     """Definition, for the description of its node."""
-
-    @property
-    def on_change(self) -> bool:
-        """True if the topic is sent on change only: its value does not grow stale."""
-        return TOPICS[self.topic].latched
 
 
 _RIG = (
@@ -174,10 +168,6 @@ class TwinQuantities:
             self.samples.unreadable(topic)
             raise
         self.samples.take(topic, finite=finite)
-
-    def age(self, name: str) -> float:
-        """Time since the last good sample of the topic of a quantity [s]; infinite before."""
-        return self.samples.age(QUANTITIES[name].topic)
 
     # Each returns whether the message has a finite number.
 

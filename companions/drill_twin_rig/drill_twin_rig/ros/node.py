@@ -51,9 +51,6 @@ PARAMETERS = (
         live=True,
     ),
     Parameter("heartbeat_timeout", 2.0, "wall time without a heartbeat after which control is lost", "s", 0.2, 60.0),
-    Parameter("safe_weight_on_bit", 0.0, "weight on bit once control is lost", "N", -1e7, 1e7, live=True),
-    Parameter("safe_speed", 0.0, "top-drive speed once control is lost", "rev/s", -100.0, 100.0, live=True),
-    Parameter("safe_ramp_time", 5.0, "time to the safe set-point, by the wall clock", "s", 0.0, 3600.0, live=True),
     Parameter(
         "rig_url",
         "",
@@ -70,7 +67,6 @@ PARAMETERS = (
     ),
     Parameter("rig_user", "", 'user on it, whose password is in the file rig_password in keys; "": anonymous'),
     Parameter("rig_rate", 10.0, "readings of it a second", "Hz", 0.1, 50.0),
-    Parameter("stale_after", 1.0, "age at which a value of the twin is marked uncertain", "s", 0.1, 3600.0),
     AUTOSTART,
 )
 
@@ -182,10 +178,8 @@ class Gateway(TwinNode):
         return samples
 
     def _is_stale(self, quantity: str) -> bool:
-        if QUANTITIES[quantity].on_change:
-            return False
-        slow = TOPICS[QUANTITIES[quantity].topic].rate == "1 Hz"
-        return self._quantities.age(quantity) > float(self.settings.stale_after) + slow
+        topic, samples = QUANTITIES[quantity].topic, self._quantities.samples
+        return not TOPICS[topic].latched and samples.age(topic) > samples.patience(topic)
 
     def health(self) -> Status:
         """Clients, control, and the signals that have no value or an old one."""
@@ -214,9 +208,11 @@ class Gateway(TwinNode):
 
     def _verdict(self, stale: Sequence[str], *, present: bool) -> tuple[Level, str]:
         """Level and sentence: the worst first."""
-        if self._output.is_safe:
-            lost = self._rig.lost if self._rig is not None and self._rig.lost else self._control.lost
-            return Level.ERROR, f"control lost: {lost}; the safe set-point is in force"
+        lost = self._control.lost if self._control.permission is Permission.INVALID else ""
+        if self._rig is not None:
+            lost = self._rig.lost or lost
+        if lost and self._output.command is None and not self._output.others():
+            return Level.ERROR, f"control lost: {lost}; the simulator does what its on_silence says"
         if self._rig is not None and (fault := self._rig.fault()):
             return Level.WARN, fault
         if self._control.permission is Permission.PENDING and self._control.user is not None:

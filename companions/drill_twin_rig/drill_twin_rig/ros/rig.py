@@ -76,7 +76,7 @@ class RigLink:
         """Reason why the set-points of the rig are not in force any more; empty before, and once they are again."""
 
     def work(self) -> None:
-        """Publish what has come, and send the set-points, or the safe one when they are not sound any more."""
+        """Publish what has come, and send the set-points while they are sound."""
         self._checked = self._client.checked()
         self._publish()
         if self._signals.follow and not self._withdrawn:
@@ -108,15 +108,14 @@ class RigLink:
 
     def _follow(self) -> None:
         fault = self._fault_of(self._signals.follow) or self._beyond_limits()
-        free = self._output.command is None or bool(self.lost)  # no client has control, or lost it
-        if not fault and (self.follows or (free and not self._output.others())):
+        if not fault and (self.follows or (self._output.command is None and not self._output.others())):
             if not self.follows:
                 self._output.begin()
             self.follows, self.lost = True, ""
             self._output.send({one.quantity: self._checked[one].value for one in self._signals.follow})
         elif fault and self.follows:
             self.follows, self.lost = False, fault
-            self._output.go_safe()
+            self._output.end()
             self._node.publish_diagnostics()
 
     def stop_following(self) -> None:
@@ -177,18 +176,18 @@ class ControlDesk:
     def work(self, server: OpcUaServer) -> None:
         """Decide what is due, show it to the clients, and repeat the set-points in force."""
         if self.control.check_heartbeat():
-            self.output.go_safe()
+            self.output.end()
             self._node.publish_diagnostics()
         if self.control.permission is Permission.PENDING and self._node.settings.grant != "ask":
             self._decide(granted=self._node.settings.grant == "always")
-        held = self.output.is_safe or (self.rig is not None and self.rig.follows)
+        held = self.rig is not None and self.rig.follows
         if self.control.permission is Permission.UNSET and self.output.command is not None and not held:
             self.output.end()
         now = (self.control.permission, self.control.holder, self.twin_refuses)
         if now != self._told:
             self._told = now
             server.show_control(*now)
-        self.output.repeat()
+        self.output.send({})
 
     def _decide(self, *, granted: bool) -> str:
         """Grant or deny what is requested; returns the reason of a denial."""
