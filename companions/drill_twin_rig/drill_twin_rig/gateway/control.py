@@ -17,6 +17,8 @@ from drill_twin_rig.gateway.signals import CommandTarget, Limits, why_refused
 REQUEST, HEARTBEAT = "Request", "Heartbeat"
 """Names of the nodes that a client writes: to the first true to request control and false to give it back, to the
 second a number that changes."""
+PERMISSION, HOLDER, REFUSAL = "Permission", "Holder", "Refusal"
+"""Names of the nodes that the gateway writes."""
 
 
 class Permission(IntEnum):
@@ -37,6 +39,8 @@ class User:
     """Name; empty for an anonymous one."""
     may_command: bool = False
     """True for a known user with a trusted certificate on an encrypted connection."""
+    role: object = None
+    """Role that the server's library wants of a user."""
 
 
 class Refusal(NamedTuple):

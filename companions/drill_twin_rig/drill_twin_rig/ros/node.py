@@ -30,7 +30,7 @@ from drill_twin_rig.ros.rig import ControlDesk, RigLink
 
 if TYPE_CHECKING:
     from drill_twin_rig.gateway.opc_ua.keys import Keys
-    from drill_twin_rig.gateway.opc_ua.server import OpcUaServer, PublishedSample
+    from drill_twin_rig.gateway.opc_ua.server import OpcUaServer
 
 PARAMETERS = (
     Parameter("signals", "dwis", "file with a line a signal: an installed one by name, or a path"),
@@ -167,31 +167,27 @@ class Gateway(TwinNode):
 
     # --- twin -> OPC UA -------------------------------------------------------------------------------------------
 
-    def _samples(self) -> dict[str, PublishedSample]:
-        from drill_twin_rig.gateway.opc_ua.server import PublishedSample
-
-        values, samples = self._quantities.values, {}
+    def _samples(self) -> dict[str, tuple[float, bool]]:
+        """Value of each signal in its unit, where it has one, and whether its source is silent."""
+        values, samples, found = self._quantities.values, self._quantities.samples, {}
         for signal in self._signals.show:
             if signal.quantity in values:
-                value = values[signal.quantity] / signal.factor
-                samples[signal.name] = PublishedSample(value, self._is_stale(signal.quantity))
-        return samples
-
-    def _is_stale(self, quantity: str) -> bool:
-        topic, samples = QUANTITIES[quantity].topic, self._quantities.samples
-        return not TOPICS[topic].latched and samples.age(topic) > samples.patience(topic)
+                topic = QUANTITIES[signal.quantity].topic
+                is_stale = not TOPICS[topic].latched and samples.age(topic) > samples.patience(topic)
+                found[signal.name] = values[signal.quantity] / signal.factor, is_stale
+        return found
 
     def health(self) -> Status:
         """Clients, control, and the signals that have no value or an old one."""
-        present = [one for one in self._signals.show if one.quantity in self._quantities.values]
-        stale = [one.name for one in present if self._is_stale(one.quantity)]
+        present = self._samples()
+        stale = [name for name, (_, is_stale) in present.items() if is_stale]
         server, command = self._server, self._output.command
         refused = server.sessions.refused if server else {}
         values = {
             "url": server.url if server else "",
             "clients": str(server.clients if server else 0),
             "signals": str(len(self._signals.show)),
-            "without_value": " ".join(one.name for one in self._signals.show if one not in present),
+            "without_value": " ".join(one.name for one in self._signals.show if one.name not in present),
             "stale": " ".join(stale),
             "permission": self._control.permission.name.lower(),
             "holder": self._control.holder,

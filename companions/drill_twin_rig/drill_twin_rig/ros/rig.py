@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 from urllib.parse import urlsplit
@@ -22,7 +22,7 @@ from drill_twin.io.messages.topics import MEASURED as MEASURED_NAMESPACE
 from drill_twin.io.messages.topics import MEASURED_RIG_STATE, summary_topic
 from drill_twin.ros.core.node import TwinNode
 from drill_twin.ros.core.parameters import ParameterError
-from drill_twin_rig.gateway.control import Control, Permission
+from drill_twin_rig.gateway.control import HOLDER, PERMISSION, REFUSAL, Control, Permission
 from drill_twin_rig.gateway.quantities import MEASURED, downhole
 from drill_twin_rig.gateway.rig_reader import RigReader
 from drill_twin_rig.gateway.signals import Limits, RigSignal, Signals, why_refused
@@ -171,7 +171,7 @@ class ControlDesk:
         """Reason why the last request was denied, in a sentence."""
         self.twin_refuses = ""
         """Reason why the twin refuses the set-point in force, as its diagnostics tell it; empty if it does not."""
-        self._told: tuple[Permission, str, str] | None = None
+        self._told: Mapping[str, int | str] = {}
 
     def work(self, server: OpcUaServer) -> None:
         """Decide what is due, show it to the clients, and repeat the set-points in force."""
@@ -183,10 +183,14 @@ class ControlDesk:
         held = self.rig is not None and self.rig.follows
         if self.control.permission is Permission.UNSET and self.output.command is not None and not held:
             self.output.end()
-        now = (self.control.permission, self.control.holder, self.twin_refuses)
+        now: dict[str, int | str] = {
+            PERMISSION: self.control.permission,
+            HOLDER: self.control.holder,
+            REFUSAL: self.twin_refuses,
+        }
         if now != self._told:
             self._told = now
-            server.show_control(*now)
+            server.show({}, now)
         self.output.send({})
 
     def _decide(self, *, granted: bool) -> str:

@@ -9,7 +9,7 @@ from typing import Any
 from asyncua import ua
 
 from drill_twin.io.messages.topics import TOPICS
-from drill_twin_rig.gateway.control import HEARTBEAT, REQUEST
+from drill_twin_rig.gateway.control import HEARTBEAT, HOLDER, PERMISSION, REFUSAL, REQUEST
 from drill_twin_rig.gateway.dwis import (
     NAMESPACE,
     PROPOSED_NAMESPACE,
@@ -23,8 +23,6 @@ from drill_twin_rig.gateway.dwis import (
 )
 from drill_twin_rig.gateway.quantities import QUANTITIES
 from drill_twin_rig.gateway.signals import CommandTarget, ShownSignal
-
-PERMISSION, HOLDER, REFUSAL = "Permission", "Holder", "Refusal"
 
 
 class AddressSpace:
