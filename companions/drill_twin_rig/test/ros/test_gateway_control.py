@@ -193,7 +193,7 @@ def test_while_no_simulator_has_told_its_limits_a_write_is_not_called_good(bench
 def test_nobody_gets_control_beside_a_driver(rig):
     rig.set_parameter("gateway", "grant", "always")
     driver = rig.start("rig_driver", overrides=STEADY)
-    rig.until_status("rig_driver", lambda status: status.text == "driving")
+    rig.until_status("rig_driver", lambda status: int(status.values["commands_sent"]) > 0)
     holder = rig.client()
     assert holder.ask("write", "Request", True) == "Good"
     status = rig.until_status("gateway", lambda status: status.text.startswith("control denied"))
