@@ -138,7 +138,7 @@ def test_set_points_of_a_rig_are_followed_until_they_are_stale(bench, serve, joi
     rig.ask("set", "WOBSet", 35.0)
     rig.ask("set", "RPMSet", 90.0)
     _gateway(bench, port, FOLLOW)
-    status = bench.until_status("gateway", lambda one: "which limits it" in one.text)
+    status = bench.until_status("gateway", lambda one: "whose diagnostics tell its limits" in one.text)
     assert status.level == Level.WARN
     assert not commands
     # Its scene admits ten times its own set-points.
