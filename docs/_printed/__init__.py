@@ -14,6 +14,7 @@ from _printed.evidence import exact_checks, hard_scenes
 from _printed.licences import licences
 from _printed.nodes import nodes
 from _printed.scene import effect_keys, scene_keys
+from _printed.signals import signals
 from _printed.topics import topics, topics_quality
 
 PAGES: dict[str, Callable[[], str]] = {
@@ -26,6 +27,7 @@ PAGES: dict[str, Callable[[], str]] = {
     "licences": licences,
     "nodes": nodes,
     "scene_keys": scene_keys,
+    "signals": signals,
     "summary_keys": summary_keys,
     "topics": topics,
     "topics_quality": topics_quality,

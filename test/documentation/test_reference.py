@@ -33,7 +33,7 @@ def test_every_part_is_on_a_page_and_committed_ones_are_those_of_the_code(printe
     used = {name for page in pages for name in re.findall(r"^<!-- printed: (\w+)", page, re.MULTILINE)}
     assert used == {
         *("api", "commands", "effect_keys", "nodes", "scene_keys", "topics", "topics_quality"),
-        *("api_names", "exact_checks", "hard_scenes", "licences", "summary_keys"),
+        *("api_names", "exact_checks", "hard_scenes", "licences", "signals", "summary_keys"),
     }
     committed = [
         found

@@ -86,6 +86,11 @@ class CommandArbiter:
             negative=self._settings.negative_commands,
         )
 
+    @property
+    def limits(self) -> CommandLimits:
+        """Limits in force."""
+        return self._limits
+
     # --- arrivals -------------------------------------------------------------------------------------------------
 
     def message(self, raw: bytes, info: Mapping[str, Any]) -> str:

@@ -6,7 +6,7 @@ from __future__ import annotations
 import math
 from types import SimpleNamespace
 
-from drill_twin.io.messages.diagnostics import Level, Status
+from drill_twin.io.messages.diagnostics import Level, Status, exact
 from drill_twin.io.messages.stamps import seconds
 from drill_twin.io.messages.topics import RIG_COMMAND, STRING_POSES
 from drill_twin.ros.core.node import TwinNode
@@ -53,6 +53,8 @@ def _values(settings: SimpleNamespace, simulation: SimulatorRun) -> dict[str, st
         "commands_refused": str(sum(arbiter.refused.values())),
         **{f"commands_refused_{kind}": str(count) for kind, count in sorted(arbiter.refused.items())},
         "last_refusal": arbiter.last_refusal,
+        "range_weight_on_bit": " ".join(map(exact, arbiter.limits.weight_on_bit)),
+        "range_surface_rotation": " ".join(map(exact, arbiter.limits.rotation)),
         "commander": arbiter.commander,
         "commander_weight_on_bit": arbiter.quantities[0].commander,
         "commander_rotation": arbiter.quantities[1].commander,

@@ -261,6 +261,7 @@ class Simulator(TwinNode):
         """Apply a live parameter."""
         if self._is_built:
             self._control.simulation.apply_settings()
+            self.publish_diagnostics()  # the gateway takes the limits from them
 
     # --- readiness and diagnostics --------------------------------------------------------------------------------
 

@@ -12,11 +12,13 @@ from enum import IntEnum
 from typing import NamedTuple
 
 from drill_twin.core.errors import shortened
-from drill_twin_rig.gateway.signals import CommandTarget, Limits, range_taken
+from drill_twin_rig.gateway.signals import CommandTarget, Limits, why_refused
 
 REQUEST, HEARTBEAT = "Request", "Heartbeat"
 """Names of the nodes that a client writes: to the first true to request control and false to give it back, to the
 second a number that changes."""
+PERMISSION, HOLDER, REFUSAL = "Permission", "Holder", "Refusal"
+"""Names of the nodes that the gateway writes."""
 
 
 class Permission(IntEnum):
@@ -37,6 +39,8 @@ class User:
     """Name; empty for an anonymous one."""
     may_command: bool = False
     """True for a known user with a trusted certificate on an encrypted connection."""
+    role: object = None
+    """Role that the server's library wants of a user."""
 
 
 class Refusal(NamedTuple):
@@ -56,6 +60,7 @@ class Control:
         targets: Sequence[CommandTarget],
         timeout: float,
         changed: Callable[[], None],
+        limits: Limits,
         clock: Callable[[], float] = time.monotonic,
     ) -> None:
         """Start without a holder.
@@ -64,10 +69,11 @@ class Control:
             targets: Set-points.
             timeout: Wall time without a heartbeat after which control is lost [s].
             changed: Called when the holder has set a target.
+            limits: Limits of the simulator, as they are known at a time.
             clock: Monotonic time [s].
         """
         self._targets = {target.name: target for target in targets}
-        self._timeout, self._changed, self._clock = timeout, changed, clock
+        self._timeout, self._changed, self._limits, self._clock = timeout, changed, limits, clock
         self._lock = threading.RLock()
         self._beat: tuple[object, float] = (None, -math.inf)  # last heartbeat, and the time at which it came
         self.permission = Permission.UNSET
@@ -77,12 +83,6 @@ class Control:
         """Reason for which the last holder lost control; empty after an orderly end."""
         self.values: dict[str, float] = {}
         """Targets set by the holder, by quantity [SI]."""
-        self._limits: Limits = {}
-
-    def set_limits(self, limits: Limits) -> None:
-        """Take no targets beyond these limits of a scene from now on, by quantity [SI]."""
-        with self._lock:
-            self._limits = limits
 
     # --- called by the server -----------------------------------------------------------------------------------
 
@@ -106,13 +106,12 @@ class Control:
             return None
         if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
             return Refusal(f"{name}: expected a finite number, found {shortened(repr(value), 60)}", of_value=True)
-        low, high = range_taken(target, self._limits)
-        if not (math.isfinite(low) and math.isfinite(high)):
-            return Refusal(f"{name}: expected a scene of the twin, which limits it, found none so far", of_value=True)
-        if not low <= value <= high:
-            expected = f"{low:g} to {high:g} {target.unit}"
-            return Refusal(f"{name}: expected {expected}, found {value:g}", of_value=True)
-        return None
+        reason = why_refused(target, value, self._limits)
+        return Refusal(f"{name}: {reason}", of_value=True) if reason else None
+
+    def is_unsure(self, name: str) -> bool:
+        """Return True for a target whose limits the simulator has not told: it may refuse later what is taken here."""
+        return name in self._targets and self._targets[name].quantity not in self._limits
 
     def write(self, user: User, name: str, value: object) -> None:
         """Take a write that is not refused."""

@@ -52,7 +52,7 @@ SUGGESTED: Mapping[str, str] = {
 """Columns that the guidelines suggest, in their order, and the D-WIS names of what the twin has of them."""
 _SCALE = {"wob_kN": 1e-3, "torque_kNm": 1e-3, "hookload_kN": 1e-3}
 """Units of the column per unit of the signal: N, N m -> kN, kN m; the others are the same (m, rpm, m/h)."""
-_LAST = {"BitDepth", "HookPosition", "TopOfStringPosition"}
+_LAST = {"BitDepth", "HookPosition", "TopOfStringPosition", "WhirlState"}
 _OF_SIMULATION = {"SimulatedTime", "RealTimeFactor"}
 
 

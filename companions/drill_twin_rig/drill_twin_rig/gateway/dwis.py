@@ -1,13 +1,15 @@
 # SPDX-License-Identifier: Apache-2.0
 """Vocabulary of D-WIS (repository DDHub-Semantic-Interoperability), as far as a drillstring in its hole uses it.
 
-A signal of D-WIS is a variable (`DynamicDrillingSignal`) and a data point that has it as its value; classes, quantity,
-unit and location are references from the two to nodes of the vocabulary. D-WIS has no prototype for lateral vibration
-and whirl: the prototypes of `PROPOSED` are ours, and stand in a namespace of ours.
+A signal of D-WIS is a variable (`DynamicDrillingSignal`) and a data point that has it as its value. Facts on the two
+are references: to a class or a quantity of the vocabulary itself, to anything else by a node that belongs to its class.
+Whirl and lateral vibration have features and incidents in D-WIS, and no prototypes of signals: the prototypes of
+`PROPOSED` are ours, and stand in a namespace of ours.
 """
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Mapping
 from typing import NamedTuple
 
 NAMESPACE = "http://ddhub.no/"
@@ -16,6 +18,27 @@ PROPOSED_NAMESPACE = "urn:drill_twin:proposed"
 """Namespace of the classes that this package proposes."""
 
 TOP, BOTTOM = "TopOfStringReferenceLocation", "BottomOfStringReferenceLocation"
+LATERAL, WHIRLING = "DrillStemLateralVibrationFeature", "DrillStemWhirlingFeature"
+PARENTS: Mapping[str, str] = {
+    WHIRLING: LATERAL,
+    "Whirling": "AbnormalLateralOscillation",
+    **{f"DrillStem{kind}WhirlingFeature": WHIRLING for kind in ("Forward", "Backward", "Chaotic")},
+    **{f"{kind}Whirl": "Whirling" for kind in ("Forward", "Backward", "Chaotic")},
+}
+"""Parent classes in the vocabulary: who asks for lateral vibration finds whirl."""
+UNITS_OF_NODES: Mapping[str, tuple[str, str]] = {
+    "simulator": ("Simulator", LATERAL),
+    "analyzer": ("ComputationUnit", WHIRLING),
+    "advisor": ("Advisor", WHIRLING),
+}
+"""Class of the computation unit that each node is, and the feature that it accounts for."""
+TO_CLASSES = ("BelongsToClass", "IsOfMeasurableQuantity", "HasUnitOfMeasure")
+"""Verbs whose object is a noun of the vocabulary itself."""
+VERBS = (
+    *TO_CLASSES, "AccountsFor", "HasDynamicValue", "IsComputedBy", "IsPhysicallyLocatedAt",
+    "IsRelatedToDrillingIncident", "IsRelatedToDrillingLimit",
+)  # fmt: skip
+"""Verbs of the vocabulary that are used."""
 
 
 class Prototype(NamedTuple):
@@ -27,6 +50,8 @@ class Prototype(NamedTuple):
     """Reference location, a noun of the vocabulary."""
     incident: str = ""
     """Drilling incident that it is related to, a noun of the vocabulary."""
+    feature: str = ""
+    """Drilling management feature that it accounts for, a noun of the vocabulary."""
 
 
 PROTOTYPES = {
@@ -47,15 +72,67 @@ PROTOTYPES = {
 }
 """Prototypes of D-WIS that apply to the twin."""
 PROPOSED = {
-    "DownholeLateralAcceleration": Prototype("AccelerationDrillingQuantity", BOTTOM, "AbnormalLateralOscillation"),
-    "WallContactForce": Prototype("ForceDrillingQuantity", BOTTOM, "AbnormalLateralOscillation"),
-    "WhirlConfidence": Prototype("ProportionStandardQuantity", BOTTOM, "Whirling"),
-    "WhirlDetected": Prototype("DimensionLessStandardQuantity", BOTTOM, "Whirling"),
-    "WhirlOrbitRadius": Prototype("LengthSmallQuantity", BOTTOM, "Whirling"),
-    "WhirlRatio": Prototype("DimensionLessStandardQuantity", BOTTOM, "Whirling"),
-    "WhirlRPM": Prototype("RotationalFrequencyQuantity", BOTTOM, "Whirling"),
+    "DownholeLateralAcceleration": Prototype(
+        "AccelerationDrillingQuantity", BOTTOM, "AbnormalLateralOscillation", LATERAL
+    ),
+    "WallContactForce": Prototype("ForceDrillingQuantity", BOTTOM, "AbnormalLateralOscillation", LATERAL),
+    **{
+        f"Whirl{name}": Prototype(quantity, BOTTOM, "Whirling", WHIRLING)
+        for name, quantity in {
+            "Confidence": "ProportionStandardQuantity",
+            "Detected": "DimensionLessStandardQuantity",
+            "OnsetTime": "TimeQuantity",
+            "OrbitRadius": "LengthSmallQuantity",
+            "RPM": "RotationalFrequencyQuantity",
+            "Ratio": "DimensionLessStandardQuantity",
+            "Severity": "DimensionLessStandardQuantity",
+            "State": "DimensionLessStandardQuantity",
+        }.items()
+    },
+    **{
+        f"{kind}WhirlDetected": Prototype(
+            "DimensionLessStandardQuantity", BOTTOM, f"{kind}Whirl", f"DrillStem{kind}WhirlingFeature"
+        )
+        for kind in ("Forward", "Backward", "Chaotic")
+    },
 }
 """Classes that D-WIS lacks, by the names that this package proposes; precession is positive forward."""
+ADVICE: Mapping[str, tuple[str, str]] = {
+    "advised_weight_on_bit": ("AdvisedTarget", ""),
+    "advised_rotation": ("AdvisedTarget", ""),
+    "safe_weight_low": ("AdvisedMinimum", "WOBLimit"),
+    "safe_weight_high": ("AdvisedMaximum", "WOBLimit"),
+    "safe_rotation_low": ("AdvisedMinimum", "RotationalVelocityLimit"),
+    "safe_rotation_high": ("AdvisedMaximum", "RotationalVelocityLimit"),
+}
+"""Class of the data points of advice, by quantity, and the drilling limit that they are related to."""
+
+
+def classes(noun: str) -> Iterator[str]:
+    """Noun and its parents in the vocabulary, as far as they are used."""
+    while noun:
+        yield noun
+        noun = PARENTS.get(noun, "")
+
+
+def facts(kind: str, quantity: str) -> Iterator[tuple[str, str]]:
+    """Verb and noun of each fact on the data point of a signal, but for the class `kind` itself.
+
+    Args:
+        kind: Class of the signal.
+        quantity: Quantity of the twin that it shows.
+    """
+    known = (PROTOTYPES | PROPOSED).get(kind, Prototype(""))
+    nature, limit = ADVICE.get(quantity, ("ComputedData", ""))
+    found = {
+        "BelongsToClass": nature,
+        "IsOfMeasurableQuantity": known.quantity,
+        "IsPhysicallyLocatedAt": known.location,
+        "IsRelatedToDrillingIncident": known.incident,
+        "IsRelatedToDrillingLimit": limit,
+        "AccountsFor": WHIRLING if quantity in ADVICE else known.feature,
+    }
+    yield from ((verb, noun) for verb, noun in found.items() if noun)
 
 
 class Unit(NamedTuple):

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import json
 import math
 from collections.abc import Callable
 from typing import Any, NamedTuple
@@ -20,17 +21,20 @@ from drill_twin.io.messages.readers import reader_of
 from drill_twin.io.messages.rig_messages import read_rig_state
 from drill_twin.io.messages.stamps import NANOSECONDS, seconds
 from drill_twin.io.messages.topics import (
+    ADVICE_MAP,
+    ADVICE_STATE,
     MARKS_STATE,
     REALTIME_FACTOR,
     RIG_STATE,
     STRING_POSES,
+    TWIN_SUMMARY,
     WHIRL_ONSET,
     WHIRL_STATE,
     sub_of,
     summary_topic,
 )
 from drill_twin.io.messages.whirl_encode import OnsetMessage, read_whirl_state
-from drill_twin.whirl import StickSlip
+from drill_twin.whirl import MotionCode, StickSlip
 
 ANGULAR_ACCELERATION = Dimension("angular acceleration", "rad/s^2", ("3 rad/s^2",))
 
@@ -44,14 +48,23 @@ class RigQuantity(NamedTuple):
     """Dimension; values are in its SI unit."""
     meaning: str
     """Definition, for the description of its node."""
-    on_change: bool = False
-    """True if the topic is sent on change only: its value does not grow stale."""
 
 
 _RIG = (
     "weight_on_bit", "surface_rotation", "surface_torque", "bit_rotation", "bit_torque", "hookload", "block_position",
     "block_velocity", "rate_of_penetration",
 )  # fmt: skip
+_KINDS = {
+    "forward": (MotionCode.FORWARD_WHIRL, MotionCode.SYNCHRONOUS_WHIRL),
+    "backward": (MotionCode.BACKWARD_WHIRL, MotionCode.ROLLING),
+    "chaotic": (MotionCode.IRREGULAR,),
+}
+"""Motion states of a mark that are a kind of whirl of D-WIS."""
+_SAFE = {
+    f"safe_{name}_{end}": f"{which} {words} of the window of the operating map that stays calm"
+    for name, words in (("weight", "weight on bit"), ("rotation", "speed"))
+    for end, which in (("low", "smallest"), ("high", "largest"))
+}
 _MEANINGS = {
     "weight_on_bit": "weight on bit as applied, positive in compression",
     "hookload": "upward force on the string at the top",
@@ -76,7 +89,20 @@ QUANTITIES = {
     "whirl_precession": RigQuantity(WHIRL_STATE, ANGULAR_SPEED, "precession of that mark, positive forward"),
     "whirl_ratio": RigQuantity(WHIRL_STATE, DIMENSIONLESS, "whirl ratio of that mark"),
     "whirl_confidence": RigQuantity(WHIRL_STATE, DIMENSIONLESS, "confidence of these, 0 to 1"),
-    "whirl_detected": RigQuantity(WHIRL_ONSET, DIMENSIONLESS, "1 once a whirl has begun, else 0", on_change=True),
+    **{f"whirl_{kind}": RigQuantity(WHIRL_STATE, DIMENSIONLESS, f"1 while the whirl of that mark is {kind}, else 0")
+       for kind in _KINDS},
+    "whirl_state": RigQuantity(
+        TWIN_SUMMARY,
+        DIMENSIONLESS,
+        "motion of the string: " + ", ".join(f"{code:d} {code.state.value}" for code in MotionCode),
+    ),
+    "whirl_severity": RigQuantity(TWIN_SUMMARY, DIMENSIONLESS, "orbit over clearance while it whirls, else 0"),
+    "whirl_detected": RigQuantity(WHIRL_ONSET, DIMENSIONLESS, "1 once a whirl has begun, else 0"),
+    "whirl_onset": RigQuantity(WHIRL_ONSET, TIME, "simulated time of the first onset of whirl"),
+    "advised_weight_on_bit": RigQuantity(ADVICE_STATE, FORCE, "weight on bit of the nearest calmer set-point"),
+    "advised_rotation": RigQuantity(ADVICE_STATE, ANGULAR_SPEED, "speed of the nearest calmer set-point"),
+    **{name: RigQuantity(ADVICE_MAP, FORCE if "weight" in name else ANGULAR_SPEED, meaning)
+       for name, meaning in _SAFE.items()},
     "real_time_factor": RigQuantity(REALTIME_FACTOR, DIMENSIONLESS, "simulated over wall time"),
 }  # fmt: skip
 """Quantities by name."""
@@ -113,7 +139,7 @@ class TwinQuantities:
         self._bit_motion = StickSlip()
         self.values: dict[str, float] = {}
         """Values by name [SI]; a quantity that does not exist in this run is missing."""
-        self.samples = GoodSamples(clock, on_change=(WHIRL_ONSET,))
+        self.samples = GoodSamples(clock, on_change=(WHIRL_ONSET, ADVICE_MAP))
         """Good and bad samples by topic."""
         self.stamp = 0
         """Stamp of the last `/rig/state` [ns]."""
@@ -123,6 +149,9 @@ class TwinQuantities:
             STRING_POSES: self._on_poses,
             WHIRL_STATE: self._on_whirl,
             WHIRL_ONSET: self._on_onset,
+            TWIN_SUMMARY: self._on_summary,
+            ADVICE_STATE: self._on_advice,
+            ADVICE_MAP: self._on_map,
             REALTIME_FACTOR: self._on_factor,
         }
         self._read = {topic: reader_of(topic) for topic in self._take}
@@ -139,10 +168,6 @@ class TwinQuantities:
             self.samples.unreadable(topic)
             raise
         self.samples.take(topic, finite=finite)
-
-    def age(self, name: str) -> float:
-        """Time since the last good sample of the topic of a quantity [s]; infinite before."""
-        return self.samples.age(QUANTITIES[name].topic)
 
     # Each returns whether the message has a finite number.
 
@@ -185,11 +210,11 @@ class TwinQuantities:
     def _on_whirl(self, message: JointState) -> bool:
         state = read_whirl_state(message)
         known = np.flatnonzero(np.isfinite(state.orbit_radius))
-        if not known.size:  # no orbit yet, or none any more
-            return True
-        mark = known[state.orbit_radius[known].argmax()]
+        mark = known[state.orbit_radius[known].argmax()] if known.size else None  # no orbit yet, or none any more
         for name in ("orbit_radius", "precession", "ratio", "confidence"):
-            self.values[f"whirl_{name}"] = float(getattr(state, name)[mark])
+            self.values[f"whirl_{name}"] = math.nan if mark is None else float(getattr(state, name)[mark])
+        for kind, codes in _KINDS.items():
+            self.values[f"whirl_{kind}"] = float(mark is not None and state.motion[mark] in codes)
         return True
 
     def _on_factor(self, factor: float) -> bool:
@@ -198,4 +223,25 @@ class TwinQuantities:
 
     def _on_onset(self, found: tuple[int, OnsetMessage | None]) -> bool:
         self.values["whirl_detected"] = float(found[1] is not None)
+        self.values["whirl_onset"] = math.nan if found[1] is None else found[1].time
+        return True
+
+    def _on_summary(self, message: JointState) -> bool:
+        self.values["whirl_state"] = message.position[message.index("whirl")]
+        self.values["whirl_severity"] = message.position[message.index("whirl_severity")]
+        return message.has_number
+
+    def _on_advice(self, message: JointState) -> bool:
+        is_given = message.position[message.index("target")] == 1.0
+        for name in ("weight_on_bit", "rotation"):
+            value = message.position[message.index(f"target/{name}")]
+            self.values[f"advised_{name}"] = value if is_given else math.nan
+        return True
+
+    def _on_map(self, text: str) -> bool:
+        try:
+            window = json.loads(text)["safe_window"] or [math.nan] * len(_SAFE)
+            self.values |= zip(_SAFE, map(float, window), strict=True)
+        except (KeyError, TypeError, ValueError) as error:
+            raise MessageError(f"expected a safe_window on {ADVICE_MAP}, found {error!r}") from error
         return True

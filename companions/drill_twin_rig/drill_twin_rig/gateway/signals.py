@@ -87,14 +87,17 @@ class RigSignal(Signal):
     """Time without a change at which it is not used any more [s]; 0: none."""
 
 
-Limits = Mapping[str, tuple[float, float]]
-"""Lowest and highest set-point of a scene by quantity [SI]."""
+Limits = dict[str, tuple[float, float]]
+"""Lowest and highest set-point that the simulator takes, by quantity [SI]; empty while it has not told them."""
 
 
-def range_taken(signal: CommandTarget | RigSignal, limits: Limits) -> tuple[float, float]:
-    """Range of a set-point in its unit: the file's range within the scene's; infinite where neither gives any."""
+def why_refused(signal: CommandTarget | RigSignal, value: float, limits: Limits) -> str:
+    """Reason why a set-point in its unit is refused, by the file's range and the simulator's; empty if it is taken."""
     low, high = (one / signal.factor for one in limits.get(signal.quantity, (-math.inf, math.inf)))
-    return max(low, signal.low), min(high, signal.high)
+    low, high = max(low, signal.low), min(high, signal.high)
+    if not (math.isfinite(low) and math.isfinite(high)):
+        return "expected a simulator, whose diagnostics tell its limits, or low and high in the file, found none so far"
+    return "" if low <= value <= high else f"expected {low:g} to {high:g} {signal.unit}, found {value:g}"
 
 
 class Signals(NamedTuple):

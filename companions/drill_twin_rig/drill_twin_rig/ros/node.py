@@ -16,26 +16,23 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 from std_srvs.srv import Trigger
 
-from drill_twin.core.errors import DrillTwinError, MessageError, missing
+from drill_twin.core.errors import MessageError, missing
 from drill_twin.core.loopback import is_loopback
-from drill_twin.io.messages.decode import read_string
 from drill_twin.io.messages.diagnostics import Level, Status
-from drill_twin.io.messages.topics import RIG_STATE, TOPICS, TWIN_SCENE
+from drill_twin.io.messages.topics import DIAGNOSTICS, RIG_STATE, TOPICS, TWIN_SCENE
 from drill_twin.ros.core.given import ParameterError
 from drill_twin.ros.core.node import AUTOSTART, TwinNode
 from drill_twin.ros.core.parameters import Parameter
 from drill_twin.ros.core.policy import Rights
-from drill_twin.ros.simulator.command_limits import FASTEST, limits_for
-from drill_twin.scene import parse_scene
 from drill_twin_rig.gateway.control import Control, Permission
 from drill_twin_rig.gateway.quantities import QUANTITIES, TwinQuantities
-from drill_twin_rig.gateway.signals import Signals, read_signals, signals_path
+from drill_twin_rig.gateway.signals import SET_POINTS, Limits, Signals, read_signals, signals_path
 from drill_twin_rig.ros.commands import CommandOutput
 from drill_twin_rig.ros.rig import ControlDesk, RigLink
 
 if TYPE_CHECKING:
     from drill_twin_rig.gateway.opc_ua.keys import Keys
-    from drill_twin_rig.gateway.opc_ua.server import OpcUaServer, PublishedSample
+    from drill_twin_rig.gateway.opc_ua.server import OpcUaServer
 
 PARAMETERS = (
     Parameter("signals", "dwis", "file with a line a signal: an installed one by name, or a path"),
@@ -56,9 +53,6 @@ PARAMETERS = (
         live=True,
     ),
     Parameter("heartbeat_timeout", 2.0, "wall time without a heartbeat after which control is lost", "s", 0.2, 60.0),
-    Parameter("safe_weight_on_bit", 0.0, "weight on bit once control is lost", "N", -1e7, 1e7, live=True),
-    Parameter("safe_speed", 0.0, "top-drive speed once control is lost", "rad/s", -FASTEST, FASTEST, live=True),
-    Parameter("safe_ramp_time", 5.0, "time to the safe set-point, by the wall clock", "s", 0.0, 3600.0, live=True),
     Parameter(
         "rig_url",
         "",
@@ -75,7 +69,6 @@ PARAMETERS = (
     ),
     Parameter("rig_user", "", 'user on it, whose password is in the file rig_password in keys; "": anonymous'),
     Parameter("rig_rate", 10.0, "readings of it a second", "Hz", 0.1, 50.0),
-    Parameter("stale_after", 1.0, "age at which a value of the twin is marked uncertain", "s", 0.1, 3600.0),
     AUTOSTART,
 )
 
@@ -92,7 +85,7 @@ class Gateway(TwinNode):
     PURPOSE: ClassVar = "Connects the twin with rig software by OPC UA, with the signals of D-WIS. Needs asyncua."
     PARAMETERS: ClassVar = PARAMETERS
     RIGHTS: ClassVar = Rights(
-        (TWIN_SCENE, *{quantity.topic for quantity in QUANTITIES.values()}),
+        (DIAGNOSTICS, TWIN_SCENE, *{quantity.topic for quantity in QUANTITIES.values()}),
         ("~/grant_control", "~/withdraw_control"),
     )
 
@@ -109,26 +102,30 @@ class Gateway(TwinNode):
         self._signals = read_signals(signals_path(self.settings.signals))
         self._quantities = TwinQuantities(time.monotonic)
         self._output = CommandOutput(self, self._quantities)
+        self._limits: Limits = {}
+        self._refused_before = 0
         self._control = Control(
             self._signals.command,
             self.settings.heartbeat_timeout,
             lambda: self._output.send(self._control.values),  # at once, in the server's thread
+            self._limits,
         )
         self._desk = ControlDesk(self, self._output, self._control)
         self._unread = ""
         self._server, keys = _make_server(self.settings, self._signals, self._control)
         if self.settings.rig_url:
-            self._rig = self._desk.rig = RigLink(self, self._output, self._signals, keys)
+            self._rig = self._desk.rig = RigLink(self, self._output, self._signals, keys, self._limits)
         topics = {QUANTITIES[signal.quantity].topic for signal in self._signals.show}
         for topic in topics | ({RIG_STATE} if self._signals.command or self._rig else set()):
             depth = 1 if TOPICS[topic].latched else _DEPTH
             self.topics.subscribe_raw(topic, partial(self._on_message, topic), depth=depth)
+        self.topics.subscribe(DIAGNOSTICS, self._on_diagnostics)
         self.topics.subscribe_scenes(self._on_scene)
         self.create_service(Trigger, "~/grant_control", self._desk.grant)
         self.create_service(Trigger, "~/withdraw_control", self._desk.withdraw)
         self.every(1.0 / self.settings.rate, self._show)
         self.every(_CONTROL_PERIOD, self._work)
-        self.get_logger().info(f"{len(self._signals.show)} signals at {self._server.url}")
+        self.get_logger().info(f"{len(self._signals.show)} signals at {self._server.url}; {_security(keys)}")
 
     def complete(self) -> None:
         """End server and client."""
@@ -144,20 +141,24 @@ class Gateway(TwinNode):
         except MessageError as error:
             self._unread = f"{topic}: {error}"
 
-    def _on_scene(self, raw: bytes) -> None:
-        """Take the limits of the scene, so that a set-point beyond them is refused here, and the client is told."""
+    def _on_scene(self, _: bytes) -> None:
         self._quantities.stamp = 0  # time may have gone back; without a stamp a command is of its time of arrival
-        try:
-            limits = limits_for(
-                parse_scene(read_string(raw), name=TWIN_SCENE), max_weight_on_bit=0.0, max_speed=0.0, negative=False
-            )
-        except DrillTwinError as error:
-            self._unread = f"{TWIN_SCENE}: {error}"
-            return
-        taken = {"weight_on_bit": limits.weight_on_bit, "surface_rotation": limits.rotation}
-        self._control.set_limits(taken)
-        if self._rig is not None:
-            self._rig.limits = taken
+
+    def _on_diagnostics(self, found: tuple[int, Sequence[Status]]) -> None:
+        """Take what the simulator of this twin tells: its limits, which may change, and what it refused."""
+        twin = f"drill_twin{self.get_namespace().rstrip('/')}"
+        told = (one.values for one in found[1] if one.hardware_id == twin)
+        for values in (one for one in told if "range_weight_on_bit" in one):
+            try:
+                for quantity in SET_POINTS:
+                    low, high = map(float, values[f"range_{quantity}"].split())
+                    self._limits[quantity] = low, high
+                refused = int(values["commands_refused"])
+            except (KeyError, ValueError) as error:
+                raise MessageError(f"expected limits in the diagnostics of the simulator, found {error}") from error
+            refuses = self._output.command is not None and refused > self._refused_before
+            self._desk.twin_refuses = values["last_refusal"] if refuses else ""
+            self._refused_before = refused
 
     def step(self) -> None:
         """Process many messages at a time."""
@@ -176,33 +177,27 @@ class Gateway(TwinNode):
 
     # --- twin -> OPC UA -------------------------------------------------------------------------------------------
 
-    def _samples(self) -> dict[str, PublishedSample]:
-        from drill_twin_rig.gateway.opc_ua.server import PublishedSample
-
-        values, samples = self._quantities.values, {}
+    def _samples(self) -> dict[str, tuple[float, bool]]:
+        """Value of each signal in its unit, where it has one, and whether its source is silent."""
+        values, samples, found = self._quantities.values, self._quantities.samples, {}
         for signal in self._signals.show:
             if signal.quantity in values:
-                value = values[signal.quantity] / signal.factor
-                samples[signal.name] = PublishedSample(value, self._is_stale(signal.quantity))
-        return samples
-
-    def _is_stale(self, quantity: str) -> bool:
-        if QUANTITIES[quantity].on_change:
-            return False
-        slow = TOPICS[QUANTITIES[quantity].topic].rate == "1 Hz"
-        return self._quantities.age(quantity) > float(self.settings.stale_after) + slow
+                topic = QUANTITIES[signal.quantity].topic
+                is_stale = not TOPICS[topic].latched and samples.age(topic) > samples.patience(topic)
+                found[signal.name] = values[signal.quantity] / signal.factor, is_stale
+        return found
 
     def health(self) -> Status:
         """Clients, control, and the signals that have no value or an old one."""
-        present = [one for one in self._signals.show if one.quantity in self._quantities.values]
-        stale = [one.name for one in present if self._is_stale(one.quantity)]
+        present = self._samples()
+        stale = [name for name, (_, is_stale) in present.items() if is_stale]
         server, command = self._server, self._output.command
         refused = server.sessions.refused if server else {}
         values = {
             "url": server.url if server else "",
             "clients": str(server.clients if server else 0),
             "signals": str(len(self._signals.show)),
-            "without_value": " ".join(one.name for one in self._signals.show if one not in present),
+            "without_value": " ".join(one.name for one in self._signals.show if one.name not in present),
             "stale": " ".join(stale),
             "permission": self._control.permission.name.lower(),
             "holder": self._control.holder,
@@ -219,9 +214,11 @@ class Gateway(TwinNode):
 
     def _verdict(self, stale: Sequence[str], *, present: bool) -> tuple[Level, str]:
         """Level and sentence: the worst first."""
-        if self._output.is_safe:
-            lost = self._rig.lost if self._rig is not None and self._rig.lost else self._control.lost
-            return Level.ERROR, f"control lost: {lost}; the safe set-point is in force"
+        lost = self._control.lost if self._control.permission is Permission.INVALID else ""
+        if self._rig is not None:
+            lost = self._rig.lost or lost
+        if lost and self._output.command is None and not self._output.others():
+            return Level.ERROR, f"control lost: {lost}; the simulator does what its on_silence says"
         if self._rig is not None and (fault := self._rig.fault()):
             return Level.WARN, fault
         if self._control.permission is Permission.PENDING and self._control.user is not None:
@@ -230,6 +227,8 @@ class Gateway(TwinNode):
             return Level.WARN, f"refused: {refusal}"
         if self._desk.denied and self._control.permission is Permission.DENIED:
             return Level.WARN, self._desk.denied
+        if self._desk.twin_refuses:
+            return Level.WARN, f"the twin refuses the set-point: {self._desk.twin_refuses}"
         if self._unread:
             text, self._unread = f"a message could not be read: {self._unread}", ""
             return Level.WARN, text
@@ -239,6 +238,13 @@ class Gateway(TwinNode):
             said = [part for part in (silent, text, f"{len(stale)} signals are marked uncertain") if part]
             return max(level, Level.WARN), ": ".join(said)
         return Level.OK, "showing the twin" if present else "waiting for the twin"
+
+
+def _security(keys: Keys | None) -> str:
+    if keys is None:
+        return "security policy None: without encryption or users, read only"
+    where = f"certificate {keys.folder / 'certificate.der'}, trusted ones in {keys.folder / 'trusted'}"
+    return f"security policy Basic256Sha256, signed and encrypted; {where}"
 
 
 def _make_server(settings: Any, signals: Signals, control: Control) -> tuple[OpcUaServer, Keys | None]:

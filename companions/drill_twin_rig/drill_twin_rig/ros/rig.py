@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 from urllib.parse import urlsplit
@@ -22,10 +22,10 @@ from drill_twin.io.messages.topics import MEASURED as MEASURED_NAMESPACE
 from drill_twin.io.messages.topics import MEASURED_RIG_STATE, summary_topic
 from drill_twin.ros.core.given import ParameterError
 from drill_twin.ros.core.node import TwinNode
-from drill_twin_rig.gateway.control import Control, Permission
+from drill_twin_rig.gateway.control import HOLDER, PERMISSION, REFUSAL, Control, Permission
 from drill_twin_rig.gateway.quantities import MEASURED, downhole
 from drill_twin_rig.gateway.rig_reader import RigReader
-from drill_twin_rig.gateway.signals import Limits, RigSignal, Signals, range_taken
+from drill_twin_rig.gateway.signals import Limits, RigSignal, Signals, why_refused
 from drill_twin_rig.gateway.wits0 import WitsReader
 from drill_twin_rig.ros.commands import CommandOutput
 
@@ -38,7 +38,9 @@ if TYPE_CHECKING:
 class RigLink:
     """Link to a rig: publishes what it measures, and sends its set-points."""
 
-    def __init__(self, node: TwinNode, output: CommandOutput, signals: Signals, keys: Keys | None) -> None:
+    def __init__(
+        self, node: TwinNode, output: CommandOutput, signals: Signals, keys: Keys | None, limits: Limits
+    ) -> None:
         """Begin to read.
 
         Args:
@@ -46,6 +48,7 @@ class RigLink:
             output: Publisher of set-points.
             signals: Signals of the file.
             keys: Keys of the gateway.
+            limits: Limits of the simulator, as they are known at a time.
 
         Raises:
             ParameterError: The connection would not be secure enough for what is asked of it.
@@ -53,13 +56,11 @@ class RigLink:
         settings, read = node.settings, (*signals.measure, *signals.follow)
         wits, secure = _is_wits(settings), _is_secure(settings)
         check_security(settings, follows=bool(signals.follow), has_keys=keys is not None)
-        self._node, self._output, self._signals = node, output, signals
+        self._node, self._output, self._signals, self._limits = node, output, signals, limits
         self._client: RigReader = (
             WitsReader(settings.rig_url, read) if wits else _opc_ua_client(settings, read, keys if secure else None)
         )
         self._checked = self._client.checked()
-        self.limits: Limits = {}
-        """Limits of the scene for the set-points that are followed."""
         self._published, self._withdrawn = dict[str, int](), False
         measured = {MEASURED[one.quantity][0] for one in signals.measure if one.quantity in MEASURED}
         self._joints = tuple(joint for joint in RIG_JOINTS if joint in measured)
@@ -75,7 +76,7 @@ class RigLink:
         """Reason why the set-points of the rig are not in force any more; empty before, and once they are again."""
 
     def work(self) -> None:
-        """Publish what has come, and send the set-points, or the safe one when they are not sound any more."""
+        """Publish what has come, and send the set-points while they are sound."""
         self._checked = self._client.checked()
         self._publish()
         if self._signals.follow and not self._withdrawn:
@@ -107,15 +108,14 @@ class RigLink:
 
     def _follow(self) -> None:
         fault = self._fault_of(self._signals.follow) or self._beyond_limits()
-        free = self._output.command is None or bool(self.lost)  # no client has control, or lost it
-        if not fault and (self.follows or (free and not self._output.others())):
+        if not fault and (self.follows or (self._output.command is None and not self._output.others())):
             if not self.follows:
                 self._output.begin()
             self.follows, self.lost = True, ""
             self._output.send({one.quantity: self._checked[one].value for one in self._signals.follow})
         elif fault and self.follows:
             self.follows, self.lost = False, fault
-            self._output.go_safe()
+            self._output.end()
             self._node.publish_diagnostics()
 
     def stop_following(self) -> None:
@@ -128,13 +128,10 @@ class RigLink:
         return next((f"{one.quantity} of the rig: {checked.fault}" for one, checked in found if checked.fault), "")
 
     def _beyond_limits(self) -> str:
-        """First set-point of the rig that the scene does not admit, in a sentence; empty if all are admitted."""
+        """First set-point of the rig that the simulator does not admit, in a sentence; empty if all are admitted."""
         for one in self._signals.follow:
-            low, high = range_taken(one, self.limits)
-            if not (math.isfinite(low) and math.isfinite(high)):
-                return f"{one.quantity} of the rig: expected a scene of the twin, which limits it, found none so far"
-            if not low <= (value := self._checked[one].value / one.factor) <= high:
-                return f"{one.quantity} of the rig: expected {low:g} to {high:g} {one.unit}, found {value:g}"
+            if reason := why_refused(one, self._checked[one].value / one.factor, self._limits):
+                return f"{one.quantity} of the rig: {reason}"
         return ""
 
     def fault(self) -> str:
@@ -172,23 +169,29 @@ class ControlDesk:
         """Link to a rig, where there is one."""
         self.denied = ""
         """Reason why the last request was denied, in a sentence."""
-        self._told: tuple[Permission, str] | None = None
+        self.twin_refuses = ""
+        """Reason why the twin refuses the set-point in force, as its diagnostics tell it; empty if it does not."""
+        self._told: Mapping[str, int | str] = {}
 
     def work(self, server: OpcUaServer) -> None:
         """Decide what is due, show it to the clients, and repeat the set-points in force."""
         if self.control.check_heartbeat():
-            self.output.go_safe()
+            self.output.end()
             self._node.publish_diagnostics()
         if self.control.permission is Permission.PENDING and self._node.settings.grant != "ask":
             self._decide(granted=self._node.settings.grant == "always")
-        held = self.output.is_safe or (self.rig is not None and self.rig.follows)
+        held = self.rig is not None and self.rig.follows
         if self.control.permission is Permission.UNSET and self.output.command is not None and not held:
             self.output.end()
-        now = (self.control.permission, self.control.holder)
+        now: dict[str, int | str] = {
+            PERMISSION: self.control.permission,
+            HOLDER: self.control.holder,
+            REFUSAL: self.twin_refuses,
+        }
         if now != self._told:
             self._told = now
-            server.show_control(*now)
-        self.output.repeat()
+            server.show({}, now)
+        self.output.send({})
 
     def _decide(self, *, granted: bool) -> str:
         """Grant or deny what is requested; returns the reason of a denial."""

@@ -17,8 +17,13 @@ def now():
 
 
 @pytest.fixture
-def control(now):
-    return Control([WOB], 2.0, lambda: None, lambda: now[0])
+def limits():
+    return {}
+
+
+@pytest.fixture
+def control(now, limits):
+    return Control([WOB], 2.0, lambda: None, limits, lambda: now[0])
 
 
 def _holder(control, name="one"):
@@ -47,21 +52,23 @@ def test_a_value_that_is_no_set_point_is_refused(control, value):
     assert control.refusal(user, "WOBTarget", value).of_value
 
 
-def test_without_limits_of_a_file_those_of_the_scene_hold(now):
+def test_without_limits_of_a_file_those_of_the_simulator_hold(now, limits):
     """1e308 was answered Good once, and published."""
     open_ended = CommandTarget("weight_on_bit", "kN", 1000.0, "WOBTarget", 0.0, math.inf)
-    control = Control([open_ended], 2.0, lambda: None, lambda: now[0])
+    control = Control([open_ended], 2.0, lambda: None, limits, lambda: now[0])
     user = _holder(control)
-    assert control.refusal(user, "WOBTarget", 1e308).text.endswith("which limits it, found none so far")
-    control.set_limits({"weight_on_bit": (-1.0, 400.0)})
+    assert control.refusal(user, "WOBTarget", 1e308).text.endswith("or low and high in the file, found none so far")
+    limits["weight_on_bit"] = (-1.0, 400.0)
     assert control.refusal(user, "WOBTarget", 1e308).text == "WOBTarget: expected 0 to 0.4 kN, found 1e+308"
     assert control.refusal(user, "WOBTarget", 0.41).of_value
     assert control.refusal(user, "WOBTarget", -0.001).of_value
     assert control.refusal(user, "WOBTarget", 0.4) is None
 
 
-def test_a_limit_of_the_file_stays_below_that_of_the_scene(control):
-    control.set_limits({"weight_on_bit": (-1e9, 1e9)})
+def test_a_limit_of_the_file_stays_below_the_simulator_s(control, limits):
+    assert control.is_unsure("WOBTarget")
+    limits["weight_on_bit"] = (-1e9, 1e9)
+    assert not control.is_unsure("WOBTarget")
     assert control.refusal(_holder(control), "WOBTarget", 101.0).text == "WOBTarget: expected 0 to 100 kN, found 101"
 
 

@@ -178,7 +178,7 @@ def test_others_are_served_while_a_password_is_checked(folder, monkeypatch):
         return check(keys, name, password)
 
     monkeypatch.setattr(Keys, "is_user", slow)
-    server = OpcUaServer(("127.0.0.1", free_port()), [], [], Control([], 2.0, lambda: None), read_keys(folder))
+    server = OpcUaServer(("127.0.0.1", free_port()), [], [], Control([], 2.0, lambda: None, {}), read_keys(folder))
 
     async def both():
         async with await _client(server.url, folder, LONG) as good:

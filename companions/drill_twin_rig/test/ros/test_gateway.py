@@ -2,6 +2,7 @@
 """The gateway as a process between a simulator and OPC UA clients that are processes of other stacks, over loopback."""
 
 import json
+import math
 import os
 import shutil
 import signal
@@ -16,8 +17,13 @@ from ports import free_port
 
 asyncua = pytest.importorskip("asyncua", reason="needs asyncua: pip install 'drill_twin[opcua]'")
 
+from drill_twin.io.messages.topic_words import digest_of  # noqa: E402
+from drill_twin.scene import load_scene  # noqa: E402
+from drill_twin.whirl import MotionCode  # noqa: E402
 from drill_twin_rig.gateway.dwis import PROPOSED, PROTOTYPES  # noqa: E402
 from drill_twin_rig.gateway.opc_ua.server import MOST_CLIENTS  # noqa: E402
+from drill_twin_studies.maps import OperatingMap, Plane, Regime, Span  # noqa: E402
+from drill_twin_studies.maps.runs import Key, RunRecord  # noqa: E402
 
 HERE = Path(__file__).resolve().parent / "clients"
 STEADY = "rig.weight_on_bit.duration=0.1 s; rig.rotation.duration=0.1 s"
@@ -43,6 +49,15 @@ def client(*words):
     return run(sys.executable, HERE / "asyncua_client.py", *words)
 
 
+def _map(file):
+    """Map of the scene that is calm up to 10 N, whatever the speed."""
+    scene, plane = load_scene("pa6_bench"), Plane(Span(0.0, 80.0), Span(0.0, 8.0 * math.pi), 8)
+    calm = {Key(i, j): RunRecord(Regime.FORWARD if i >= 2 else Regime.SMOOTH) for i in range(9) for j in range(9)}
+    made_up = OperatingMap(scene.name, digest_of(scene), scene.to_yaml(), plane, 10.0, (), calm)
+    file.write_text(json.dumps(made_up.to_dict()), "utf-8")
+    return str(file)
+
+
 @pytest.fixture(scope="module")
 def twin(module_bench, tmp_path_factory):
     """A driven twin with a gateway, and the gateway's address."""
@@ -50,6 +65,7 @@ def twin(module_bench, tmp_path_factory):
     bench.port = free_port()
     bench.gateway = bench.start("gateway", port=bench.port)
     bench.start("analyzer")
+    bench.start("advisor", map=_map(bench.folder / "map.json"))
     bench.simulator = bench.start("simulator", overrides=STEADY)
     bench.start("rig_driver", wob="40 N", rpm="2 rev/s", change_time=0.0, overrides=STEADY)
     bench.url = f"opc.tcp://127.0.0.1:{bench.port}/drill_twin"
@@ -83,10 +99,57 @@ def test_semantics_are_references_to_nodes_of_the_vocabulary(found):
     assert set(facts) >= set(PROTOTYPES) | set(PROPOSED)
     assert facts["WOB"]["BelongsToClass"] == ["http://ddhub.no/ComputedData", "http://ddhub.no/WOB"]
     assert facts["WOB"]["IsOfMeasurableQuantity"] == ["http://ddhub.no/ForceDrillingQuantity"]
-    assert facts["WOB"]["IsPhysicallyLocatedAt"] == ["http://ddhub.no/BottomOfStringReferenceLocation"]
+    assert facts["WOB"]["IsPhysicallyLocatedAt"] == ["urn:drill_twin:gateway/BottomOfStringReferenceLocation#01"]
+    assert facts["WOB"]["IsComputedBy"] == ["urn:drill_twin:gateway/Simulator#01"]
     assert facts["WOB"]["HasUnitOfMeasure"] == ["http://ddhub.no/Newton"]
     assert "urn:drill_twin:proposed/WhirlRPM" in facts["WhirlRPM"]["BelongsToClass"]
-    assert facts["WhirlRPM"]["IsRelatedToDrillingIncident"] == ["http://ddhub.no/Whirling"]
+    assert facts["WhirlRPM"]["IsRelatedToDrillingIncident"] == ["urn:drill_twin:gateway/Whirling#01"]
+
+
+def _by_terms(twin, *facts):
+    """Data points that a client of D-WIS finds by facts."""
+    return list(run(sys.executable, HERE / "dwis_client.py", twin.url, *facts).values())
+
+
+def _only(points):
+    (point,) = points
+    return point
+
+
+def test_a_client_that_knows_d_wis_alone_finds_the_whirl_by_its_features(twin):
+    kinds = ("Forward", "Backward", "Chaotic")
+
+    def now():
+        found = {kind: _only(_by_terms(twin, f"AccountsFor=DrillStem{kind}WhirlingFeature")) for kind in kinds}
+        return sum(one["good"] * one["value"] for one in found.values())
+
+    twin.until(lambda: now() == 1.0, 120.0, "a whirl of one kind")
+    for kind in kinds:
+        assert _only(_by_terms(twin, f"IsRelatedToDrillingIncident={kind}Whirl"))["value"] in {0.0, 1.0}
+    whirl = _by_terms(twin, "AccountsFor=DrillStemWhirlingFeature", "BelongsToClass=ComputedData")
+    assert all(one["good"] for one in whirl)
+    by_class = {name: one for one in whirl for name in one["classes"]}
+    assert by_class["WhirlDetected"]["value"] == 1.0
+    assert by_class["WhirlOnsetTime"]["value"] > 0.0
+    assert by_class["WhirlOnsetTime"]["unit"] == ["Second"]
+    assert 0.0 < by_class["WhirlConfidence"]["value"] <= 1.0
+    assert 0.0 < by_class["WhirlSeverity"]["value"] <= 1.2
+    assert by_class["WhirlState"]["value"] >= MotionCode.SYNCHRONOUS_WHIRL
+    assert abs(by_class["WhirlRatio"]["value"]) < 20.0
+    lateral = _by_terms(twin, "AccountsFor=DrillStemLateralVibrationFeature", "BelongsToClass=ComputedData")
+    assert {name for one in lateral for name in one["classes"]} >= {*by_class, "DownholeLateralAcceleration"}
+
+
+def test_a_client_that_knows_d_wis_alone_finds_the_advice_and_the_safe_limits(twin):
+    def found(*facts):
+        return _only(_by_terms(twin, *facts, "AccountsFor=DrillStemWhirlingFeature"))
+
+    twin.until(lambda: found("BelongsToClass=AdvisedTarget", "BelongsToClass=WOB")["good"], 120.0, "advice")
+    assert found("BelongsToClass=AdvisedTarget", "BelongsToClass=WOB")["value"] <= 10.0
+    for limit, largest, unit in (("WOBLimit", 10.0, "Newton"), ("RotationalVelocityLimit", 240.0, "Rpm")):
+        for kind, edge in (("Minimum", 0.0), ("Maximum", largest)):
+            point = found(f"IsRelatedToDrillingLimit={limit}", f"BelongsToClass=Advised{kind}")
+            assert (point["good"], point["value"], point["unit"]) == (True, pytest.approx(edge), [unit])
 
 
 def test_nothing_can_be_written_by_a_client_without_rights(found):

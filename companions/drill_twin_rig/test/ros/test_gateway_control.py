@@ -55,10 +55,8 @@ def rig(module_bench, tmp_path_factory):
     (server / TRUSTED / "client.der").write_bytes((trusted / CERTIFICATE).read_bytes())
     bench = module_bench(folder)
     port = free_port()
-    bench.start("simulator", overrides=STEADY)
-    bench.gateway = bench.start(
-        "gateway", port=port, keys=str(server), heartbeat_timeout=1.0, safe_weight_on_bit=5.0, safe_ramp_time=0.2
-    )
+    bench.start("simulator", overrides=STEADY, safe_weight_on_bit=5.0, safe_ramp_time=0.2)
+    bench.gateway = bench.start("gateway", port=port, keys=str(server), heartbeat_timeout=3.0)
     bench.until_status("gateway", bool)
     url, clients = f"opc.tcp://127.0.0.1:{port}/drill_twin", []
 
@@ -121,7 +119,7 @@ def test_control_is_granted_used_lost_and_given_back(rig, joints):
 
     holder.ask("beat", 0.0)
     status = rig.until_status("gateway", lambda status: status.level == Level.ERROR)
-    assert status.text == "control lost: no heartbeat of driller for 1 s; the safe set-point is in force"
+    assert status.text == "control lost: no heartbeat of driller for 3 s; the simulator does what its on_silence says"
     rig.until(lambda: _applied(joints(states[-1:])[0]) == pytest.approx((5.0, 0.0)), what="the safe set-point")
     assert holder.ask("write", "WOBTarget", 30.0) == "BadUserAccessDenied"
     assert all(30.0 >= _applied(one)[0] >= 0.0 for one in joints(states))
@@ -137,11 +135,65 @@ def test_control_is_granted_used_lost_and_given_back(rig, joints):
     rig.until(lambda: rig.node.count_publishers(RIG_COMMAND) == 0, what="the gateway to leave /rig/command")
 
 
+def test_the_limits_are_the_simulator_s_also_when_they_change(rig):
+    """401 N was answered Good where the simulator takes 60 N."""
+    rig.set_parameter("gateway", "grant", "always")
+    assert rig.set_parameter("simulator", "max_weight_on_bit", 60.0).successful
+    holder = rig.client()
+    assert holder.ask("write", "Request", True) == "Good"
+    holder.ask("beat", 0.2)
+    rig.until(lambda: holder.ask("read", "Permission") == 1, what="control")
+    rig.until(lambda: holder.ask("write", "WOBTarget", 60.5) == "BadOutOfRange", what="the limit of the simulator")
+    assert holder.ask("write", "WOBTarget", 60.0) == "Good"
+    rig.until_status("simulator", lambda status: float(status.values["weight_on_bit"]) == 60.0)
+    assert holder.ask("read", "Refusal") == ""
+    # The set-point in force is beyond the new limit: the twin refuses it, which the client can read.
+    assert rig.set_parameter("simulator", "max_weight_on_bit", 50.0).successful
+    rig.until(lambda: "expected 0 to 50 N, found 60 N" in holder.ask("read", "Refusal"), what="the refusal of the twin")
+    rig.until_status("gateway", lambda status: status.text.startswith("the twin refuses the set-point: weight on bit"))
+    assert holder.ask("write", "WOBTarget", 50.0) == "Good"
+    rig.until(lambda: holder.ask("read", "Refusal") == "", what="the end of the refusal")
+    assert rig.set_parameter("simulator", "max_weight_on_bit", 0.0).successful
+    rig.until(lambda: holder.ask("write", "WOBTarget", 100.0) == "Good", what="the limit of the scene")
+    assert holder.ask("write", "Request", False) == "Good"
+
+
+def test_while_no_simulator_has_told_its_limits_a_write_is_not_called_good(bench):
+    keys, client = bench.folder / "server", bench.folder / "client"
+    for folder in (keys, client):
+        make_keys(folder, "urn:drill_twin:gateway", "localhost", {"driller": PASSWORD})
+    (keys / TRUSTED / "client.der").write_bytes((client / CERTIFICATE).read_bytes())
+    file = bench.folder / "signals.yaml"
+    file.write_text(
+        "command:\n"
+        "  WOBTarget: {value: weight_on_bit, unit: kN, low: 0, high: 1}\n"
+        "  RPMTarget: {value: surface_rotation, unit: rpm}\n"
+    )
+    port = free_port()
+    process = bench.start("gateway", port=port, keys=str(keys), signals=str(file), grant="always")
+    bench.until_status("gateway", bool)
+    assert f"signals at opc.tcp://127.0.0.1:{port}/drill_twin; security policy Basic256Sha256" in process.text
+    assert str(keys / CERTIFICATE) in process.text
+    holder = Holder(f"opc.tcp://127.0.0.1:{port}/drill_twin", client, keys)
+    try:
+        assert holder.ask("write", "Request", True) == "Good"
+        holder.ask("beat", 0.2)
+        bench.until(lambda: holder.ask("read", "Permission") == 1, what="control")
+        assert holder.ask("write", "WOBTarget", 0.5) == "GoodCompletesAsynchronously"
+        assert holder.ask("write", "WOBTarget", 1.5) == "BadOutOfRange"
+        assert holder.ask("write", "RPMTarget", 10.0) == "BadOutOfRange"  # neither file nor simulator limits it
+        bench.start("simulator", max_weight_on_bit=60.0)
+        bench.until(lambda: holder.ask("write", "WOBTarget", 0.4) == "BadOutOfRange", what="the simulator's limits")
+        assert holder.ask("write", "WOBTarget", 0.06) == "Good"
+    finally:
+        holder.kill()
+
+
 @pytest.mark.long
 def test_nobody_gets_control_beside_a_driver(rig):
     rig.set_parameter("gateway", "grant", "always")
     driver = rig.start("rig_driver", overrides=STEADY)
-    rig.until_status("rig_driver", lambda status: status.text == "driving")
+    rig.until_status("rig_driver", lambda status: int(status.values["commands_sent"]) > 0)
     holder = rig.client()
     assert holder.ask("write", "Request", True) == "Good"
     status = rig.until_status("gateway", lambda status: status.text.startswith("control denied"))
@@ -194,7 +246,6 @@ def test_without_keys_this_host_may_be_called_by_any_of_its_names(bench, host):
 def test_the_twin_goes_to_the_safe_set_point_when_a_gateway_in_control_is_killed(rig, joints):
     """Last of this file: the gateway is gone."""
     states, commands, holder = rig.collect(RIG_STATE), rig.collect(RIG_COMMAND), rig.client()
-    rig.set_parameter("simulator", "safe_ramp_time", 0.5)
     rig.set_parameter("gateway", "grant", "always")
     assert holder.ask("write", "Request", True) == "Good"
     holder.ask("beat", 0.2)
@@ -204,7 +255,7 @@ def test_the_twin_goes_to_the_safe_set_point_when_a_gateway_in_control_is_killed
     sent = len(commands)
     rig.until(lambda: len(commands) > sent + 5, what="more commands: a source sends at a rate")
     rig.gateway.kill()
-    rig.until(lambda: _applied(joints(states[-1:])[0]) == pytest.approx((0.0, 0.0)), what="the safe set-point")
+    rig.until(lambda: _applied(joints(states[-1:])[0]) == pytest.approx((5.0, 0.0)), what="the safe set-point")
     status = rig.until_status("simulator", lambda status: "no valid command" in status.text)
     assert status.text.endswith("; ramping to the safe set-point")
     assert status.level == Level.WARN

@@ -8,20 +8,21 @@ from typing import Any
 
 from asyncua import ua
 
-from drill_twin_rig.gateway.control import HEARTBEAT, REQUEST
-from drill_twin_rig.gateway.dwis import NAMESPACE, PROPOSED, PROPOSED_NAMESPACE, PROTOTYPES, UNITS
+from drill_twin.io.messages.topics import TOPICS
+from drill_twin_rig.gateway.control import HEARTBEAT, HOLDER, PERMISSION, REFUSAL, REQUEST
+from drill_twin_rig.gateway.dwis import (
+    NAMESPACE,
+    PROPOSED_NAMESPACE,
+    PROTOTYPES,
+    TO_CLASSES,
+    UNITS,
+    UNITS_OF_NODES,
+    VERBS,
+    classes,
+    facts,
+)
 from drill_twin_rig.gateway.quantities import QUANTITIES
 from drill_twin_rig.gateway.signals import CommandTarget, ShownSignal
-
-PERMISSION, HOLDER = "Permission", "Holder"
-_VERBS = (
-    "BelongsToClass",
-    "HasDynamicValue",
-    "HasUnitOfMeasure",
-    "IsOfMeasurableQuantity",
-    "IsPhysicallyLocatedAt",
-    "IsRelatedToDrillingIncident",
-)
 
 
 class AddressSpace:
@@ -47,7 +48,7 @@ class AddressSpace:
         index = self._spaces[NAMESPACE]
         self._verbs = {
             verb: await links.add_reference_type(ua.NodeId(verb, index), ua.QualifiedName(verb, index), False)
-            for verb in _VERBS
+            for verb in VERBS
         }
 
     def id(self, name: str) -> Any:
@@ -69,16 +70,11 @@ class AddressSpace:
         await self.describe(variable, meaning, signal.unit)
         point = await self._points.add_object(self.id(f"{signal.name}#01"), self.name(f"{signal.name}#01"))
         await self.link(point, "HasDynamicValue", variable)
-        await self.link(point, "BelongsToClass", await self._noun("ComputedData"))
         await self.link(point, "BelongsToClass", await self._noun(signal.kind, ours=ours))
-        if kind := (PROTOTYPES | PROPOSED).get(signal.kind):
-            for verb, noun in (
-                ("IsOfMeasurableQuantity", kind.quantity),
-                ("IsPhysicallyLocatedAt", kind.location),
-                ("IsRelatedToDrillingIncident", kind.incident),
-            ):
-                if noun:
-                    await self.link(point, verb, await self._noun(noun))
+        for verb, noun in facts(signal.kind, signal.quantity):
+            await self.link(point, verb, await (self._noun(noun) if verb in TO_CLASSES else self._one_of(noun)))
+        if (node := TOPICS[QUANTITIES[signal.quantity].topic].publisher) in UNITS_OF_NODES:
+            await self.link(point, "IsComputedBy", await self._one_of(*UNITS_OF_NODES[node]))
         empty = ua.DataValue(
             ua.Variant(0.0, ua.VariantType.Double), ua.StatusCode(ua.StatusCodes.BadWaitingForInitialData)
         )
@@ -93,6 +89,7 @@ class AddressSpace:
             (HEARTBEAT, ua.Variant(0, ua.VariantType.UInt32), "number that the holder changes to keep control"),
             (PERMISSION, ua.Variant(0, ua.VariantType.UInt16), "0 unset, 1 granted, 2 pending, 3 denied, 4 invalid"),
             (HOLDER, ua.Variant("", ua.VariantType.String), "user who has control"),
+            (REFUSAL, ua.Variant("", ua.VariantType.String), "reason why the twin refuses the set-point of the holder"),
         )
         ids = {}
         for name, value, meaning in rows:
@@ -139,6 +136,17 @@ class AddressSpace:
         if name not in self._nouns:
             index = self._spaces[PROPOSED_NAMESPACE if ours else NAMESPACE]
             self._nouns[name] = await self._vocabulary.add_object(ua.NodeId(name, index), ua.QualifiedName(name, index))
+        return self._nouns[name]
+
+    async def _one_of(self, noun: str, feature: str = "") -> Any:
+        """Node that belongs to a class, made when it is first used; it accounts for a feature where one is given."""
+        name = f"{noun}#01"
+        if name not in self._nouns:
+            self._nouns[name] = one = await self._vocabulary.add_object(self.id(name), self.name(name))
+            for parent in classes(noun):
+                await self.link(one, "BelongsToClass", await self._noun(parent))
+            if feature:
+                await self.link(one, "AccountsFor", await self._one_of(feature))
         return self._nouns[name]
 
 

@@ -12,7 +12,7 @@ import logging
 import math
 from collections.abc import Mapping, Sequence
 from datetime import UTC, datetime
-from typing import Any, NamedTuple
+from typing import Any
 
 from asyncua import Server, ua
 from asyncua.common.callback import CallbackType
@@ -21,7 +21,7 @@ from drill_twin.core import __version__
 from drill_twin.core.errors import RunError
 from drill_twin.core.loopback import in_url
 from drill_twin_rig.gateway.control import Control
-from drill_twin_rig.gateway.opc_ua.address_space import HOLDER, PERMISSION, AddressSpace
+from drill_twin_rig.gateway.opc_ua.address_space import AddressSpace
 from drill_twin_rig.gateway.opc_ua.keys import Keys
 from drill_twin_rig.gateway.opc_ua.sessions import Sessions
 from drill_twin_rig.gateway.rig_reader import EventLoopThread
@@ -34,15 +34,6 @@ _PENDING = 10.0  # s that a connection may take to open a session
 _FREE = 8  # places that are kept free of connections without a session
 _LOOK = 0.1  # s between two looks at the places
 logging.getLogger("asyncua").setLevel(logging.CRITICAL)  # what a client does wrong is no error of this program
-
-
-class PublishedSample(NamedTuple):
-    """Value of a signal in its unit."""
-
-    value: float
-    """Value; NaN where there is none."""
-    stale: bool = False
-    """True if it is an old one, whose source is silent."""
 
 
 class OpcUaServer:
@@ -126,26 +117,27 @@ class OpcUaServer:
         server.set_identity_tokens([ua.UserNameIdentityToken])
         server.set_certificate_validator(self.sessions.check_certificate)
 
-    def show(self, samples: Mapping[str, PublishedSample]) -> None:
-        """Show the values of signals from now on; what has not changed is not sent again."""
+    def show(self, samples: Mapping[str, tuple[float, bool]], control: Mapping[str, int | str] | None = None) -> None:
+        """Show values from now on; what has not changed is not sent again.
+
+        Args:
+            samples: Values of signals in their units, NaN where there is none, and whether their source is silent.
+            control: Values of the nodes of control that the gateway writes.
+        """
         now, changed = datetime.now(UTC), []
-        for name, sample in samples.items():
-            value, status = sample.value, ua.StatusCodes.BadNoData
-            if math.isfinite(value):
-                status = ua.StatusCodes.UncertainLastUsableValue if sample.stale else ua.StatusCodes.Good
+        for name, (value, is_stale) in samples.items():
+            status = ua.StatusCodes.UncertainLastUsableValue if is_stale else ua.StatusCodes.Good
+            status = status if math.isfinite(value) else ua.StatusCodes.BadNoData
             if (value, status) != self._shown.get(name):
                 self._shown[name] = value, status
                 variant = ua.Variant(value, ua.VariantType.Double)
                 told = ua.DataValue(variant, ua.StatusCode(status), SourceTimestamp=now, ServerTimestamp=now)
                 changed.append((self._nodes[name], told))
+        for name, one in (control or {}).items():
+            kind = ua.VariantType.String if isinstance(one, str) else ua.VariantType.UInt16
+            changed.append((self._control_nodes[name], ua.DataValue(ua.Variant(one, kind))))
         if changed:
             self._thread.post(self._write(changed))
-
-    def show_control(self, permission: int, holder: str) -> None:
-        """Show who has control."""
-        values = ua.Variant(permission, ua.VariantType.UInt16), ua.Variant(holder, ua.VariantType.String)
-        nodes = self._control_nodes[PERMISSION], self._control_nodes[HOLDER]
-        self._thread.post(self._write(list(zip(nodes, map(ua.DataValue, values), strict=True))))
 
     async def _write(self, values: Sequence[tuple[Any, Any]]) -> None:
         """Write values by node id."""

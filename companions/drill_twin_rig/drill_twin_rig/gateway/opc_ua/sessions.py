@@ -66,15 +66,6 @@ binary_server_asyncio.UaProcessor = _Processor  # asyncua has no other place for
 _TOLD = 10.0  # s, for which a refusal is told
 
 
-class _SessionUser:
-    """User as the library wants one: with a role that reads, and writes what nodes admit."""
-
-    role = UserRole.User
-
-    def __init__(self, user: User) -> None:
-        self.user, self.name = user, user.name
-
-
 class Sessions:
     """Callbacks of the server."""
 
@@ -96,10 +87,10 @@ class Sessions:
 
     def get_user(
         self, _server: Any, username: str | None = None, password: str | None = None, certificate: bytes | None = None
-    ) -> _SessionUser | None:
+    ) -> User | None:
         """User of a session; None refuses it."""
         if self.keys is None:
-            return _SessionUser(User())
+            return User(role=UserRole.User)
         name = shortened(username or "", 60)
         if certificate is None or (reason := self.keys.distrust(certificate)):
             self._refuse("certificate", f"client of {name or 'no user'}: {reason if certificate else 'no certificate'}")
@@ -107,7 +98,7 @@ class Sessions:
         if _VERDICT.get() != (username or "", password or ""):
             self._refuse("user", f"user {name or 'without name'}: unknown, or the password is wrong")
             return None
-        return _SessionUser(User(name, may_command=True))
+        return User(name, may_command=True, role=UserRole.User)
 
     async def check_certificate(self, certificate: Any, _application: Any) -> None:
         """Refuse a certificate that is not trusted, with its status.
@@ -130,16 +121,18 @@ class Sessions:
             self._refuse("value", "a part of a value was written; each of these has none")
             raise ServiceError(ua.StatusCodes.BadIndexRangeNoData)
         for name, value in self._writes(event):
-            if refusal := self._control.refusal(event.user.user, name, value):
+            if refusal := self._control.refusal(event.user, name, value):
                 self._refuse("value" if refusal.of_value else "right", refusal.text)
                 codes = ua.StatusCodes
                 raise ServiceError(codes.BadOutOfRange if refusal.of_value else codes.BadUserAccessDenied)
 
     def after_write(self, event: Any, _service: Any) -> None:
-        """Hand a write that was taken to the control."""
+        """Hand a write that was taken to the control; where the simulator may still refuse it, the client is told."""
         for index, (name, value) in enumerate(self._writes(event)):
             if event.response_params[index].is_good():
-                self._control.write(event.user.user, name, value)
+                self._control.write(event.user, name, value)
+                if self._control.is_unsure(name):
+                    event.response_params[index] = ua.StatusCode(ua.StatusCodes.GoodCompletesAsynchronously)
 
     def _writes(self, event: Any) -> list[tuple[str, Any]]:
         """Names and values of the nodes that a client writes; any other node has the empty name."""

@@ -27,11 +27,13 @@ class Holder:
 
     async def write(self, name, value):
         self._began = time.monotonic()
+        data = ua.DataValue(ua.Variant(value, TYPES.get(name, ua.VariantType.Double)))
+        one = ua.WriteValue(NodeId=self._node(name).nodeid, AttributeId=ua.AttributeIds.Value, Value=data)
         try:
-            await self._node(name).write_value(ua.Variant(value, TYPES.get(name, ua.VariantType.Double)))
+            (code,) = await self._client.uaclient.write(ua.WriteParameters(NodesToWrite=[one]))
         except ua.UaStatusCodeError as error:
             return type(error).__name__
-        return "Good"
+        return code.name
 
     async def read(self, name):
         return await self._node(name).read_value()
