@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, ClassVar
 
 from drill_twin.io.messages.diagnostics import Level, Status
 from drill_twin.io.messages.topics import (
+    DIAGNOSTICS,
     MARKS_STATE,
     REALTIME_FACTOR,
     RIG_STATE,
@@ -54,7 +55,7 @@ class Analyzer(TwinNode):
     )
     ON_CHANGE: ClassVar = (TWIN_SCENE,)
     RIGHTS: ClassVar = Rights(
-        (TWIN_SCENE, REALTIME_FACTOR, MARKS_STATE, RIG_STATE, "/downhole/*/imu", "/measured/downhole/*/imu"),
+        (DIAGNOSTICS, TWIN_SCENE, REALTIME_FACTOR, MARKS_STATE, RIG_STATE, "/downhole/*/imu", "/measured/downhole/*/imu"),
     )
     _pipeline: WhirlPipeline | None = None
 

@@ -158,14 +158,14 @@ def test_a_node_that_would_be_refused_again_does_not_come_back(bench):
 
 def test_an_argument_that_is_given_goes_before_the_file_and_a_default_does_not(bench):
     file = bench.folder / "given.yaml"
-    blocks = {"/simulator": {"pace": "fast", "command_timeout": 7.0}, "/rig_driver": {"weight_on_bit": "20 N"},
+    blocks = {"/simulator": {"pace": "fast", "command_timeout": 7.0}, "/rig_driver": {"wob": "20 N"},
               "/**": {"scene": "two_mass", "overrides": "rig.rotation.value=1 rev/s"}}  # fmt: skip
     file.write_text(yaml.safe_dump({name: {"ros__parameters": values} for name, values in blocks.items()}))
     launch = _launch(bench, "twin", {"params_file": file, "wob": "60 N", "analyze": "false", "scene": "pa6_bench"})
     bench.until_ready("simulator")
     found = {**_parameters(bench, "simulator", "pace", "command_timeout", "scene", "overrides"),
-             **_parameters(bench, "rig_driver", "weight_on_bit")}  # fmt: skip
-    assert found == {"pace": "fast", "command_timeout": 7.0, "weight_on_bit": "60 N", "scene": "pa6_bench",
+             **_parameters(bench, "rig_driver", "wob")}  # fmt: skip
+    assert found == {"pace": "fast", "command_timeout": 7.0, "wob": "60 N", "scene": "pa6_bench",
                      "overrides": "rig.rotation.value=1 rev/s"}  # fmt: skip
     assert launch.end() == 0, launch.text
 

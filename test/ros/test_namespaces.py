@@ -37,7 +37,7 @@ def test_two_twins_run_side_by_side(bench):
         space = ("-r", f"__ns:=/{name}")
         processes.append(bench.start("recorder", *space, bag=str(bench.folder / f"{name}_0")))
         states[name], whirls[name] = _received(bench, f"/{name}/rig/state"), _received(bench, f"/{name}/whirl/state")
-        given = {"weight_on_bit": weight, "rotation": speed, "overrides": steady}
+        given = {"wob": weight, "rpm": speed, "overrides": steady}
         processes += [bench.start("simulator", *space, frame_prefix=f"{name}/"), bench.start("analyzer", *space)]
         processes.append(bench.start("rig_driver", *space, wait_for="simulator analyzer recorder", **given))
     for name, (weight, speed) in {"left": (20.0, 1.0), "right": (50.0, 3.0)}.items():

@@ -17,7 +17,7 @@ from typing import ClassVar
 from drill_twin.io.messages.diagnostics import Level, Status
 from drill_twin.io.messages.rig_messages import CommandEncoder
 from drill_twin.io.messages.stamps import NANOSECONDS, seconds, within_range
-from drill_twin.io.messages.topics import CLOCK_TOPIC, RIG_COMMAND
+from drill_twin.io.messages.topics import CLOCK_TOPIC, DIAGNOSTICS, RIG_COMMAND
 from drill_twin.ros.core.node import AUTOSTART, TwinNode
 from drill_twin.ros.core.parameters import Parameter
 from drill_twin.ros.core.policy import READY, Rights
@@ -86,7 +86,7 @@ class RigDriver(TwinNode):
     NAME: ClassVar = "rig_driver"
     PURPOSE: ClassVar = "Plays weight on bit and top-drive speed, planned or measured, into the simulator."
     PARAMETERS: ClassVar = PARAMETERS
-    RIGHTS: ClassVar = Rights((CLOCK_TOPIC,), calls=READY)
+    RIGHTS: ClassVar = Rights((CLOCK_TOPIC, DIAGNOSTICS), calls=READY)
     _sent = 0
 
     def configure(self) -> None:

@@ -25,7 +25,7 @@ from drill_twin.io.messages.good_samples import GONE
 from drill_twin.io.messages.rig_messages import read_rig_state
 from drill_twin.io.messages.stamps import seconds, stamp_ns
 from drill_twin.io.messages.topic_words import digest_of
-from drill_twin.io.messages.topics import ADVICE_MAP, ADVICE_STATE, RIG_STATE, TWIN_SCENE, TWIN_SUMMARY
+from drill_twin.io.messages.topics import ADVICE_MAP, ADVICE_STATE, DIAGNOSTICS, RIG_STATE, TWIN_SCENE, TWIN_SUMMARY
 from drill_twin.ros.core.node import AUTOSTART, TwinNode
 from drill_twin.ros.core.pacing import Tick
 from drill_twin.ros.core.parameters import Parameter
@@ -129,7 +129,7 @@ class Advisor(TwinNode):
         AUTOSTART,
     )
     ON_CHANGE: ClassVar = (TWIN_SCENE,)
-    RIGHTS: ClassVar = Rights((RIG_STATE, TWIN_SCENE, TWIN_SUMMARY))
+    RIGHTS: ClassVar = Rights((DIAGNOSTICS, RIG_STATE, TWIN_SCENE, TWIN_SUMMARY))
     _maker: MapMaker | None = None
 
     def configure(self) -> None:

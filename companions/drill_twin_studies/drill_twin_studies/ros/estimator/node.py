@@ -23,6 +23,7 @@ from drill_twin.io.messages.rig_messages import read_command
 from drill_twin.io.messages.sensor_messages import ImuReading
 from drill_twin.io.messages.stamps import NANOSECONDS, seconds, stamp_ns
 from drill_twin.io.messages.topics import (
+    DIAGNOSTICS,
     ESTIMATE,
     ESTIMATE_STATE,
     MEASURED_RIG_STATE,
@@ -109,7 +110,7 @@ class Estimator(TwinNode):
     PURPOSE: ClassVar = "Follows a rig with an ensemble: numbers, virtual sensors, chance of whirl, alarm."
     PARAMETERS: ClassVar = PARAMETERS
     RIGHTS: ClassVar = Rights(
-        (MEASURED_RIG_STATE, RIG_STATE, RIG_COMMAND, "/downhole/*/imu", "/measured/downhole/*/imu"),
+        (DIAGNOSTICS, MEASURED_RIG_STATE, RIG_STATE, RIG_COMMAND, "/downhole/*/imu", "/measured/downhole/*/imu"),
         publishes=tuple(ESTIMATE + topic for topic in OF_NEAREST_TWIN),
     )
     ON_CHANGE: ClassVar = (RIG_COMMAND,)
