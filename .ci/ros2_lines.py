@@ -45,8 +45,8 @@ PRINTS = {
     GATEWAY: BESIDE[GATEWAY],
     "ros2 security create_keystore keys": "",
     "ros2 topic echo /whirl/motion": "name: 'motion: string'",
-    'ros2 param set /rig_driver weight_on_bit "60 N"': SET,
-    'ros2 param set /rig_driver rotation "120 rpm"': SET,
+    'ros2 param set /rig_driver wob "60 N"': SET,
+    'ros2 param set /rig_driver rpm "120 rpm"': SET,
     "ros2 topic echo /rig/commander": "data: /rig_driver",
     "ros2 topic echo /estimate/state": "- trust",
     'ros2 topic pub --once /rig/wob_command std_msgs/msg/Float64 "{data: 40.0}"': "publishing #1",
@@ -75,7 +75,12 @@ NEEDS = {
     "ros2 run drill_twin gateway --ros-args -p keys:=keys -p host:=0.0.0.0": "keys",
     "ros2 run drill_twin gateway --ros-args -p signals:=rig.yaml -p rig_url:=opc.tcp://rig:4840": "a rig",
     "ros2 run drill_twin estimator --ros-args -p scene:=my_well.yaml -p set_points:=measured"
-    " -p 'free:=wall_friction.coefficient=0.1..0.4; load_factor=0.8..1.2'": "a rig",
+    ' -p \'free:=["wall_friction.coefficient=0.1..0.4", "load_factor=0.8..1.2"]\'': "a rig",
+    "ros2 launch drill_twin twin.launch.py"
+    " drive:=false gateway:=true record:=true respawn:=true params_file:=rig.yaml": "a rig",
+    "ros2 service call /replayer/pause std_srvs/srv/Trigger": "a replay",
+    "ros2 param set /replayer rate 4.0": "a replay",
+    "ros2 param set /replayer start_offset 3.5": "a replay",
     "ros2 security generate_artifacts -k keys"
     " -p simulator.policy.xml rig_driver.policy.xml analyzer.policy.xml recorder.policy.xml": "copies of the policies",
     "ros2 run drill_twin simulator --ros-args --enclave /drill_twin/simulator": "keys in the environment",

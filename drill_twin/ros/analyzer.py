@@ -55,7 +55,10 @@ class Analyzer(TwinNode):
     )
     ON_CHANGE: ClassVar = (TWIN_SCENE,)
     RIGHTS: ClassVar = Rights(
-        (DIAGNOSTICS, TWIN_SCENE, REALTIME_FACTOR, MARKS_STATE, RIG_STATE, "/downhole/*/imu", "/measured/downhole/*/imu"),
+        (
+            *(DIAGNOSTICS, TWIN_SCENE, REALTIME_FACTOR, MARKS_STATE, RIG_STATE),
+            *("/downhole/*/imu", "/measured/downhole/*/imu"),
+        ),
     )
     _pipeline: WhirlPipeline | None = None
 

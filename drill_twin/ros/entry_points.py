@@ -109,7 +109,7 @@ def node_names() -> tuple[str, ...]:
 
 
 def parameter_names() -> Iterator[str]:
-    """Names of the parameters of all nodes that can be imported, those of the core first."""
+    """Names of the parameters of all nodes that can be imported, of the core's nodes first."""
     for name in node_names():
         with suppress(DrillTwinError):
             yield from (parameter.name for parameter in load(name).PARAMETERS)

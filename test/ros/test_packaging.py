@@ -281,8 +281,10 @@ def test_a_launch_needs_no_package_to_read_the_table_of_nodes():
 
 
 def test_who_sends_first_waits_for_the_running_nodes_that_must_miss_no_message():
-    assert entry_points.waits("rig_driver", {"recorder", "advisor", "simulator"}) == {"wait_for": "simulator recorder"}
-    assert entry_points.waits("replayer", {"replayer", "analyzer"}) == {"wait_for": "analyzer"}
+    assert entry_points.waits("rig_driver", {"recorder", "advisor", "simulator"}) == {
+        "wait_for": ("simulator", "recorder")
+    }
+    assert entry_points.waits("replayer", {"replayer", "analyzer"}) == {"wait_for": ("analyzer",)}
     assert entry_points.waits("analyzer", {"simulator"}) == {}
 
 

@@ -138,7 +138,7 @@ class GoodSamples:
         return Level.OK, ""
 
     def advice(self, names: tuple[str, ...]) -> str:
-        """What to do about inputs of which nothing has come."""
+        """Advice on inputs of which nothing has come."""
         return f"expected a publisher of {' or '.join(names)}"
 
     def _heard(self, name: str) -> _Input:

@@ -99,7 +99,7 @@ class NodeInputs(GoodSamples):
         super().expect(*names)
 
     def advice(self, names: tuple[str, ...]) -> str:
-        """Who publishes the first topic, or should; of many topics, nobody need."""
+        """Names of the publishers of the first topic, and what to look at, in a sentence."""
         found = ", ".join(self._node.topics.publisher_nodes(names[0]))
         if found and len(names) < 3:
             why = self._node.topics.incompatible_publisher()

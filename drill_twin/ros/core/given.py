@@ -106,7 +106,7 @@ def _blocks(data: Any, address: str = "") -> Iterator[tuple[str, Any]]:
 
 
 def _names(block: Any, prefix: str = "") -> Iterator[str]:
-    """Names of parameters in a block, those of nested blocks joined by dots."""
+    """Names of parameters in a block, names of nested blocks joined by dots."""
     for key, value in block.items() if isinstance(block, Mapping) else ():
         if isinstance(value, Mapping):
             yield from _names(value, f"{prefix}{key}.")

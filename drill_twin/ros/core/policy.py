@@ -26,13 +26,13 @@ _SERVICES = {
 
 @dataclass(frozen=True)
 class Rights:
-    """What a node does beside what every node does; names under the node begin with `~/`, `*` stands for any sub."""
+    """Topics and services that only some nodes have; names under the node begin with `~/`, `*` stands for any sub."""
 
     subscribes: tuple[str, ...] = ()
     services: tuple[str, ...] = ()
     calls: tuple[str, ...] = ()
     publishes: tuple[str, ...] = ()
-    """Topics beside those of which the table of topics says that the node publishes them."""
+    """Topics beside the ones that the node publishes by the table of topics."""
 
     def own(self, name: str) -> dict[str, set[str]]:
         """Names by right, `publish`, `subscribe`, `reply` and `request`, of the node of a name."""
