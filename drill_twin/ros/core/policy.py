@@ -32,7 +32,7 @@ class Rights:
     services: tuple[str, ...] = ()
     calls: tuple[str, ...] = ()
     publishes: tuple[str, ...] = ()
-    """Topics beside the ones that the node publishes by the table of topics."""
+    """Topics that the table of topics does not give to the node."""
 
     def own(self, name: str) -> dict[str, set[str]]:
         """Names by right, `publish`, `subscribe`, `reply` and `request`, of the node of a name."""
