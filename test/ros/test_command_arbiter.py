@@ -37,7 +37,7 @@ def make(clock):
     def arbiter(scene="pa6_bench", **parameters):
         settings = SimpleNamespace(
             command_timeout=1.0, on_silence="hold", safe_weight_on_bit=0.0, safe_speed=0.0, safe_ramp_time=5.0,
-            max_weight_on_bit=400.0, max_speed=20.0, negative_commands=False,
+            max_weight_on_bit=400.0, max_speed=20.0 * TURN, negative_commands=False,
         )  # fmt: skip
         vars(settings).update(parameters)
         scene = load_scene(scene) if isinstance(scene, str) else scene
@@ -102,7 +102,7 @@ def test_a_speed_of_the_block_that_nothing_follows_is_refused_by_itself(make, bl
 def test_silence_ramps_every_set_point(make, clock):
     """The block comes to rest with the others, and not at once."""
     scene = rig({"weight_on_bit": {"at": "block"}, "block": {"value": -0.01}})
-    arbiter = make(scene, on_silence="ramp", safe_weight_on_bit=10.0, safe_speed=1.0 / TURN, safe_ramp_time=4.0)
+    arbiter = make(scene, on_silence="ramp", safe_weight_on_bit=10.0, safe_speed=1.0, safe_ramp_time=4.0)
     arbiter.command(1, Command(50.0, 9.0, -0.008))
     assert arbiter.set_point(1.0) == arbiter.good
     clock.now += 1.5

@@ -56,8 +56,8 @@ def test_a_commander_with_the_wall_clock_commands_on_after_time_went_back(bench,
     bench.until_status("simulator", lambda status: number(status, "simulated_time") > 2.0)
     assert bench.call(f"/simulator/{action}").success
     commander.weight = commander.speed = 0.0  # a stop
-    status = until_applied(bench, 0.0, 0.0)
-    assert status.values["commander"] == "/integrator"
+    bench.until_status("simulator", lambda status: status.values["commander"] == "/integrator")
+    until_applied(bench, 0.0, 0.0)
     assert simulator.end() == 0, simulator.text
 
 

@@ -108,12 +108,9 @@ def test_topics_types_and_services_that_the_guide_names_exist():
     services = set(re.findall(r"ros2 service call /simulator/(\w+) std_srvs/srv/Trigger", GUIDE))
     assert services >= {"pause", "resume", "step", "reset", "save_checkpoint", "load_checkpoint"}
     assert {f"~/{name}" for name in services} <= set(load("simulator").RIGHTS.services)
-    from drill_twin.ros.rig_driver.node import RigDriver
-    from drill_twin.ros.simulator.node import Simulator
-
     live = {
         (make.NAME, parameter.name)
-        for make in (RigDriver, Simulator)
+        for make in map(load, ("rig_driver", "simulator", "replayer"))
         for parameter in make.PARAMETERS
         if parameter.live
     }

@@ -108,7 +108,7 @@ def test_a_replay_with_the_parameters_of_the_launch_waits_for_an_analyzer_that_c
         "leave_out": " ".join(FINDINGS),
         "keep_namespace": False,
         "wait_timeout": 120.0,
-        **waits("replayer", REPLAY),
+        "wait_for": " ".join(waits("replayer", REPLAY)["wait_for"]),
     }
     replayer = bench.start("replayer", bag=str(eager_bag), rate=0.0, **computed)
     bench.until(lambda: "waiting for /analyzer: it is not there yet" in replayer.text, what="the wait")

@@ -157,13 +157,6 @@ def test_a_loop_that_does_not_look_is_ended_a_second_after_the_signal(bench, hel
     assert process.text == f"begun\n{held}\n"
 
 
-def test_a_replayer_with_nothing_to_replay_again_and_again_ends_when_asked(bench, small_bag):
-    process = bench.start("replayer", bag=str(small_bag), topics="/advice/state", loop=True)
-    bench.until_ready("replayer")
-    process.send(signal.SIGTERM)
-    assert process.wait(10.0) == 0, process.text
-
-
 def test_a_node_ends_with_the_launch_that_is_killed(bench):
     """Nobody is left then to ask it; what is started by hand stays."""
     words = "import subprocess, sys; subprocess.Popen(sys.argv[1:]); sys.stdin.read(); import time; time.sleep(600)"

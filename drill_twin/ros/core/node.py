@@ -75,6 +75,7 @@ class TwinNode(LifecycleNodeMixin, SpinningNode):
         self.settings, self.unknown = declare(self, table, other_names=others)  # unknown: meant for other nodes
         self._shares_its_process = bool(others)
         follow_changes(self, table, self.settings, check=self.check_change, changed=self._changed)
+        self.samples = NodeInputs(self, self.ON_CHANGE, self.TIMED_BY)
         self.topics = NodeTopics(self, lambda topic: self.samples.unreadable(topic), self._keep)  # noqa: PLW0108 - it changes
         self._starts, self._attributes = False, frozenset[str]()  # of the unconfigured node
         self.active = self.ended = self.ends = False
