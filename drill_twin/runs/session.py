@@ -8,8 +8,6 @@ the same topics, so its recordings equal recordings of the nodes. Messages are s
 >>> outcome = session.run("out/bag_0")
 """
 
-from __future__ import annotations
-
 import math
 import time
 from collections.abc import Callable

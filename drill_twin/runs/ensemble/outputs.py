@@ -4,8 +4,6 @@
 Memory grows with the run for `marks` and the channels only.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 

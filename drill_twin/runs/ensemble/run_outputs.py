@@ -6,8 +6,6 @@ string (bow, imbalance, a buckled shape) and psi its spin; a and b by least squa
 as the rest r, so the size of r in the two quarters tells whether a whirl grows long before it reaches the wall.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass

@@ -9,8 +9,6 @@ cookie that no script reads and a key. Both are asked for: a browser sends cooki
 other people included, and writes to its profile in clear what a page stores.
 """
 
-from __future__ import annotations
-
 import hmac
 import html
 import os

@@ -5,8 +5,6 @@ An alarm is active from its cause to the end of the cause, and it stays on the p
 cause is gone (states as in ANSI/ISA-18.2).
 """
 
-from __future__ import annotations
-
 import math
 import time as clock
 from collections import deque

@@ -6,8 +6,6 @@ so only the requests of a page with a right are taken (`drill_twin_dashboard.liv
 JavaScript modules of this package, and plotly.js of the plotly package.
 """
 
-from __future__ import annotations
-
 import asyncio
 import gzip
 import json

@@ -5,8 +5,6 @@ The sources of a running twin are the nodes that send. Values of a source that h
 away, and a sentence says so.
 """
 
-from __future__ import annotations
-
 import math
 import time
 from collections.abc import Callable

@@ -5,8 +5,6 @@ Connections are bounded. A request is checked by its head (`drill_twin_dashboard
 and a client that does not ask, read or leave in time is dropped.
 """
 
-from __future__ import annotations
-
 import asyncio
 import logging
 import socket

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Operating map of a scene: regimes over weight on bit and speed (docs/drill_twin_studies/operating_map.md)."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from pathlib import Path
 

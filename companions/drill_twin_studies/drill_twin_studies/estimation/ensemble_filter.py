@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Ensemble beside a rig, corrected window by window by what is measured."""
 
-from __future__ import annotations
-
 import math
 from collections import deque
 from collections.abc import Collection, Sequence

@@ -8,8 +8,6 @@ long and bent. While the likelihood is much narrower than the draws, it is raise
 of them alive (tempering).
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any

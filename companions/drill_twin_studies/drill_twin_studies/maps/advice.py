@@ -4,8 +4,6 @@
 Advice is given once the set-points have settled, with one target at a time.
 """
 
-from __future__ import annotations
-
 import math
 from functools import cached_property
 from typing import NamedTuple

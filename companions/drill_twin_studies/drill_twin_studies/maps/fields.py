@@ -10,8 +10,6 @@ The plane is judged in cells of one step. A cell is safe if
 * it keeps `MARGIN` to the next cell that is not safe.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property

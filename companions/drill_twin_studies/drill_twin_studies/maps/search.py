@@ -9,8 +9,6 @@ friction starts whirls that no growth rate knows: so the growth rate at which wh
 found from the runs so far.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import closing
 from pathlib import Path

@@ -7,8 +7,6 @@ solve in that frame. A motion that turns with the rotation itself (ratio 1) is a
 string, with the imperfections in it.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass

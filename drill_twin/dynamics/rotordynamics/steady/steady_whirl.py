@@ -15,8 +15,6 @@ residual F is multiplied by m = prod(1 / d_i^2 + 1), d_i the distance from a kno
 for F times a number, so that deflation costs two products a step.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import NamedTuple

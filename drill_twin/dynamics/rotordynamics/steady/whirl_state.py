@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """A steady whirl with its stability and its contact."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from typing import Any
