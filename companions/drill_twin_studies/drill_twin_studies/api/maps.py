@@ -170,7 +170,7 @@ def operating_map(
         compile_kernel(own, own.numerics.frame_period, analysis=True)
         journal = None if folder is None else open_journal(Path(folder), setup)
         rates = growth_of(own, plane) if growth else None
-        lateral, torsional = (None, None) if rates is None else rates
+        lateral, torsional = (None, None) if rates is None else (rates.lateral, rates.torsional)
         runner = Runner(own, plane, length, asked, draws, executor)
         search = BoundarySearch(runner, journal, runs, progress or (lambda _, __, ___: None), lateral)
         search.calm()

@@ -6,8 +6,10 @@ const TRAIL = 400;  // positions of a mark
 export const state = { picture: null, trails: {}, trends: { run: null, seconds: 0.25, channels: [], rows: [] }, events: [] };
 export const $ = (id) => document.getElementById(id);
 
+// Make an element with its properties, and with attributes that are no properties, as `aria-label`.
 export function element(name, content = {}, ...children) {
-  const made = Object.assign(document.createElement(name), content);
+  const made = document.createElement(name);
+  for (const [key, value] of Object.entries(content)) if (key in made) made[key] = value; else made.setAttribute(key, value);
   made.append(...children);
   return made;
 }

@@ -15,16 +15,13 @@ const limit = (channel, side) => state.picture?.limits?.[channel]?.[side];
 
 export function offerTrends() {
   $("trends").append(...CHANNELS.map(([channel, words, quantity]) => {
-    const entry = (side) => {
-      const box = element("input", { id: `${channel}_${side}`, type: "number", step: "any", placeholder: "none" });
-      box.setAttribute("aria-label", `${side} limit of the ${words}`);
-      box.addEventListener("change", () => say({ [box.id]: box.value === "" ? false : +box.value * size(quantity) }));
-      return box;
-    };
+    const entry = (side) => element("input", {
+      id: `${channel}_${side}`, type: "number", step: "any", placeholder: "none", "aria-label": `${side} limit of the ${words}`,
+      onchange: ({ target }) => say({ [target.id]: target.value === "" ? false : +target.value * size(quantity) }),
+    });
     const value = element("p", { className: "value" }, element("output", { id: channel, textContent: "-" }), " ", element("span", { className: "unit", id: `${channel}_unit` }));
     const limits = element("p", { className: "limits" }, "limits", entry("low"), "to", entry("high"));
-    const chart = element("div", { className: "chart", id: `${channel}_chart` });
-    chart.setAttribute("role", "img");
+    const chart = element("div", { className: "chart", id: `${channel}_chart`, role: "img" });
     return element("article", { className: "channel", id: `${channel}_channel` }, element("div", {}, element("h3", { textContent: words }), value, limits), chart);
   }));
   $("span").append(...Object.entries(SPANS).map(([name, seconds]) => element("option", { value: seconds, textContent: name, selected: seconds === 300 })));
