@@ -75,15 +75,6 @@ def _unit_table() -> str:
     return f"export const SYSTEMS = {json.dumps(systems)}, UNITS = {json.dumps(units)};\n"
 
 
-def file_response(path: str, kind: str, content: bytes, *, packed: bool) -> Response:
-    """Answer with a file of `page_files`; plotly.js is compressed for a browser that takes it `packed`."""
-    more = {}
-    if path == _PLOTLY:
-        content = _plotly(packed=packed)
-        more = {"Content-Encoding": "gzip"} if packed else {}
-    return response(kind, content, **more)
-
-
 def response(kind: str, content: bytes, **more: str) -> Response:
     """Answer 200 with the headers of this page."""
     headers = Headers(
@@ -197,8 +188,11 @@ class PageServer(WebServer):
             return response("application/json", text.encode())
         if path not in self._files:
             return connection.respond(HTTPStatus.NOT_FOUND, "the page is at /\n")
+        kind, content = self._files[path]
+        if path != _PLOTLY:
+            return response(kind, content)
         packed = "gzip" in ",".join(request.headers.get_all("Accept-Encoding"))
-        return file_response(path, *self._files[path], packed=packed)
+        return response(kind, _plotly(packed=packed), **({"Content-Encoding": "gzip"} if packed else {}))
 
     async def _converse(self, connection: ServerConnection) -> None:
         """Send snapshots and handle requests until the client leaves."""

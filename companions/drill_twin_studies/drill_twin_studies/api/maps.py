@@ -16,6 +16,7 @@ from drill_twin.runs import compile_kernel
 from drill_twin.scene import Scene
 from drill_twin.scene.overrides import full_key
 from drill_twin.scene.schema import number_at
+from drill_twin_studies.fitting.sampling import sobol
 from drill_twin_studies.maps import OperatingMap, Plane, Regime, Span
 from drill_twin_studies.maps.runs import FINER, Key, Runner
 from drill_twin_studies.maps.search import BoundarySearch, Progress, growth_of, open_journal
@@ -50,11 +51,9 @@ def draws_of(scene: Scene, seeds: int, vary: Mapping[str, tuple[float, float]]) 
         raise ArgumentError("vary: expected 2 or more seeds with uncertain numbers, one draw for each; found 1")
     if seeds == 1:
         return ()
-    from scipy.stats import qmc
-
     draws = [{SEED: scene.numerics.seed} | {key: number_at(scene, key) or 0.0 for key in vary}]
-    points = qmc.Sobol(max(1, len(vary)), seed=0).random(1 << (seeds - 1).bit_length())
-    for number, point in enumerate(points[: seeds - 1].tolist(), 1):
+    points = sobol(max(1, len(vary)), seeds, 0)
+    for number, point in enumerate(points[:-1].tolist(), 1):
         shares = zip(point, vary.items(), strict=False)
         draws.append(
             {SEED: scene.numerics.seed + number}

@@ -22,7 +22,17 @@ from drill_twin.core.files.json_files import JsonLines
 from drill_twin.dynamics.rotordynamics.campbell import GrowthMap, growth_map
 from drill_twin.dynamics.rotordynamics.equations import EquationsOfMotion
 from drill_twin.scene import Scene
-from drill_twin_studies.maps.plane import UNKNOWN, Labels, Node, Plane, differ, nearest_known, on_lattice, wanted
+from drill_twin_studies.maps.plane import (
+    UNKNOWN,
+    Labels,
+    Node,
+    Plane,
+    differ,
+    filled,
+    nearest_known,
+    on_lattice,
+    wanted,
+)
 from drill_twin_studies.maps.regimes import Regime
 from drill_twin_studies.maps.runs import HOLD, Key, Runner, RunRecord
 
@@ -174,11 +184,8 @@ class BoundarySearch:
             self.notes.append("no whirl was found that could die")
             return
         origins = nearest_known(whirling == 1)
-        calm = self._labels(whirl_label)
-        known = calm != UNKNOWN
-        nearest = calm[tuple(nearest_known(known))]
         size = max(1, self._steps // (4 * self._others))
-        labels = np.where(nearest == 1, 1, UNKNOWN).astype(np.int8)
+        labels = np.where(filled(self._labels(whirl_label)) == 1, 1, UNKNOWN).astype(np.int8)
         while nodes := wanted(labels, max(1, self._steps // self._others), size):
             keys = [Key(*node, 0, (int(origins[0][node]), int(origins[1][node]))) for node in nodes]
             if not self.make("end of whirl", keys):

@@ -39,7 +39,4 @@ export function keepHistory({ trends, events }) {
   return (trends.rows.length > 0 && trends.rows[0][0] > last + 1 && held.rows.length > fresh.length) || (events[0]?.number ?? 0) > newest + 1;
 }
 
-export function takeHistory(history) {
-  state.trends = history.trends;
-  state.events = history.events;
-}
+export const takeHistory = ({ trends, events }) => Object.assign(state, { trends, events });

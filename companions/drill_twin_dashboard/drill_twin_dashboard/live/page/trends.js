@@ -46,23 +46,18 @@ export function showValues(picture) {
 // Rows of the present span as columns [time, least, mean, largest], several intervals in one where there are too many.
 function lines(channel, quantity, begin, end) {
   const { rows, channels, seconds } = state.trends, at = 1 + 3 * channels.indexOf(channel), scale = size(quantity);
-  const found = { time: [], low: [], mean: [], high: [] }, several = Math.max(1, Math.ceil((end - begin) / seconds / POINTS));
-  let group = [];
-  const close = () => {
-    const known = group.filter((row) => row[at + 1] !== null);
-    found.time.push((group[0][0] + 0.5 * group.length) * seconds);
-    found.low.push(known.length ? Math.min(...known.map((row) => row[at])) / scale : null);
-    found.mean.push(known.length ? known.reduce((sum, row) => sum + row[at + 1], 0) / known.length / scale : null);
-    found.high.push(known.length ? Math.max(...known.map((row) => row[at + 2])) / scale : null);
-    group = [];
-  };
-  for (const row of rows) {
-    if (row[0] * seconds < begin || row[0] * seconds > end) continue;
-    if (group.length && Math.floor(row[0] / several) !== Math.floor(group[0][0] / several)) close();
-    group.push(row);
+  const several = Math.max(1, Math.ceil((end - begin) / seconds / POINTS)), groups = [];
+  for (const row of rows.filter(([place]) => place * seconds >= begin && place * seconds <= end)) {
+    if (Math.floor(row[0] / several) === Math.floor(groups.at(-1)?.[0][0] / several)) groups.at(-1).push(row);
+    else groups.push([row]);
   }
-  if (group.length) close();
-  return found;
+  const column = (k, of) => groups.map((group) => {
+    const known = group.map((row) => row[at + k]).filter((value) => value !== null);
+    return known.length ? of(known) / scale : null;
+  });
+  const mean = (values) => values.reduce((sum, value) => sum + value, 0) / values.length;
+  return { time: groups.map((group) => (group[0][0] + 0.5 * group.length) * seconds),
+    low: column(0, (values) => Math.min(...values)), mean: column(1, mean), high: column(2, (values) => Math.max(...values)) };
 }
 
 function traces(found, colour, opacity) {
