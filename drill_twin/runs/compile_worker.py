@@ -26,8 +26,12 @@ def main() -> None:
 
     with os.fdopen(int(sys.argv[1]), "rb") as given:
         scene, period = pickle.load(given)  # noqa: S301 - written by the parent process
-    with before_each_compilation(lambda: os.write(progress, b".")):
+    with before_each_compilation(lambda: _write_byte(progress)):
         first_frame(scene, period, analysis=True)
+
+
+def _write_byte(progress: int) -> None:
+    os.write(progress, b".")
 
 
 def _end_with_input() -> None:

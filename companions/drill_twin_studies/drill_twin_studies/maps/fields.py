@@ -232,7 +232,7 @@ class MapFields:
         if not inside.any():
             return []
         steps = self.plane.steps
-        nodes = corners(np.pad(inside, 1)).any(axis=0)
+        nodes = np.asarray(corners(np.pad(inside, 1)).any(axis=0))
         runs = sum(len(runs) for node, runs in self.runs_at_nodes.items() if nodes[node])
         runs_said = (
             f"{runs} runs of {self.duration:g} s in them and at their corners, all smooth: none would whirl or swing "
