@@ -10,8 +10,6 @@ as another, so the last course turns the number of compiled functions into a sha
 each number was reached.
 """
 
-from __future__ import annotations
-
 import json
 import logging
 import os

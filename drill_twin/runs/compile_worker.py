@@ -5,8 +5,6 @@ Its argument is the file descriptor of the pickled arguments of `first_frame`. I
 each function that it compiles, and ends when its standard input does.
 """
 
-from __future__ import annotations
-
 import gc
 import os
 import pickle

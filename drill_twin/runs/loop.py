@@ -5,8 +5,6 @@ A session without ROS and the simulator node both drive this loop; they differ i
 bag, memory, DDS) and in what decides when the next frame is due.
 """
 
-from __future__ import annotations
-
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import replace

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Set-points of a recorded run, one for each frame: what the rig commanded or, without commands, its state."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from contextlib import suppress

@@ -8,8 +8,6 @@ the same topics, so its recordings equal recordings of the nodes. Messages are s
 >>> outcome = session.run("out/bag_0")
 """
 
-from __future__ import annotations
-
 import math
 import time
 from collections.abc import Callable
@@ -124,17 +122,13 @@ class Session:
                             progress(Progress(seconds(run.stamp), end, run.findings, factor))
             except RunError as error:
                 run.report_diagnostics()
-                text = f"{error}; what came before is recorded in {bag.folder}{_saved(run, bag.folder, error)}"
-                raise (error.with_message(text) if isinstance(error, StoppedError) else RunError(text)) from error
+                text = f"{error}; what came before is recorded in {bag.folder}"
+                if not isinstance(error, StoppedError):
+                    raise RunError(text) from error
+                state = bag.folder.with_name(f"{bag.folder.name}_stop")
+                saved = save_failure(state, run.loop.twin, run.command, error)
+                raise error.with_message(f"{text}; {saved}") from error
             run.report_diagnostics()
         wall = time.monotonic() - began
         finished = run.loop.frames == frames
         return Outcome(bag.folder, seconds(run.stamp), finished, wall, run.motion_seconds, run.pipeline.summary())
-
-
-def _saved(run: SessionRun, bag: Path, error: RunError) -> str:
-    """Save the last good state beside the bag; returns where, in words."""
-    if not isinstance(error, StoppedError):
-        return ""
-    folder = bag.with_name(f"{bag.name}_stop")
-    return f"; {save_failure(folder, run.loop.twin, run.command, error)}"

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """One run of a session, some frames at a time: what driver, simulator and analyzer send, recorded as it goes."""
 
-from __future__ import annotations
-
 import math
 import time
 from collections.abc import Callable, Sequence

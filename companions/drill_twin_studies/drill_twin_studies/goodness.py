@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Goodness of fit of a channel: what is measured less what is computed, against the noise of the record itself."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass

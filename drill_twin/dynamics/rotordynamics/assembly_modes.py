@@ -5,8 +5,6 @@ A mode of the assembly stays where it is when the cut is moved; a mode that move
 Torsional and axial modes are modes of the whole string.
 """
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -4,8 +4,6 @@
 Each node couples with its neighbours alone, so that all operations take a time in proportion to the elements.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from functools import cached_property
 from typing import Any

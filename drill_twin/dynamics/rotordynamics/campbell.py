@@ -5,8 +5,6 @@ The map of growth rates has the largest of the string on the axis over weight on
 stick-slip.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from typing import NamedTuple

@@ -5,8 +5,6 @@ The imperfections that turn with the string (`bow`, `eccentricity`) are set to z
 from every direction, unless the hole is inclined. An effect that depends on time itself is refused.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property

@@ -7,8 +7,6 @@ holds. Where an amplitude is larger than the clearance, or a side force changes 
 wall or lifts off it: the speed is right then, the amplitude is not.
 """
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Forces, moments and stresses along the string in a balance, at the middle of each element."""
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

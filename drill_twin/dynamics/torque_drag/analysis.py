@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Loads, margins and contacts of a scene in each operation of the rig."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass

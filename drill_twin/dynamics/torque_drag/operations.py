@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Operations of the rig whose loads are wanted: steady motion of the whole string along and about the hole."""
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 TRIP_SPEED = 0.3

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Hookload and torque of the soft string over the depth of its bit, for several coefficients of friction."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass

@@ -11,8 +11,6 @@ changes small (Kelley and Keyes 1998); the step grows as the residual falls, unt
 banded, seven unknowns a node.
 """
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

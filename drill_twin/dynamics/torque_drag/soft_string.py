@@ -14,8 +14,6 @@ Pipe snakes at a compression, and forms a helix at a larger one.
   1993). Between sqrt(2) and 2 sqrt(2) F_s both shapes are possible, above it only the helix (Mitchell 1997).
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from enum import IntEnum

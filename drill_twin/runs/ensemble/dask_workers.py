@@ -5,8 +5,6 @@ A task is a function of its arguments alone, so that the scheduler gives the tas
 tasks for each core are on their way at a time: scheduler and client do not grow with the number of members.
 """
 
-from __future__ import annotations
-
 import logging
 import pickle
 import platform

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Members of an ensemble: the values in which each differs from the base scene."""
 
-from __future__ import annotations
-
 import itertools
 import math
 from collections.abc import Iterator, Mapping, Sequence

@@ -4,8 +4,6 @@
 Memory grows with the run for `marks` and the channels only.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 
@@ -46,9 +44,8 @@ class Marks(Collector):
         self._time, self._centre = np.full(samples, np.nan), np.full((samples, marks, 2), np.nan)
         self._frames = self._samples = 0
 
-    def add(self, rows: FrameSeries, rig: RigSeries) -> None:
+    def add(self, rows: FrameSeries, _rig: RigSeries) -> None:
         """Keep every n-th frame."""
-        del rig
         first = -self._frames % self.request.every
         time, centre = rows.time[first :: self.request.every], rows.centre[first :: self.request.every, :, :2]
         place = slice(self._samples, self._samples + time.size)
@@ -126,9 +123,8 @@ class Spectra(Collector):
         self._power, self._segments = np.zeros((self._length, marks)), 0
         self._waiting = np.zeros((0, marks), complex)
 
-    def add(self, rows: FrameSeries, rig: RigSeries) -> None:
+    def add(self, rows: FrameSeries, _rig: RigSeries) -> None:
         """Transform the segments that are full."""
-        del rig
         line = rows.centre[..., 0] + 1j * rows.centre[..., 1]
         waiting, length = np.concatenate((self._waiting, line)), self._length
         while len(waiting) >= length:

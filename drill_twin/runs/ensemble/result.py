@@ -27,6 +27,7 @@ class EnsembleResult:
     Attributes:
         members: The members, each with its number and its `values` by key.
         runs: The outcome of each.
+        names: Names of the outputs.
         units: Unit of each output, by name.
         dimensions: Dimensions of each output by name, after the dimension of the members.
     """
@@ -36,19 +37,14 @@ class EnsembleResult:
         self.members = list(members)
         known = [run.values for run in runs if run.values]
         example = known[0] if known else {}
-        self._names = [name for name in example if name != "summary"]
-        self.units = {name: example[name].unit for name in self._names}
-        self.dimensions = {name: example[name].dimensions for name in self._names}
+        self.names = [name for name in example if name != "summary"]
+        self.units = {name: example[name].unit for name in self.names}
+        self.dimensions = {name: example[name].dimensions for name in self.names}
 
     def __repr__(self) -> str:
         """One line: scene, members, failures."""
         failed = f", {len(self.failed)} failed" if self.failed else ""
         return f"<EnsembleResult of {self._members.base.name}: {len(self.members)} members{failed}>"
-
-    @property
-    def names(self) -> list[str]:
-        """Names of the outputs."""
-        return list(self._names)
 
     @property
     def marks(self) -> list[str]:
@@ -88,8 +84,8 @@ class EnsembleResult:
         Raises:
             ArgumentError: No output of this name.
         """
-        if name not in self._names:
-            raise ArgumentError(f"expected one of {', '.join(self._names) or 'no outputs'}, found {name!r}")
+        if name not in self.names:
+            raise ArgumentError(f"expected one of {', '.join(self.names) or 'no outputs'}, found {name!r}")
         found = [run.values.get(name) for run in self.runs]
         example = next(value for value in found if value is not None).value
         if name in _OF_ALL:
@@ -116,7 +112,7 @@ class EnsembleResult:
         variables: dict[str, Any] = {
             "failed": (keys, np.array([bool(run.failure) for run in self.runs]).reshape(shape))
         }
-        for name in self._names:
+        for name in self.names:
             values, unit = self[name], {"units": self.units[name]}
             if name in _OF_ALL:
                 coordinates[name] = (self.dimensions[name], values, unit)
@@ -137,7 +133,7 @@ class EnsembleResult:
             ArgumentError: pandas is not installed.
         """
         columns = {**self.coordinates, "failed": [bool(run.failure) for run in self.runs]}
-        for name in self._names:
+        for name in self.names:
             heading = f"{name} [{self.units[name]}]" if self.units[name] else name
             if not self.dimensions[name]:
                 columns[heading] = self[name]

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Runs of the members of an ensemble, and the threads that make them: the compiled frame loop releases the GIL."""
 
-from __future__ import annotations
-
 import time
 from collections.abc import Callable, Generator, Hashable, Mapping
 from concurrent.futures import CancelledError, ThreadPoolExecutor, as_completed

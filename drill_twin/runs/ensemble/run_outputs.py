@@ -6,8 +6,6 @@ string (bow, imbalance, a buckled shape) and psi its spin; a and b by least squa
 as the rest r, so the size of r in the two quarters tells whether a whirl grows long before it reaches the wall.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -148,9 +146,8 @@ class Contact(Collector):
     _nodes = 0.0
     _frames = 0
 
-    def add(self, rows: FrameSeries, rig: RigSeries) -> None:
+    def add(self, rows: FrameSeries, _rig: RigSeries) -> None:
         """Count frames with contact."""
-        del rig
         self._touching = self._touching + (rows.wall_force > 0.0).sum(axis=0)
         self._nodes += float(rows.string[:, 2].sum())
         self._frames += rows.time.size
@@ -183,13 +180,13 @@ class Energy(Collector):
         found = self.twin.energy()
         if found is None:
             raise ArgumentError("outputs: expected a scene with numerics.audit: energy for `energy`, found none")
-        parts = {f"dissipated_{name}": value for name, value in found.dissipated.items()}
-        parts |= {f"work_{name}": value for name, value in found.work.items()}
-        parts |= {f"stored_{name}": value for name, value in found.stored.items()}
-        return {
-            **{f"energy_{name}": Variable(value, (), "J") for name, value in parts.items()},
-            "energy_residual": Variable(found.share, (), "1"),
+        energies = {"dissipated": found.dissipated, "work": found.work, "stored": found.stored}
+        variables = {
+            f"energy_{kind}_{name}": Variable(value, (), "J")
+            for kind, parts in energies.items()
+            for name, value in parts.items()
         }
+        return {**variables, "energy_residual": Variable(found.share, (), "1")}
 
 
 ROUND_OFF = 1e-8

@@ -9,8 +9,6 @@ cookie that no script reads and a key. Both are asked for: a browser sends cooki
 other people included, and writes to its profile in clear what a page stores.
 """
 
-from __future__ import annotations
-
 import hmac
 import html
 import os
@@ -31,7 +29,8 @@ from websockets.datastructures import Headers
 
 from drill_twin.core.loopback import in_url, literal_address
 
-WILDCARDS = ("0.0.0.0", "::", "")  # noqa: S104 - compared with, not bound
+WILDCARDS = {"0.0.0.0": "127.0.0.1", "::": "::1", "": "127.0.0.1"}  # noqa: S104 - compared with, not bound
+"""Address of this machine for each address that stands for all of them."""
 CODE_LIFE = 300.0
 """Life of a code [s]: time to carry a link to another screen, and for a browser to start."""
 
@@ -197,13 +196,7 @@ def _private_file(text: str) -> Path | None:
 
 def url(host: str, port: int) -> str:
     """Address of the page for a browser on this machine."""
-    if host in {"::", "::1"}:
-        shown = "[::1]"
-    elif host in WILDCARDS:
-        shown = "127.0.0.1"
-    else:
-        shown = in_url(host)
-    return f"http://{shown}:{port}/"
+    return f"http://{in_url(WILDCARDS.get(host, host))}:{port}/"
 
 
 def _same(given: str, secret: str) -> bool:

@@ -5,14 +5,15 @@ An alarm is active from its cause to the end of the cause, and it stays on the p
 cause is gone (states as in ANSI/ISA-18.2).
 """
 
-from __future__ import annotations
-
 import math
 import time as clock
 from collections import deque
 from collections.abc import Iterator, Mapping
 from dataclasses import asdict, dataclass
+from itertools import takewhile
 from typing import Any
+
+import numpy as np
 
 from drill_twin.core.errors import DrillTwinError
 from drill_twin.core.units import UnitError, parse
@@ -35,11 +36,7 @@ class Trends:
 
     def __init__(self, most: int = _MOST) -> None:
         self._rows: deque[Row] = deque(maxlen=most)
-        self._present = math.nan
-        self._low: list[float] = []
-        self._sum: list[float] = []
-        self._high: list[float] = []
-        self._counts: list[int] = []
+        self._begin(math.nan)
         self._sent = 0
         self.run = 0
         """Number of the run; time that goes back begins another."""
@@ -47,8 +44,15 @@ class Trends:
     def clear(self) -> None:
         """Begin another run."""
         self._rows.clear()
-        self._present, self._sent = math.nan, 0
+        self._begin(math.nan)
+        self._sent = 0
         self.run += 1
+
+    def _begin(self, place: float) -> None:
+        """Begin an interval by its number; NaN: none."""
+        self._present = place
+        self._low = self._high = np.full(len(CHANNELS), math.nan)
+        self._sum = self._counts = np.zeros(len(CHANNELS))
 
     def push(self, time: float, values: Mapping[str, float]) -> None:
         """Add the values of an instant [s]; a channel that is missing or not finite has no value."""
@@ -58,16 +62,11 @@ class Trends:
                 self.clear()
             else:
                 self._close()
-            count = len(CHANNELS)
-            self._present = place
-            self._low, self._high = [math.inf] * count, [-math.inf] * count
-            self._sum, self._counts = [0.0] * count, [0] * count
-        for k, name in enumerate(CHANNELS):
-            value = values.get(name, math.nan)
-            if math.isfinite(value):
-                self._low[k], self._high[k] = min(self._low[k], value), max(self._high[k], value)
-                self._sum[k] += value
-                self._counts[k] += 1
+            self._begin(place)
+        found = np.array([values.get(name, math.nan) for name in CHANNELS])
+        found[np.isinf(found)] = math.nan
+        self._low, self._high = np.fmin(self._low, found), np.fmax(self._high, found)
+        self._sum, self._counts = self._sum + np.nan_to_num(found), self._counts + np.isfinite(found)
 
     def _close(self) -> None:
         if math.isnan(self._present):
@@ -79,11 +78,8 @@ class Trends:
 
     def recent(self) -> dict[str, Any]:
         """Rows that are new since the last call, and a few before them."""
-        rows, first = [], self._sent - _AGAIN
-        for row in reversed(self._rows):
-            if (row[0] or 0) < first:
-                break
-            rows.append(row)
+        first = self._sent - _AGAIN
+        rows = list(takewhile(lambda row: (row[0] or 0) >= first, reversed(self._rows)))
         if self._rows:
             self._sent = int(self._rows[-1][0] or 0)
         return {"run": self.run, "rows": rows[::-1]}

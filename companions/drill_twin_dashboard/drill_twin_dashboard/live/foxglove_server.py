@@ -6,8 +6,6 @@ names itself and its channels, the viewer subscribes and unsubscribes, and each 
 number of the subscription and the time at which it was received.
 """
 
-from __future__ import annotations
-
 import json
 import logging
 import struct

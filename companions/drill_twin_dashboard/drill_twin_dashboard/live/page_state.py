@@ -62,11 +62,6 @@ _SPEAKERS = ("advisor", "estimator")
 _MOST_MARKS, _MOST_NODES = 200, 20_000
 
 
-def _simulator(factor: str, text: str) -> dict[str, str]:
-    """Real-time factor of the simulator, and a sentence on it."""
-    return {"factor": factor, "text": text}
-
-
 def _showing(name: str, shown: Callable[[Any], Any]) -> Callable[[PageState, Any], None]:
     """Handler of a topic whose message the page shows under a name, as a function makes it."""
 
@@ -112,7 +107,8 @@ class PageState:
         self._starting = ""  # name of the simulator while it compiles or is not configured
         self.shown: dict[str, Any] = {  # what the page gets as it is
             "time": 0.0, "scene": None, "nodes": [], "motion": {"state": "", "criterion": "", "whirls": False},
-            "onset": None, "advice": {"level": 0}, "map": None, "estimates": None, "simulator": _simulator("", ""),
+            "onset": None, "advice": {"level": 0}, "map": None, "estimates": None,
+            "simulator": {"factor": "", "text": ""},  # real-time factor, and a sentence on it
         }  # fmt: skip
 
     def update(self, topic: str, raw: bytes) -> None:
@@ -204,13 +200,13 @@ class PageState:
                     self._supervision.estimate(found["level"], self._said[node])
             if "compiling" in status.values:
                 self._starting = status.name
-                self.shown["simulator"] = _simulator("", status.text)
+                self.shown["simulator"] = {"factor": "", "text": status.text}
             if "realtime_factor" in status.values:
                 values, self._starting = status.values, ""
                 self._state = short(values.get("state", ""))
                 factor = short(values.get("realtime_factor_last_second", values["realtime_factor"]))
                 pace = values.get("pace", "") if status.level == Level.OK else status.text
-                self.shown["simulator"] = _simulator(factor, short(pace))
+                self.shown["simulator"] = {"factor": factor, "text": short(pace)}
 
     def snapshot(self) -> dict[str, Any]:
         """All values as plain types for JSON, with the positions of the marks since the last snapshot."""

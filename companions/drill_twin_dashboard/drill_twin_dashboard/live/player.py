@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Playback of a bag on the live page, in simulated time."""
 
-from __future__ import annotations
-
 import threading
 import time
 from collections.abc import Iterable, Iterator, Mapping, Sequence

@@ -6,8 +6,6 @@ so only the requests of a page with a right are taken (`drill_twin_dashboard.liv
 JavaScript modules of this package, and plotly.js of the plotly package.
 """
 
-from __future__ import annotations
-
 import asyncio
 import gzip
 import json
@@ -75,15 +73,6 @@ def _unit_table() -> str:
         for quantity, row in _DIGITS.items()
     }
     return f"export const SYSTEMS = {json.dumps(systems)}, UNITS = {json.dumps(units)};\n"
-
-
-def file_response(path: str, kind: str, content: bytes, *, packed: bool) -> Response:
-    """Answer with a file of `page_files`; plotly.js is compressed for a browser that takes it `packed`."""
-    more = {}
-    if path == _PLOTLY:
-        content = _plotly(packed=packed)
-        more = {"Content-Encoding": "gzip"} if packed else {}
-    return response(kind, content, **more)
 
 
 def response(kind: str, content: bytes, **more: str) -> Response:
@@ -199,8 +188,11 @@ class PageServer(WebServer):
             return response("application/json", text.encode())
         if path not in self._files:
             return connection.respond(HTTPStatus.NOT_FOUND, "the page is at /\n")
+        kind, content = self._files[path]
+        if path != _PLOTLY:
+            return response(kind, content)
         packed = "gzip" in ",".join(request.headers.get_all("Accept-Encoding"))
-        return file_response(path, *self._files[path], packed=packed)
+        return response(kind, _plotly(packed=packed), **({"Content-Encoding": "gzip"} if packed else {}))
 
     async def _converse(self, connection: ServerConnection) -> None:
         """Send snapshots and handle requests until the client leaves."""

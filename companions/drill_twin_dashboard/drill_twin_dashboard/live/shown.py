@@ -5,12 +5,10 @@ The sources of a running twin are the nodes that send. Values of a source that h
 away, and a sentence says so.
 """
 
-from __future__ import annotations
-
 import math
 import time
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any
 
 from drill_twin.core.errors import MessageError, printable
@@ -180,19 +178,13 @@ _FORGOTTEN = 60.0
 _MOST_NODES, _NODE_NAME, _NODE_TEXT = 200, 100, 1000  # nodes; characters
 
 
-@dataclass
-class _Report:
-    status: Status
-    time: float
-
-
 class Sources:
     """Times of the last messages of simulator and analyzer, and of the diagnostics of every node."""
 
     def __init__(self, clock: Callable[[], float] = time.monotonic) -> None:
         self._clock = clock
         self._samples = GoodSamples(clock)
-        self._reports: dict[str, _Report] = {}
+        self._reports: dict[str, tuple[Status, float]] = {}  # by node, with the time at which they came
 
     def message(self, topic: str, *, finite: bool = True) -> None:
         """Note a message on a topic that could be read; a message without a finite number tells nothing."""
@@ -207,7 +199,7 @@ class Sources:
             name, text = short(status.name, _NODE_NAME), short(status.text, _NODE_TEXT)
             values = {key: value for key, value in status.values.items() if key == "state"}
             self._reports.pop(name, None)
-            self._reports[name] = _Report(replace(status, name=name, text=text, values=values), self._clock())
+            self._reports[name] = replace(status, name=name, text=text, values=values), self._clock()
             if len(self._reports) > _MOST_NODES:
                 del self._reports[next(iter(self._reports))]  # the one not heard for longest
 
@@ -220,20 +212,20 @@ class Sources:
         if math.isinf(stream):
             return None
         simulator, own = self._report("simulator") or self._report("replayer"), self._report(source)
-        if simulator and own and simulator.status.values.get("state", "running") != "running":
-            stands_still = now - simulator.time < STALE + _LATE
-            return min(stream, max(now - own.time - _LATE, 0.0)) if stands_still else stream
+        if simulator and own and simulator[0].values.get("state", "running") != "running":
+            stands_still = now - simulator[1] < STALE + _LATE
+            return min(stream, max(now - own[1] - _LATE, 0.0)) if stands_still else stream
         return stream
 
-    def _report(self, node: str) -> _Report | None:
+    def _report(self, node: str) -> tuple[Status, float] | None:
         return next((report for name, report in self._reports.items() if name.rpartition("/")[2] == node), None)
 
     def nodes(self) -> list[dict[str, Any]]:
         """Name, level, text and age [s] of each node, for JSON; a node not heard for a minute is left out."""
         now = self._clock()
         rows = []
-        for name, report in sorted(self._reports.items()):
-            age, level, text = now - report.time, report.status.level, report.status.text
+        for name, (status, time_heard) in sorted(self._reports.items()):
+            age, level, text = now - time_heard, status.level, status.text
             if age > STALE + _LATE:
                 level, text = Level.STALE if age <= GONE else Level.ERROR, f"no diagnostics for {age:.0f} s"
             if age < _FORGOTTEN:

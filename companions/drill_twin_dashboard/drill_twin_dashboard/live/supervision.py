@@ -4,8 +4,6 @@
 The analyzer tells the severity of whirl, and the speed of the bit tells the severity of stick-slip.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from typing import Any, NamedTuple

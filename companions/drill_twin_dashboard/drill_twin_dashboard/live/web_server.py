@@ -5,8 +5,6 @@ Connections are bounded. A request is checked by its head (`drill_twin_dashboard
 and a client that does not ask, read or leave in time is dropped.
 """
 
-from __future__ import annotations
-
 import asyncio
 import logging
 import socket
@@ -103,12 +101,6 @@ class WebServer:
     async def _work_beside(self) -> None:
         """Do the work of the server that no client asks for, in a task that is cancelled at the end."""
 
-    def drop_oldest(self) -> None:
-        """Drop the oldest connection that has no place."""
-        found = next(one for one in self.connections if one not in self.places)
-        del self.connections[found]
-        found.transport.abort()
-
 
 class _Connection(ServerConnection):
     """Connection that is counted from its first byte to its last."""
@@ -120,9 +112,12 @@ class _Connection(ServerConnection):
     def connection_made(self, transport: asyncio.BaseTransport) -> None:
         """Drop the oldest without a place if there are too many: a client that asks at once is always served."""
         super().connection_made(transport)
-        self._web_server.connections[self] = None
-        if len(self._web_server.connections) > MOST_CONNECTIONS:
-            self._web_server.drop_oldest()
+        connections = self._web_server.connections
+        connections[self] = None
+        if len(connections) > MOST_CONNECTIONS:
+            oldest = next(one for one in connections if one not in self._web_server.places)
+            del connections[oldest]
+            oldest.transport.abort()
         self.loop.call_later(PATIENCE, self._drop_silent)
 
     def _drop_silent(self) -> None:

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Estimator for Python: samples of a rig in, estimates out (docs/drill_twin_studies/estimator.md)."""
 
-from __future__ import annotations
-
 from collections import deque
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from difflib import get_close_matches

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Operating map of a scene: regimes over weight on bit and speed (docs/drill_twin_studies/operating_map.md)."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from pathlib import Path
 
@@ -18,6 +16,7 @@ from drill_twin.runs import compile_kernel
 from drill_twin.scene import Scene
 from drill_twin.scene.overrides import full_key
 from drill_twin.scene.schema import number_at
+from drill_twin_studies.fitting.sampling import sobol
 from drill_twin_studies.maps import OperatingMap, Plane, Regime, Span
 from drill_twin_studies.maps.runs import FINER, Key, Runner
 from drill_twin_studies.maps.search import BoundarySearch, Progress, growth_of, open_journal
@@ -52,11 +51,9 @@ def draws_of(scene: Scene, seeds: int, vary: Mapping[str, tuple[float, float]]) 
         raise ArgumentError("vary: expected 2 or more seeds with uncertain numbers, one draw for each; found 1")
     if seeds == 1:
         return ()
-    from scipy.stats import qmc
-
     draws = [{SEED: scene.numerics.seed} | {key: number_at(scene, key) or 0.0 for key in vary}]
-    points = qmc.Sobol(max(1, len(vary)), seed=0).random(1 << (seeds - 1).bit_length())
-    for number, point in enumerate(points[: seeds - 1].tolist(), 1):
+    points = sobol(max(1, len(vary)), seeds, 0)
+    for number, point in enumerate(points[:-1].tolist(), 1):
         shares = zip(point, vary.items(), strict=False)
         draws.append(
             {SEED: scene.numerics.seed + number}
@@ -172,7 +169,7 @@ def operating_map(
         compile_kernel(own, own.numerics.frame_period, analysis=True)
         journal = None if folder is None else open_journal(Path(folder), setup)
         rates = growth_of(own, plane) if growth else None
-        lateral, torsional = (None, None) if rates is None else rates
+        lateral, torsional = (None, None) if rates is None else (rates.lateral, rates.torsional)
         runner = Runner(own, plane, length, asked, draws, executor)
         search = BoundarySearch(runner, journal, runs, progress or (lambda _, __, ___: None), lateral)
         search.calm()

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Fit of a scene's numbers to a record (docs/drill_twin_studies/fit.md)."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 

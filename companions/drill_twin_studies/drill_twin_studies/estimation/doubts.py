@@ -12,8 +12,6 @@ not reach the new value. Restarts (`drill_twin_studies.estimation.restarts`) fin
 filter looks for that number anew, and holds the others as they were.
 """
 
-from __future__ import annotations
-
 from collections import deque
 from collections.abc import Mapping, Sequence
 from typing import NamedTuple

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Ensemble beside a rig, corrected window by window by what is measured."""
 
-from __future__ import annotations
-
 import math
 from collections import deque
 from collections.abc import Collection, Sequence
@@ -187,7 +185,8 @@ class EnsembleFilter:
         predicted = np.concatenate((predicted, self._phase.predicted), axis=1)
         measured = np.concatenate((measured, self._phase.measured))
         deviation = np.concatenate((self._errors.deviation, self._phase.errors.deviation))
-        self._weigh_distance(applied([*found, *lateral], predicted), measured, deviation)
+        off = (applied([*found, *lateral], predicted) - measured) / deviation[:, None]
+        self._distance = 0.7 * self._distance + np.nansum(off**2, axis=(1, 2))  # fades over some windows
         goodness = judged.judged()
         withheld = {} if self.members.subs else self._swing.withheld(window.spacing)
         withheld |= dict.fromkeys(sensors, "the model does not explain what is measured") if self._doubts.since else {}
@@ -272,11 +271,6 @@ class EnsembleFilter:
         members, growth = self.members, np.exp(self.pace.window / self.options.memory)
         mean, deviation = members.normal.mean(axis=0), members.normal.std(axis=0)
         members.normal = mean + (members.normal - mean) * np.where(deviation * growth < 1.0, growth, 1.0)
-
-    def _weigh_distance(self, corrected: Array, measured: Array, deviation: Array) -> None:
-        """Distance of each member from what is measured, fading over some windows."""
-        scaled = (corrected - measured) / deviation[:, None]
-        self._distance = 0.7 * self._distance + np.nansum(scaled**2, axis=(1, 2))
 
     def _chance(self, commands: Array, whirls: float) -> float:
         """Share of members that whirl within the horizon, if the set-points go on as in this window."""

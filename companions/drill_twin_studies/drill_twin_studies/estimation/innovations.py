@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Innovations, measured less predicted, of the last windows, and the errors of channels that they show."""
 
-from __future__ import annotations
-
 import math
 from collections import deque
 from collections.abc import Mapping, Sequence

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Windows from the samples of a rig, which may be late, missing, repeated, frozen or absurd, or jump in time."""
 
-from __future__ import annotations
-
 import math
 from collections import Counter, deque
 from collections.abc import Collection, Mapping, Sequence

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Members of the ensemble: twins of one scene with numbers of their own, advanced window by window."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 
 import numpy as np

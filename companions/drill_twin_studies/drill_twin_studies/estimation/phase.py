@@ -6,8 +6,6 @@ linear filter finds it: each member is turned to the measured phase first. What 
 follow the rig, and the square-root filter corrects it: lateral motion, torsion and numbers.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np

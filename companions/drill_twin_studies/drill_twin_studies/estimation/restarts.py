@@ -11,8 +11,6 @@ they had and without correction, they differ by as much as the motion can. If su
 number has jumped.
 """
 
-from __future__ import annotations
-
 from collections import deque
 from collections.abc import Mapping, Sequence
 from contextlib import suppress

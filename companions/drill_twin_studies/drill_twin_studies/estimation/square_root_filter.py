@@ -7,8 +7,6 @@ corrected: a state that has nothing in common with the measurement may be left o
 process noise, with more members than states, mean and covariance equal the Kalman filter's.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from functools import reduce

@@ -7,8 +7,6 @@ out, and so is the mean of the force in the frame of the sub, which has the bias
 rig and of the members are treated alike.
 """
 
-from __future__ import annotations
-
 import math
 from collections import Counter
 from collections.abc import Sequence

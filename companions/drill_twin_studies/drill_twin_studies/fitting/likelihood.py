@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Likelihood of a record under runs: of the time series, or of features of windows."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from typing import NamedTuple

@@ -142,10 +142,11 @@ def _of_bag(path: Path, items: Sequence[ChannelColumn], start: float, subs: Sequ
     series = {}
     for channel, _, _ in items:
         if channel in SET_POINTS and len(commands):
-            series[channel] = _present(path, channel, np.asarray(commands.time) - start, getattr(commands, channel))
-            continue
-        stamps = time if _KNOWN[channel] is ANGULAR_SPEED else middle
-        series[channel] = _present(path, channel, stamps, np.asarray(getattr(rig, _OF_BAG[channel])))
+            stamps, values = np.asarray(commands.time) - start, getattr(commands, channel)
+        else:
+            stamps = time if _KNOWN[channel] is ANGULAR_SPEED else middle
+            values = np.asarray(getattr(rig, _OF_BAG[channel]))
+        series[channel] = _present(path, channel, stamps, values)
     return Record(str(path), series, _readings(path, bag, start, subs) if subs else {})
 
 

@@ -8,8 +8,6 @@ long and bent. While the likelihood is much narrower than the draws, it is raise
 of them alive (tempering).
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
@@ -157,13 +155,11 @@ def _draws(proposal: Any, count: int, dimensions: int, generator: np.random.Gene
 
 def _weighted(normal: Array, cube: Array, found: Array, proposals: list[Any], members: int) -> Sampling:
     prior = stats.norm.logpdf(normal).sum(axis=1)
-    densities = []
-    for proposal in proposals:
-        if proposal is None:
-            densities.append(prior)
-            continue
-        of_t = proposal.logpdf(normal).reshape(-1)
-        densities.append(np.logaddexp(np.log(_PRIOR_SHARE) + prior, np.log1p(-_PRIOR_SHARE) + of_t))
+    of_prior = np.log(_PRIOR_SHARE) + prior
+    densities = [
+        prior if each is None else np.logaddexp(of_prior, np.log1p(-_PRIOR_SHARE) + each.logpdf(normal).reshape(-1))
+        for each in proposals
+    ]
     base = prior - special.logsumexp(densities, axis=0) + np.log(len(densities))
     wanted: float = min(max(2.0 * normal.shape[1] + 2.0, members / 4.0), members / 1.5)
 

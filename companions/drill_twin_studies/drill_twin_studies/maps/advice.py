@@ -4,8 +4,6 @@
 Advice is given once the set-points have settled, with one target at a time.
 """
 
-from __future__ import annotations
-
 import math
 from functools import cached_property
 from typing import NamedTuple
@@ -82,12 +80,8 @@ class Adviser:
         return (RAMP + STAY) * self.map.duration
 
     @cached_property
-    def _calm(self) -> Mask:
-        return self.map.calm
-
-    @cached_property
     def _safe(self) -> Mask:
-        return np.asarray(self._calm & ~self.map.keeps_whirling)
+        return np.asarray(self.map.calm & ~self.map.keeps_whirling)
 
     @cached_property
     def _told(self) -> Mask:
@@ -106,7 +100,7 @@ class Adviser:
             stops: The last advice was to stop the rotation, and the whirl has not ended.
         """
         found, boundary = self.map, DIES if whirls else FROM_REST
-        allowed = self._safe if whirls else self._calm
+        allowed = self._safe if whirls else self.map.calm
         node, inside = found.node(weight, speed), found.contains(weight, speed)
         regime = REGIMES[int(found.regimes[node])] if inside else None
         good = bool(inside and allowed[node])
@@ -119,7 +113,7 @@ class Adviser:
             target = None
         again, slower = None, whirls and (stops or 0.0 <= speed < found.plane.speed.low)
         if slower or (whirls and target is None and (late or not good)):  # a rotation that stops must not be resumed
-            again = self._target(self._calm, *found.plane.command((0, 0)), above=math.inf)
+            again = self._target(found.calm, *found.plane.command((0, 0)), above=math.inf)
             target = None if again is None else AdvisedSetPoint(again.weight, 0.0, math.inf)
         keeps = bool(found.keeps_whirling[node])
         level = Level.ERROR if late or not good else Level.WARN if whirls or target is not None else Level.OK
@@ -238,20 +232,20 @@ class Tracker:
     """Set-points smoothed over time, and the advice that stands: one at a time, given once they have settled.
 
     A target stands until other set-points have settled, so also on the way to it.
+
+    Attributes:
+        time: Time of the last set-point [s].
+        weight, speed: Weight on bit [N] and speed [rad/s], smoothed.
+        waits_for: Reason why there is no advice; empty while there is advice.
     """
 
     def __init__(self) -> None:
         """Begin without a set-point."""
-        self.time = -math.inf
-        """Time of the last set-point [s]."""
-        self.weight = self.speed = math.nan
-        """Weight on bit [N] and speed [rad/s], smoothed."""
         self._begin(-math.inf, math.nan, math.nan)
 
     def _begin(self, time: float, weight: float, speed: float) -> None:
         self.time, self.weight, self.speed = time, weight, speed
         self.waits_for = ""
-        """Reason why there is no advice; empty while there is advice."""
         self._held = (math.inf, math.inf)  # place near which set-points stay
         self._settling = self._changing = time  # times since which they have stayed there, or not settled
         self._place: tuple[float, float] | None = None  # set-points of the advice

@@ -10,8 +10,6 @@ The plane is judged in cells of one step. A cell is safe if
 * it keeps `MARGIN` to the next cell that is not safe.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -149,7 +147,7 @@ class MapFields:
             labels[node] = max(int(labels[node]), int(whirls))
         return np.asarray(self.whirls | (filled(labels) == 1))
 
-    @property
+    @cached_property
     def calm(self) -> Mask:
         """Nodes that are smooth from rest in all draws, at which the straight string does not grow."""
         calm = (self.regimes == Regime.SMOOTH.code) & ~self.whirls
@@ -234,9 +232,7 @@ class MapFields:
         if not inside.any():
             return []
         steps = self.plane.steps
-        nodes = np.zeros((steps + 1,) * 2, bool)
-        for shift in ((0, 0), (0, 1), (1, 0), (1, 1)):
-            nodes[shift[0] : shift[0] + steps, shift[1] : shift[1] + steps] |= inside
+        nodes = np.asarray(corners(np.pad(inside, 1)).any(axis=0))
         runs = sum(len(runs) for node, runs in self.runs_at_nodes.items() if nodes[node])
         runs_said = (
             f"{runs} runs of {self.duration:g} s in them and at their corners, all smooth: none would whirl or swing "

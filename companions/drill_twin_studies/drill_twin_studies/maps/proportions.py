@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Limits of a chance from a count (Clopper and Pearson 1934)."""
 
-from __future__ import annotations
-
 CONFIDENCE = 0.9
 """Two-sided confidence of a count, of which the upper limit holds with 95 %."""
 

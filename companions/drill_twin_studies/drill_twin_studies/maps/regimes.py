@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Regimes of an operating map, from the findings of a run."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 from enum import Enum
 from typing import NamedTuple

@@ -9,20 +9,30 @@ friction starts whirls that no growth rate knows: so the growth rate at which wh
 found from the runs so far.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import closing
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
 from drill_twin.core.arrays import Array
 from drill_twin.core.errors import DrillTwinError
 from drill_twin.core.files.json_files import JsonLines
+from drill_twin.dynamics.rotordynamics.campbell import GrowthMap, growth_map
+from drill_twin.dynamics.rotordynamics.equations import EquationsOfMotion
 from drill_twin.scene import Scene
-from drill_twin_studies.maps.plane import UNKNOWN, Labels, Node, Plane, differ, nearest_known, on_lattice, wanted
+from drill_twin_studies.maps.plane import (
+    UNKNOWN,
+    Labels,
+    Node,
+    Plane,
+    differ,
+    filled,
+    nearest_known,
+    on_lattice,
+    wanted,
+)
 from drill_twin_studies.maps.regimes import Regime
 from drill_twin_studies.maps.runs import HOLD, Key, Runner, RunRecord
 
@@ -30,26 +40,13 @@ GROWTH_POINTS = 33
 """Points of the map of growth rates along each range."""
 
 
-class Growth(NamedTuple):
-    """Largest growth rates on even grids over the plane."""
-
-    lateral: Array
-    """Growth rate of a lateral mode [1/s], for the onset of whirl."""
-    torsional: Array | None
-    """Growth rate of a motion about or along the axis [1/s], for the onset of stick-slip; None in the lateral form."""
-
-
-def growth_of(scene: Scene, plane: Plane) -> Growth | None:
+def growth_of(scene: Scene, plane: Plane) -> GrowthMap | None:
     """Largest growth rates over the plane; None where the string has no such map."""
-    from drill_twin.dynamics.rotordynamics.campbell import growth_map
-    from drill_twin.dynamics.rotordynamics.equations import EquationsOfMotion
-
     weights, speeds = (np.linspace(span.low, span.high, GROWTH_POINTS) for span in (plane.weight, plane.speed))
     try:
-        found = growth_map(EquationsOfMotion(scene), weights, speeds)
+        return growth_map(EquationsOfMotion(scene), weights, speeds)
     except DrillTwinError:  # a hole that is not vertical, an effect that depends on time, no balance
         return None
-    return Growth(found.lateral, found.torsional)
 
 
 def expected(growth: Array, labels: Labels) -> Labels | None:
@@ -187,11 +184,8 @@ class BoundarySearch:
             self.notes.append("no whirl was found that could die")
             return
         origins = nearest_known(whirling == 1)
-        calm = self._labels(whirl_label)
-        known = calm != UNKNOWN
-        nearest = calm[tuple(nearest_known(known))]
         size = max(1, self._steps // (4 * self._others))
-        labels = np.where(nearest == 1, 1, UNKNOWN).astype(np.int8)
+        labels = np.where(filled(self._labels(whirl_label)) == 1, 1, UNKNOWN).astype(np.int8)
         while nodes := wanted(labels, max(1, self._steps // self._others), size):
             keys = [Key(*node, 0, (int(origins[0][node]), int(origins[1][node]))) for node in nodes]
             if not self.make("end of whirl", keys):

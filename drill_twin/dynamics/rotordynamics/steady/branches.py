@@ -6,8 +6,6 @@ back in the parameter. A branch ends where it leaves the range, where the string
 method does not converge; the reason is kept.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import NamedTuple

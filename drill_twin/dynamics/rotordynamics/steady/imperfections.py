@@ -7,8 +7,6 @@ solve in that frame. A motion that turns with the rotation itself (ratio 1) is a
 string, with the imperfections in it.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -73,8 +71,7 @@ class Modulation:
 
 def modulation(turning: TurningEquations, whirl: SteadyWhirl) -> Modulation:
     """Modulation of a steady whirl by bow and eccentricity; zero in a scene without them."""
-    equations, frame = turning.equations, turning.frame
-    system = turning.at(whirl)
+    equations, system = turning.equations, turning.at(whirl)
     force = np.zeros(equations.unknowns, dtype=complex)
     u, v, a = whirl.motion
     for k in range(QUARTERS):
@@ -85,9 +82,8 @@ def modulation(turning: TurningEquations, whirl: SteadyWhirl) -> Modulation:
             residual = equations.evaluate(whirl.command, turned, v, a).residual
         force += 2.0 / QUARTERS * np.exp(-1j * angle) * (residual - system.residual)
     rate = whirl.command.rotation - whirl.omega
-    gyroscopic = system.damping + 2.0 * whirl.omega * frame.times_j(system.mass)
-    stiffness = system.rows.dense(turning.stiffness(system, whirl.omega))
-    values = np.linalg.solve(stiffness + 1j * rate * gyroscopic - rate**2 * system.mass, -force)
+    mass, gyroscopic, stiffness = turning.pencil(system, whirl.omega)
+    values = np.linalg.solve(stiffness + 1j * rate * gyroscopic - rate**2 * mass, -force)
     amplitude = equations.rows(np.real(values)) + 1j * equations.rows(np.imag(values))
     return Modulation(whirl, rate, np.asarray(amplitude, np.complex128))
 

@@ -5,8 +5,6 @@ Contact is sampled at two points of each element. Where the string touches the w
 moves the growth of a disturbance far more than the whirl speed, by its sign too.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import replace
 

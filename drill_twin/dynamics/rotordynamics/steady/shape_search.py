@@ -14,8 +14,6 @@ Friction with a steep regularisation is entered in stages: its slip is proportio
 string rolls, so each stage is foreseen by a straight line through the last two.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator
 from dataclasses import replace

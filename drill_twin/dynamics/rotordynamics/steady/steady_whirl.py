@@ -15,8 +15,6 @@ residual F is multiplied by m = prod(1 / d_i^2 + 1), d_i the distance from a kno
 for F times a number, so that deflation costs two products a step.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import NamedTuple
@@ -94,6 +92,11 @@ class TurningEquations:
         rows = system.rows
         return np.asarray(stiffness + omega * rows.times_j(damping) - omega**2 * rows.across(mass))
 
+    def pencil(self, system: Linearised, omega: float) -> Pencil:
+        """Mass, damping and stiffness of small motions in the frame of a whirl."""
+        gyroscopic = system.damping + 2.0 * omega * self.frame.times_j(system.mass)
+        return Pencil(system.mass, gyroscopic, system.rows.dense(self.stiffness(system, omega)))
+
     def by_omega(self, system: Linearised, whirl: SteadyWhirl) -> Array:
         """Derivative of the residual by the whirl speed, C J u - 2 omega M u across the axis."""
         turned = quarter_turn(whirl.u)
@@ -134,10 +137,7 @@ class TurningEquations:
 
     def spectrum(self, whirl: SteadyWhirl, *, is_locked: bool = False) -> ComplexArray:
         """Eigenvalues in the turning frame [rad/s], fastest growth first; an eigenvalue of zero is left out."""
-        system = self.at(whirl)
-        gyroscopic = system.damping + 2.0 * whirl.omega * self.frame.times_j(system.mass)
-        stiffness = system.rows.dense(self.stiffness(system, whirl.omega))
-        values = eigenvalues_only(Pencil(system.mass, gyroscopic, stiffness))
+        values = eigenvalues_only(self.pencil(self.at(whirl), whirl.omega))
         if not is_locked:
             values = np.delete(values, int(np.argmin(np.abs(values))))
         return np.asarray(values[np.argsort(-values.real)], np.complex128)

@@ -1,15 +1,13 @@
 # SPDX-License-Identifier: Apache-2.0
 """A steady whirl with its stability and its contact."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
-from drill_twin.core.arrays import Array, ComplexArray
+from drill_twin.core.arrays import ComplexArray
 from drill_twin.dynamics.rotordynamics.steady.steady_whirl import MARGIN, SteadyWhirl, TurningEquations
 
 ROLLING = 1e-2
@@ -108,8 +106,6 @@ def state_of(turning: TurningEquations, whirl: SteadyWhirl, *, is_locked: bool =
     deepest = int(np.argmax(depth))
     surface = float(np.interp(model.rod.arc[deepest], model.places, model.contact_radius)) * whirl.command.rotation
     slip = (whirl.omega * float(whirl.radius[deepest]) + surface) / surface
-    return WhirlState(whirl, turning.spectrum(whirl, is_locked=is_locked), slip, _touching(depth, model.rod.arc))
-
-
-def _touching(depth: Array, arc: Array) -> float:
-    return float(float(np.sum(np.diff(arc) * 0.5 * ((depth[:-1] > 0.0).astype(float) + (depth[1:] > 0.0)))) / arc[-1])
+    ends = (depth[:-1] > 0.0).astype(float) + (depth[1:] > 0.0)
+    touching = float(np.sum(np.diff(model.rod.arc) * 0.5 * ends) / model.rod.arc[-1])
+    return WhirlState(whirl, turning.spectrum(whirl, is_locked=is_locked), slip, touching)

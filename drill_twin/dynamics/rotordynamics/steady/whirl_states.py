@@ -4,8 +4,6 @@
 One of the states is the initial state of `rig.start: whirl-state`.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager

@@ -182,8 +182,8 @@ FAULTS = (
     Fault(
         "ignored boundary: out of a whirl the advice is that from rest",
         "companions/drill_twin_studies/drill_twin_studies/maps/advice.py",
-        "allowed = self._safe if whirls else self._calm",
-        "allowed = self._calm",
+        "allowed = self._safe if whirls else self.map.calm",
+        "allowed = self.map.calm",
         "companions/drill_twin_studies/test/maps/test_advice.py",
     ),
     Fault(

@@ -21,14 +21,11 @@ export function showAlarms(picture) {
   $("acknowledge_all").disabled = !waiting.length;
   replace($("alarms"), picture.alarms, () => picture.alarms.length ? picture.alarms.map((alarm) => {
     const time = alarm.time === null ? "" : `t = ${alarm.time.toFixed(1)} s: `, over = alarm.active ? "" : " (over)";
-    const row = element("li", { className: `level_${alarm.level}${alarm.acknowledged ? " acknowledged" : ""}` }, element("span", { textContent: `${alarm.level > 1 ? "alarm" : "warning"}, ${time}${alarm.text}${over}` }));
-    if (alarm.acknowledged) row.append(element("span", { textContent: "acknowledged" }));
-    else {
-      const button = element("button", { type: "button", className: "quiet", textContent: "acknowledge", onclick: () => say({ acknowledge: alarm.number }) });
-      button.setAttribute("aria-label", `acknowledge: ${alarm.text}`);
-      row.append(button);
-    }
-    return row;
+    const end = alarm.acknowledged ? element("span", { textContent: "acknowledged" }) : element("button", {
+      type: "button", className: "quiet", textContent: "acknowledge", "aria-label": `acknowledge: ${alarm.text}`,
+      onclick: () => say({ acknowledge: alarm.number }),
+    });
+    return element("li", { className: `level_${alarm.level}${alarm.acknowledged ? " acknowledged" : ""}` }, element("span", { textContent: `${alarm.level > 1 ? "alarm" : "warning"}, ${time}${alarm.text}${over}` }), end);
   }) : [element("li", { className: "none", textContent: "no alarms" })]);
   document.title = waiting.length ? `(${waiting.length}) ${picture.scene?.name ?? "drill_twin"}` : picture.scene?.name ?? "drill_twin";
   const fresh = waiting.filter((alarm) => alarm.number > announced);

@@ -24,18 +24,18 @@ function show(picture) {
   showOrbits(picture);
   if (picture.refused !== undefined && picture.refused !== refused) $("trouble").textContent = refused = picture.refused;
   $("advice").hidden = !picture.map && !picture.advice?.text;
-  $("advice_text").textContent = picture.advice?.text ?? "";
-  $("advice_text").className = `level_${picture.advice?.level ?? 0}`;
+  tell("advice_text", picture.advice);
   const { estimates } = picture;
   $("estimates").hidden = !estimates;
-  $("estimate_text").textContent = estimates?.text ?? "";
-  $("estimate_text").className = `level_${estimates?.level ?? 0}`;
+  tell("estimate_text", estimates);
   $("estimate_rows").className = `level_${estimates?.trust ?? 0}`;
   const bands = (estimates?.rows ?? []).map(band);
   replace($("estimate_rows"), bands, () => bands.map((cells) => element("tr", {}, ...cells.map((textContent) => element("td", { textContent })))));
   replace($("values"), ROWS.map(([id, , quantity]) => text(picture.rig[id], quantity)), () => ROWS.map(([id, words, quantity]) => row(words, text(picture.rig[id], quantity))));
   replace($("graph"), picture.graph.map(({ name, text, level }) => [name, text, level]), () => picture.graph.map((node) => row(node.name, node.text, `level_${node.level}`)));
 }
+
+const tell = (id, said) => Object.assign($(id), { textContent: said?.text ?? "", className: `level_${said?.level ?? 0}` });
 
 const row = (name, value, className = "") => element("tr", { className }, element("td", { textContent: name }), element("td", { textContent: value }));
 

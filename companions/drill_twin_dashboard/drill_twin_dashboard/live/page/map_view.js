@@ -6,12 +6,7 @@ import { onUnits, size, unit } from "./units.js";
 let drawn = "";
 
 function legend(map) {
-  const entry = (name, colour) => {
-    const box = element("span");
-    if (colour) { const sample = element("i"); sample.style.background = colour; box.append(sample); }
-    box.append(name);
-    return box;
-  };
+  const entry = (name, colour) => element("span", {}, ...(colour ? [element("i", { style: `background: ${colour}` })] : []), name);
   replace($("map_legend"), [map.codes, map.regimes], () => [
     ...map.regimes.flatMap((name, k) => map.codes.includes(String(k)) ? [entry(name, map.colours[k])] : []), entry("solid: whirl begins from rest"),
     ...(map.keeps !== map.whirls ? [entry("dashed: an existing whirl dies")] : []), ...(map.window.length ? [entry("white: largest safe window")] : []),

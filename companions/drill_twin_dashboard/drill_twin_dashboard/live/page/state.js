@@ -6,8 +6,10 @@ const TRAIL = 400;  // positions of a mark
 export const state = { picture: null, trails: {}, trends: { run: null, seconds: 0.25, channels: [], rows: [] }, events: [] };
 export const $ = (id) => document.getElementById(id);
 
+// Make an element with its properties, and with attributes that are no properties, as `aria-label`.
 export function element(name, content = {}, ...children) {
-  const made = Object.assign(document.createElement(name), content);
+  const made = document.createElement(name);
+  for (const [key, value] of Object.entries(content)) if (key in made) made[key] = value; else made.setAttribute(key, value);
   made.append(...children);
   return made;
 }
@@ -37,7 +39,4 @@ export function keepHistory({ trends, events }) {
   return (trends.rows.length > 0 && trends.rows[0][0] > last + 1 && held.rows.length > fresh.length) || (events[0]?.number ?? 0) > newest + 1;
 }
 
-export function takeHistory(history) {
-  state.trends = history.trends;
-  state.events = history.events;
-}
+export const takeHistory = ({ trends, events }) => Object.assign(state, { trends, events });

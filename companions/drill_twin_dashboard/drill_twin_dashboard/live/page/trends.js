@@ -15,16 +15,13 @@ const limit = (channel, side) => state.picture?.limits?.[channel]?.[side];
 
 export function offerTrends() {
   $("trends").append(...CHANNELS.map(([channel, words, quantity]) => {
-    const entry = (side) => {
-      const box = element("input", { id: `${channel}_${side}`, type: "number", step: "any", placeholder: "none" });
-      box.setAttribute("aria-label", `${side} limit of the ${words}`);
-      box.addEventListener("change", () => say({ [box.id]: box.value === "" ? false : +box.value * size(quantity) }));
-      return box;
-    };
+    const entry = (side) => element("input", {
+      id: `${channel}_${side}`, type: "number", step: "any", placeholder: "none", "aria-label": `${side} limit of the ${words}`,
+      onchange: ({ target }) => say({ [target.id]: target.value === "" ? false : +target.value * size(quantity) }),
+    });
     const value = element("p", { className: "value" }, element("output", { id: channel, textContent: "-" }), " ", element("span", { className: "unit", id: `${channel}_unit` }));
     const limits = element("p", { className: "limits" }, "limits", entry("low"), "to", entry("high"));
-    const chart = element("div", { className: "chart", id: `${channel}_chart` });
-    chart.setAttribute("role", "img");
+    const chart = element("div", { className: "chart", id: `${channel}_chart`, role: "img" });
     return element("article", { className: "channel", id: `${channel}_channel` }, element("div", {}, element("h3", { textContent: words }), value, limits), chart);
   }));
   $("span").append(...Object.entries(SPANS).map(([name, seconds]) => element("option", { value: seconds, textContent: name, selected: seconds === 300 })));
@@ -49,23 +46,18 @@ export function showValues(picture) {
 // Rows of the present span as columns [time, least, mean, largest], several intervals in one where there are too many.
 function lines(channel, quantity, begin, end) {
   const { rows, channels, seconds } = state.trends, at = 1 + 3 * channels.indexOf(channel), scale = size(quantity);
-  const found = { time: [], low: [], mean: [], high: [] }, several = Math.max(1, Math.ceil((end - begin) / seconds / POINTS));
-  let group = [];
-  const close = () => {
-    const known = group.filter((row) => row[at + 1] !== null);
-    found.time.push((group[0][0] + 0.5 * group.length) * seconds);
-    found.low.push(known.length ? Math.min(...known.map((row) => row[at])) / scale : null);
-    found.mean.push(known.length ? known.reduce((sum, row) => sum + row[at + 1], 0) / known.length / scale : null);
-    found.high.push(known.length ? Math.max(...known.map((row) => row[at + 2])) / scale : null);
-    group = [];
-  };
-  for (const row of rows) {
-    if (row[0] * seconds < begin || row[0] * seconds > end) continue;
-    if (group.length && Math.floor(row[0] / several) !== Math.floor(group[0][0] / several)) close();
-    group.push(row);
+  const several = Math.max(1, Math.ceil((end - begin) / seconds / POINTS)), groups = [];
+  for (const row of rows.filter(([place]) => place * seconds >= begin && place * seconds <= end)) {
+    if (Math.floor(row[0] / several) === Math.floor(groups.at(-1)?.[0][0] / several)) groups.at(-1).push(row);
+    else groups.push([row]);
   }
-  if (group.length) close();
-  return found;
+  const column = (k, of) => groups.map((group) => {
+    const known = group.map((row) => row[at + k]).filter((value) => value !== null);
+    return known.length ? of(known) / scale : null;
+  });
+  const mean = (values) => values.reduce((sum, value) => sum + value, 0) / values.length;
+  return { time: groups.map((group) => (group[0][0] + 0.5 * group.length) * seconds),
+    low: column(0, (values) => Math.min(...values)), mean: column(1, mean), high: column(2, (values) => Math.max(...values)) };
 }
 
 function traces(found, colour, opacity) {

@@ -15,13 +15,9 @@ function paper(canvas) {
 }
 
 export function beginOrbits(scene) {
-  $("orbits").replaceChildren(...Object.keys(scene.clearance).map((name) => {
-    const canvas = element("canvas", { id: `orbit_${name}` });
-    canvas.style.aspectRatio = "1";
-    canvas.setAttribute("role", "img");
-    canvas.setAttribute("aria-label", `orbit of ${name}`);
-    return element("figure", {}, canvas, element("figcaption", { id: `caption_${name}` }));
-  }));
+  $("orbits").replaceChildren(...Object.keys(scene.clearance).map((name) => element("figure", {},
+    element("canvas", { id: `orbit_${name}`, role: "img", "aria-label": `orbit of ${name}`, style: "aspect-ratio: 1" }),
+    element("figcaption", { id: `caption_${name}` }))));
 }
 
 export function showOrbits(picture) {
