@@ -56,10 +56,9 @@ class _Picture:
         self.top = assembly_top(scene) if scene.length > FLAT else 0.0
         self.centre = self.units.show(result.centre, "offset")
         self.figure = blank(5.2)
-        depth = np.linspace(self.top, scene.length, 300)
+        self.depth = depth = np.linspace(self.top, scene.length, 300)
         hole = self._offset(np.array([scene.hole.radius_at(at) for at in depth.tolist()]))
-        self.depth, self.pipe = depth, self._offset(contact_radius(scene, scene.length - depth))
-        self.lines = []
+        self.pipe, self.lines = self._offset(contact_radius(scene, scene.length - depth)), []
         for side, axis in enumerate("xy"):
             panel = self.figure.add_axes((0.075 + 0.15 * side, 0.11, 0.13, 0.74))
             panel.fill_betweenx(self.units.show(depth, "length"), -hole, hole, color=LIGHT)
@@ -91,8 +90,7 @@ class _Picture:
 
     def draw(self, now: float) -> list[Any]:
         """Move the lines to a time [s]."""
-        result, units = self.result, self.units
-        poses = result.string
+        result, units, poses = self.result, self.units, self.result.string
         at = int(np.argmin(np.abs(poses.time - now)))
         curve = along_hole(result.scene, smooth(poses.position[at : at + 1], poses.tangent[at : at + 1]))[0]
         curve = curve[np.argsort(-curve[:, 2])]

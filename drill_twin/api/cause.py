@@ -150,8 +150,7 @@ class _Search(Repeats):
         ]
         if causes:
             forced = self.summary["lasting_motion"] == MotionState.SYNCHRONOUS_WHIRL.value
-            kind = " (forced, at the speed of rotation)" if forced else ""
-            return f"Cause{kind}: {'; '.join(causes)}."
+            return f"Cause{' (forced, at the speed of rotation)' * forced}: {'; '.join(causes)}."
         calm = [trial.change for trial in trials if trial.of_effects and trial.moves]
         alone = f"; {', '.join(calm)} it is no whirl, but more than half of the motion stays" if calm else ""
         return f"{sought} is not known{alone}; repeats of the run that were checked: {'; '.join(told) or 'none'}."
@@ -159,7 +158,6 @@ class _Search(Repeats):
 
 def _stops(trials: Sequence[Trial]) -> str:
     """Sentence on which of less weight, speed or wall friction ends the whirl."""
-    ends = [f"{trial.change}: {trial.outcome}" for trial in trials if trial.ends_whirl]
-    if ends:
+    if ends := [f"{trial.change}: {trial.outcome}" for trial in trials if trial.ends_whirl]:
         return f"It ends {'; '.join(ends)}."
     return f"None of these ends it: {', '.join(trial.change for trial in trials)}." if trials else ""

@@ -154,8 +154,7 @@ def quantities(cases: Sequence[Case]) -> list[ComparedQuantity]:
 
 
 def _of(case: Case) -> Iterator[tuple[tuple[str, str], float | str]]:
-    loads = case.loads
-    if loads is not None:
+    if (loads := case.loads) is not None:
         what, margins = f"balance, {loads.operation.name}: ", loads.margins
         yield (what + "hookload", "N"), loads.hookload
         yield (what + "surface torque", "N m"), loads.surface_torque
@@ -195,22 +194,17 @@ def _run(case: Case) -> Iterator[tuple[tuple[str, str], float | str]]:
         yield ("speed of the bit, least", "rad/s"), _least(speed)
         yield ("speed of the bit, largest", "rad/s"), -_least(-speed)
         yield ("time of the bit at rest", "%"), 100.0 * float(np.mean(np.abs(speed) < REST * abs(np.nanmean(speed))))
-        for name, unit, series in (
-            ("torque of the top drive", "N m", rig.top_drive_torque), ("weight on bit", "N", rig.bit_force),
-            ("hookload", "N", rig.hookload),
+        for name, unit, values in (
+            ("torque of the top drive", "N m", rig.top_drive_torque[half]), ("weight on bit", "N", rig.bit_force[half]),
+            ("hookload", "N", rig.hookload[half]),
         ):  # fmt: skip
-            values = series[half]
             yield (f"{name}, mean", unit), float(np.nanmean(values))
             yield (f"{name}, swing", unit), -_least(-values) - _least(values)
-    force = case.result.wall_force
-    if force.size:
-        late = force[len(force) // 2 :]
-        yield ("largest force of the wall at a mark", "N"), float(np.nanmax(late))
-    poses = len(case.result.recording.poses)
-    if poses:
+    if (force := case.result.wall_force).size:
+        yield ("largest force of the wall at a mark", "N"), float(np.nanmax(force[len(force) // 2 :]))
+    if poses := len(case.result.recording.poses):
         chosen = np.linspace(poses // 2, poses - 1, POSES).astype(np.int64)
-        stress = bending_stress_at(case.result.recording, chosen)
-        if stress is not None:
+        if (stress := bending_stress_at(case.result.recording, chosen)) is not None:
             yield ("largest bending stress", "Pa"), float(stress.max())
 
 

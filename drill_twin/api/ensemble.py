@@ -9,7 +9,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import closing, contextmanager
 from pathlib import Path
 
-from drill_twin.api.scenes import Overrides, Quantity, as_scene, in_si
+from drill_twin.api.scenes import Overrides, Quantity, as_scene, in_si, with_resolution
 from drill_twin.core.errors import ArgumentError
 from drill_twin.core.units.dimension import FREQUENCY, TIME
 from drill_twin.io.messages.stamps import NANOSECONDS, seconds
@@ -57,11 +57,7 @@ class Ensemble:
             ArgumentError: No values, too many members, or members that need another kernel.
             SceneError: A value does not fit the scene.
         """
-        self.scene = as_scene(scene, overrides)
-        if self.scene.numerics.accuracy is not None:
-            from drill_twin.studies.accuracy import resolve
-
-            self.scene = resolve(self.scene).scene
+        self.scene = with_resolution(as_scene(scene, overrides))
         self.members = expand(self.scene, vary, zipped=zipped)
 
     def run(

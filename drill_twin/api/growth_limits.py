@@ -54,8 +54,7 @@ def limits(scene: Scene, command: Command, units: UnitSystem) -> str:
         ("weight", "force", weight, by_weight),
         ("speed", "rotation", speed, by_speed),
     ):
-        quiet = np.flatnonzero(growth <= 0.0)
-        if quiet.size:
+        if (quiet := np.flatnonzero(growth <= 0.0)).size:
             found.append(f"when the {name} alone falls to {units.text(value * shares[quiet[-1]], quantity)}")
         else:
             found.append(f"at no lower {name} alone")

@@ -6,6 +6,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import takewhile
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -52,12 +53,8 @@ class Rerun:
     def same_frames(self) -> int:
         """Number of frames, from the first on, whose messages equal the recorded ones bit for bit."""
         recorded, computed = (_frames(result.recording.bag) for result in (self.recorded, self.computed))
-        count = 0
-        for stamp, messages in recorded.items():
-            if any(computed.get(stamp, {}).get(topic) != raw for topic, raw in messages.items()):
-                break
-            count += 1
-        return count
+        same = (messages.items() <= computed.get(stamp, {}).items() for stamp, messages in recorded.items())
+        return sum(takewhile(bool, same))
 
     @property
     def identical(self) -> bool:
@@ -154,10 +151,8 @@ def rerun(
 def _of_record(recorded: Result, changes: dict[str, Any]) -> tuple[Scene, RecordedCommands]:
     """The scene under the set-points of a record where no others are given, and the set-points of each frame."""
     rig, path, told = recorded.recording.rig, recorded.recording.path, list[str]()
-    for name, keys, values in (
-        ("weight_on_bit", ("wob",), rig.bit_force), ("rotation", ("rpm",), rig.top_drive_speed),
-    ):  # fmt: skip
-        given = any(key in keys or key.startswith(f"rig.{name}") for key in changes)
+    for name, short, values in (("weight_on_bit", "wob", rig.bit_force), ("rotation", "rpm", rig.top_drive_speed)):
+        given = any(key == short or key.startswith(f"rig.{name}") for key in changes)
         if np.isfinite(values).any() and not given:
             changes[f"rig.{name}"] = {"shape": "table"}
             told.append(name.replace("_", " "))

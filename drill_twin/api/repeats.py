@@ -95,9 +95,7 @@ class Repeats:
         if self.onset is not None:
             frames = min(frames, math.ceil((self.onset + AFTER_ONSET) / self.period))
         self.commands = recorded.commands[:frames]
-        self.moving = self.motion(recording)
-        self.rig = recording.rig
-        self.unknown_modes = ""
+        self.moving, self.rig, self.unknown_modes = self.motion(recording), recording.rig, ""
 
     @property
     def point(self) -> str:
@@ -161,11 +159,10 @@ class Repeats:
 
     def scaled(self, shares: Mapping[str, float]) -> Scene | None:
         """The scene with shares of numbers of its effects; None where it has none of them."""
-        blocks = self.scene.effects.blocks
         values = {
             f"effects.{key}": share * old
             for key, share in shares.items()
-            if key.split(".")[0] in blocks and (old := number_at(self.scene, f"effects.{key}"))
+            if key.split(".")[0] in self.scene.effects.blocks and (old := number_at(self.scene, f"effects.{key}"))
         }
         return override(self.scene, values) if values else None
 

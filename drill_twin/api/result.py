@@ -200,9 +200,8 @@ class Result(Plots):
     def cost(self) -> Cost:
         """Resolution of the run and the time it took."""
         summary = self.summary
-        counts = (summary[key] for key in ("steps", "cut_steps", "steps_above_tolerance"))
-        speeds = summary["realtime_factor"], summary["physics_speed"]
-        return Cost(*speeds, summary["elements"], summary["step_s"], *counts)
+        keys = ("realtime_factor", "physics_speed", "elements", "step_s", "steps", "cut_steps", "steps_above_tolerance")
+        return Cost(*(summary[key] for key in keys))
 
     @cached_property
     def summary(self) -> dict[str, Any]:

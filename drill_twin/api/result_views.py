@@ -114,15 +114,12 @@ def dataset(
     Raises:
         ArgumentError: xarray is not installed.
     """
-    labelled = import_extra("xarray")
-    variables: dict[str, Any] = {}
+    labelled, variables = import_extra("xarray"), dict[str, Any]()
     coordinates: dict[str, Any] = {"time": ("time", time, {"units": "s"})}
 
     def times(group: str, of_group: Array) -> str:
-        if np.array_equal(of_group, time):
-            return "time"
-        name = f"time_{group}"
-        coordinates[name] = (name, of_group, {"units": "s"})
+        name = "time" if np.array_equal(of_group, time) else f"time_{group}"
+        coordinates.setdefault(name, (name, of_group, {"units": "s"}))
         return name
 
     if len(rig):

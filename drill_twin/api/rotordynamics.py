@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from drill_twin.api.scenes import Overrides, as_scene, range_of
+from drill_twin.api.scenes import Overrides, as_scene, range_of, with_resolution
 from drill_twin.core.arrays import Array
 from drill_twin.core.errors import ArgumentError, RunError, SceneError
 from drill_twin.dynamics.discretisation.kernel_arguments import SPATIAL, form_of
@@ -47,18 +47,13 @@ def steady_scene(scene: Scene | str | Path, overrides: Overrides | None, left_ou
         SceneError: The scene plays a record, which has no final set-points, or an effect is not listed.
     """
     own = without(as_scene(scene, overrides), left_out)
-    recorded = [key for key in ("weight_on_bit", "rotation") if getattr(own.rig, key).shape == "table"]
-    if recorded:
+    if recorded := [key for key in ("weight_on_bit", "rotation") if getattr(own.rig, key).shape == "table"]:
         raise SceneError(
             f"{own.name}: expected set-points with a final value, found a recorded {' and '.join(recorded)}, which "
             f"changes; {' '.join(f'--set rig.{key}.shape=constant --set rig.{key}.value=...' for key in recorded)} "
             "replaces it"
         )
-    if own.numerics.accuracy is not None:
-        from drill_twin.studies.accuracy import resolve
-
-        own = resolve(own).scene
-    return moving_everywhere(own)
+    return moving_everywhere(with_resolution(own))
 
 
 def final_command(scene: Scene) -> Command:
@@ -186,8 +181,7 @@ def growth_map(
     for name, values in (("weights", weights), ("speeds", speeds)):
         if not np.all(np.diff(np.asarray(values, float)) > 0.0):
             raise ArgumentError(f"{name}: expected values that increase, found {list(values)!s:.60}; sort them")
-    own = steady_scene(scene, overrides, without)
-    equations = EquationsOfMotion(own)
+    equations = EquationsOfMotion(steady_scene(scene, overrides, without))
     return _campbell.growth_map(equations, np.asarray(weights, float), np.asarray(speeds, float), progress)
 
 

@@ -129,6 +129,15 @@ def as_scene(scene: Scene | str | Path, overrides: Overrides | None = None) -> S
     return override(scene, overrides) if overrides else scene
 
 
+def with_resolution(scene: Scene) -> Scene:
+    """The scene with elements and step in place of an accuracy."""
+    if scene.numerics.accuracy is None:
+        return scene
+    from drill_twin.studies.accuracy import resolve
+
+    return resolve(scene).scene
+
+
 Quantity = float | str
 """Number in the documented unit, or text with its unit, such as `"40 N"`; a time without one is in s."""
 
@@ -172,8 +181,7 @@ def range_of(scene: Scene, key: str, given: str | tuple[float, float]) -> tuple[
         ArgumentError: The text is no range, or the key names no number.
         SceneError: An end does not fit the scene.
     """
-    place = full_key(key, scene)
-    text = isinstance(given, str)
+    place, text = full_key(key, scene), isinstance(given, str)
     ends = parse_range(key, given).ends if isinstance(given, str) else given
     low, high = (number_at(override(scene, {key if text and key in SHORTHANDS else place: end}), place) for end in ends)
     if low is None or high is None:

@@ -11,7 +11,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from drill_twin.api.scenes import Overrides, Quantity, as_scene, in_si
+from drill_twin.api.scenes import Overrides, Quantity, as_scene, in_si, with_resolution
 from drill_twin.core.arrays import Array
 from drill_twin.core.errors import ArgumentError, RunError
 from drill_twin.core.units.dimension import ANGULAR_SPEED, FORCE, SPEED, TIME
@@ -125,11 +125,7 @@ class Simulation:
         from drill_twin.io.bag.virtual_bags import MemoryBag
         from drill_twin.runs import SessionRun, compile_kernel
 
-        self.scene = as_scene(scene, overrides)
-        if self.scene.numerics.accuracy is not None:
-            from drill_twin.studies.accuracy import resolve
-
-            self.scene = resolve(self.scene).scene
+        self.scene = with_resolution(as_scene(scene, overrides))
         self._period = self.scene.numerics.frame_period_ns
         progress = CompileProgress()
         try:
@@ -208,8 +204,7 @@ class Simulation:
             ArgumentError: A set-point is no such quantity, or the time is not a whole number of frames.
             RunError: The motion could not be followed; `result` gives what came before.
         """
-        last = self._run.command
-        carried = self.scene.rig.block
+        last, carried = self._run.command, self.scene.rig.block
         if block is not None and (carried is None or carried.auto_driller is not None):
             found = "none" if carried is None else "a block that an auto-driller moves, command wob"
             raise ArgumentError(f"block: expected a scene with rig.block, found {found} in {self.scene.name}")

@@ -93,9 +93,7 @@ def costs(runs: Sequence[Sequence[Case]], tolerance: float) -> list[ComparedCost
     tables = [{row.name: row for row in quantities(cases)} for cases in runs]
     found = []
     for cost, sign in COSTS.items():
-        names = [name for name in tables[0] if name.endswith(cost)]
-        for name in names[:1]:
-            unit = tables[0][name].unit
+        for name in [name for name in tables[0] if name.endswith(cost)][:1]:
             values = tuple(
                 tuple(
                     float(table[name].values[k])
@@ -107,7 +105,7 @@ def costs(runs: Sequence[Sequence[Case]], tolerance: float) -> list[ComparedCost
                 for k in range(len(runs[0]))
             )
             if any(values):
-                found.append((cost, unit, values, sign))
+                found.append((cost, tables[0][name].unit, values, sign))
     return [
         ComparedCost(cost, unit, values, tuple(
             _better(values[0], other, sign, tolerance, chr(ord("A") + k), len(found))
@@ -123,10 +121,9 @@ def _better(
     if min(len(one), len(other)) < 2:
         return ""
     first, second = float(np.mean(one)), float(np.mean(other))
-    chance = chance_difference(list(one), list(other), 1.0 - (1.0 - CONFIDENCE) / count)
     if abs(second - first) <= tolerance * max(abs(first), abs(second)):
         return ""
-    if abs(second - first) <= chance:
+    if abs(second - first) <= chance_difference(list(one), list(other), 1.0 - (1.0 - CONFIDENCE) / count):
         return CHANCE
     return letter if sign * second < sign * first else "A"
 

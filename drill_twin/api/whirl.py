@@ -116,8 +116,7 @@ def analyze(
     if across.shape != other.shape:
         raise AnalysisError(f"x, y: expected arrays of one shape, found {across.shape} and {other.shape}")
     position = np.stack((across, other), axis=-1)
-    marks = position.shape[1]
-    speed = _speed(rotation, times.size)
+    marks, speed = position.shape[1], _speed(rotation, times.size)
     angle = None if spin is None else np.broadcast_to(_columns("spin", spin, times.size), (times.size, marks))
     reach = np.hypot(position[..., 0], position[..., 1])
     if not np.isfinite(reach).any():
@@ -157,8 +156,7 @@ def _times(time: ArrayLike) -> Array:
 
 def _columns(name: str, values: ArrayLike, samples: int) -> Array:
     array = _numbers(name, values)
-    if array.ndim == 1:
-        array = array[:, None]
+    array = array[:, None] if array.ndim == 1 else array
     if array.ndim != 2 or array.shape[0] != samples or array.shape[1] == 0:
         raise AnalysisError(
             f"{name}: expected shape ({samples},) or ({samples}, m) as time has {samples} samples, "

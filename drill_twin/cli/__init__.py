@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Command line `drill-twin`, a module for each sub-command.
+"""Command line `drill-twin`, a module for each sub-command, or for several of one kind.
 
 Results go to stdout, all else to stderr. Exit codes: 0 success, 1 a run that stopped or a check that failed, 2 an error
 of input or use (one line on stderr), 130 stopped with Ctrl-C, 143 ended by SIGTERM.

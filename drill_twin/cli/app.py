@@ -10,14 +10,11 @@ import typer
 from typer.main import get_command
 
 from drill_twin.cli import ros
-from drill_twin.cli.analyze import analyze, report
-from drill_twin.cli.compare import compare
-from drill_twin.cli.cost import cost
-from drill_twin.cli.effects import effects
-from drill_twin.cli.export import export
+from drill_twin.cli.analyze import analyze, export, report
+from drill_twin.cli.compare import compare, rerun
+from drill_twin.cli.cost import cost, effects
 from drill_twin.cli.groups import ANY_ARGUMENTS, CommandGroup, StudyGroup
 from drill_twin.cli.modes import modes
-from drill_twin.cli.rerun import rerun
 from drill_twin.cli.run import run
 from drill_twin.cli.scene import check, new, scenes, schema
 from drill_twin.cli.statics import statics
@@ -85,8 +82,7 @@ def commands(group: Any = None, name: str = "drill-twin") -> Iterator[tuple[str,
     """Whole name and command of each leaf of the tree, in the order of the help."""
     group = group or get_command(app)
     for key in group.list_commands(None):
-        command = group.get_command(None, key)
-        if isinstance(command, CommandGroup):
+        if isinstance(command := group.get_command(None, key), CommandGroup):
             yield from commands(command, f"{name} {key}")
         else:
             yield f"{name} {key}", command

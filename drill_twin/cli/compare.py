@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Command `drill-twin compare`: assemblies or set-points beside each other."""
+"""Commands `drill-twin compare` and `rerun`: assemblies or set-points beside each other; a bag computed again."""
 
 from __future__ import annotations
 
@@ -10,14 +10,16 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from drill_twin.cli import options
 from drill_twin.cli.emit import emit, new_folder
-from drill_twin.cli.options import DurationOption, JsonOption, ReplaceOption, SetOption, UnitsOption, overrides
 from drill_twin.cli.show import shown_progress
 from drill_twin.core.errors import ArgumentError
+from drill_twin.core.files.output import check_folder
 from drill_twin.core.table import Table
 
 if TYPE_CHECKING:
     from drill_twin.api.compare import ComparedQuantity
+    from drill_twin.api.recorded_run import Rerun
     from drill_twin.core.units.system import UnitSystem
 
 
@@ -30,22 +32,22 @@ def compare(
             "what the others are compared with.",
         ),
     ],
-    duration: DurationOption = "",
+    duration: options.DurationOption = "",
     seeds: Annotated[
         int,
         typer.Option(
             "--seeds", metavar="N", min=1, max=100, help="Number of runs of a scene, a push and 1 % of its speed apart."
         ),
     ] = 3,
-    change: SetOption = [],  # noqa: B006  typer makes a new list of it
+    change: options.SetOption = [],  # noqa: B006  typer makes a new list of it
     tolerance: Annotated[
         float, typer.Option("--tolerance", min=0.0, max=1.0, help="Share by which numbers must differ to be shown.")
     ] = 0.05,
     everything: Annotated[bool, typer.Option("--all", help="Show the numbers that do not differ, too.")] = False,
     out: Annotated[Path, typer.Option("--out", metavar="DIR", help="New folder of the result.")] = Path("out/compare"),
-    replace: ReplaceOption = False,
-    units: UnitsOption = "",
-    json: JsonOption = False,
+    replace: options.ReplaceOption = False,
+    units: options.UnitsOption = "",
+    json: options.JsonOption = False,
 ) -> None:
     """Run two or more cases and show the differences that matter to a bit run, in a table and on a page.
 
@@ -63,7 +65,7 @@ def compare(
         raise ArgumentError(
             f"expected two cases or more, found {len(cases)}: name a second scene, or the same with changes"
         )
-    common = overrides(change, duration=duration, units=units)
+    common = options.overrides(change, duration=duration, units=units)
     prepared = [prepare(text, common) for text in cases]
     new_folder(out, replace=replace)
     found = []
@@ -118,3 +120,83 @@ def _shown(
         )
         yield Table(("", "", *letters), cells)
     yield from notes
+
+
+def rerun(
+    bag: options.RecordedArgument,
+    wob: options.WeightOption = "",
+    rpm: options.RpmOption = "",
+    change: options.SetOption = [],  # noqa: B006  typer makes a new list of it
+    out: Annotated[Path | None, options.folder_option("New folder of the result.", "beside the bag: BAG_rerun")] = None,
+    scene: options.SceneOption = "",
+    namespace: options.NamespaceOption = "",
+    replace: options.ReplaceOption = False,
+    units: options.UnitsOption = "",
+    json: options.JsonOption = False,
+) -> None:
+    """Run the commands of a bag again, with other numbers if you like, and compare both runs.
+
+    Of a rig's record the set-points are played on the string of --scene; --wob or --rpm takes the place of one.
+    Without --set the frames of the bag are computed again: bit for bit if its commands came in lockstep, else with a
+    difference, which is printed. Writes the new bag, comparison.png and rerun.json.
+    """
+    from drill_twin.api.recorded_run import rerun as run_again
+    from drill_twin.cli.analyze import default_folder
+
+    changes = options.overrides(change, wob=wob, rpm=rpm)
+    folder = out or default_folder(bag).with_name(f"{default_folder(bag).name.removesuffix('_report')}_rerun")
+    check_folder(folder, replace=replace)
+    with shown_progress("reading the bag", unit="s") as bar:
+        both = run_again(
+            bag,
+            changes | options.overrides([], units=units),
+            scene=scene or None,
+            namespace=namespace or None,
+            progress=lambda now, end: bar.show("computing", now, end),
+        )
+        bar.show("drawing")
+        new_folder(folder, replace=replace)
+        both.computed.to_bag(folder / "bag_0")
+        figure = both.plot()
+    found = content(both, changes)
+    emit(
+        found, [Table(("", "recorded", "computed again"), both.table()), agreement(both, changes)], json=json,
+        folder=folder, files={"comparison.png": figure, "rerun.json": found}, also=["bag_0"],
+    )  # fmt: skip
+
+
+def agreement(both: Rerun, changes: dict[str, str]) -> str:
+    """Sentence on how far both runs agree."""
+    source = f"{'set-points' if both.of_record else 'commands'} from {both.commands.source}"
+    if both.commands.known_from and not both.of_record:
+        source += f" (before {both.commands.known_from:.2f} s, which the bag does not hold, the scene's set-points)"
+    if both.stopped:
+        return f"{source}; the computed run stopped early: {both.stopped}"
+    if both.of_record:
+        return source
+    if both.identical:
+        return f"{source}; all {both.same_frames} frames are the same, bit for bit"
+    begin = f"; the first {both.same_frames} frames are the same" if both.same_frames else ""
+    difference, units = both.largest_difference, both.computed.recording.units
+    far = "" if difference != difference else f", the marks differ by {units.text(difference, 'offset')} at most"  # noqa: PLR0124
+    because = "" if changes else (
+        "; without --set that comes of commands that reached the simulator a frame late, of another version, processor "
+        "or checkpoint, or of numbers that the scene of the bag does not have"
+    )  # fmt: skip
+    return f"{source}{begin}{far}{because}"
+
+
+def content(both: Rerun, changes: dict[str, str]) -> dict[str, object]:
+    """Content of `rerun.json`."""
+    return {
+        "bag": str(both.recorded.path),
+        "set": changes,
+        "commands": both.commands.source,
+        "commands_known_from_s": both.commands.known_from,
+        "identical": both.identical,
+        "same_frames": both.same_frames,
+        "largest_difference_m": both.largest_difference,
+        "stopped": both.stopped or None,
+        "recorded": both.recorded.summary,
+        "computed": both.computed.summary,
+    }

@@ -98,8 +98,7 @@ def write_files(folder: Path, files: Mapping[str, Any]) -> Sequence[str]:
 
 def new_folder(folder: Path, *, replace: bool) -> Path | None:
     """Make an empty folder, as `output.new_folder`; says on stderr where an older result is now."""
-    moved = output.new_folder(folder, replace=replace)
-    if moved:
+    if moved := output.new_folder(folder, replace=replace):
         remark(f"the older result is now {moved}")
     return moved
 

@@ -71,8 +71,7 @@ class CommandGroup(TyperGroup):
     def _meant(self, ctx: Any, name: str) -> str:
         root = ctx.find_root()
         groups = {key: group for key, group in root.command.commands.items() if isinstance(group, CommandGroup)}
-        inside = [f"{key} {name}" for key, group in groups.items() if name in group.list_commands(ctx)]
-        if inside:
+        if inside := [f"{key} {name}" for key, group in groups.items() if name in group.list_commands(ctx)]:
             return f'; it is "{root.command_path} {inside[0]}"'
         near = get_close_matches(name, self.list_commands(ctx), n=1)
         meant = f'; did you mean "{ctx.command_path} {near[0]}"?' if near else ";"

@@ -90,8 +90,7 @@ def schema(
 
 
 def _first_sentence(text: str) -> str:
-    words = " ".join(text.split())
-    return re.split(r"(?<=[.:]) ", words, maxsplit=1)[0].rstrip(":")
+    return re.split(r"(?<=[.:]) ", " ".join(text.split()), maxsplit=1)[0].rstrip(":")
 
 
 def _set_points(scene: Scene) -> tuple[str, str]:
@@ -106,8 +105,7 @@ def _lines(scene: Scene) -> Iterator[tuple[str, str]]:
     force, turn = _set_points(scene)
     string, units = scene.string, scene.unit_system
     yield "string", f"{units.text(scene.length, 'length')}, {len(string.sections)} sections, bit end {string.bit_end}"
-    heavy = [section for section in string.sections if section.adjusted_mass is not None]
-    if heavy:
+    if heavy := [section for section in string.sections if section.adjusted_mass is not None]:
         weights = {one.name: units.text(one.mass_per_length * GRAVITY, "force_per_length") for one in heavy}
         yield "weight in air", ", ".join(f"{name} {weight}" for name, weight in weights.items())
     yield "marks", ", ".join(f"{mark.name} ({units.text(mark.distance_from_bit, 'length')})" for mark in string.marks)

@@ -116,8 +116,7 @@ def _speed(option: str, text: str) -> float:
     from drill_twin.api.scenes import in_si
     from drill_twin.core.units.dimension import SPEED
 
-    value = in_si(option, text, SPEED)
-    if value <= 0.0:
+    if (value := in_si(option, text, SPEED)) <= 0.0:
         raise SceneError(f'{option}: expected a speed above 0, found "{text}"; the operation says the direction')
     return value
 

@@ -58,8 +58,7 @@ def without_missing(values: Array, nulls: Collection[float] = ()) -> tuple[Array
 
 def _nulls(at: Mask, others: Array, null: float) -> Mask:
     """Rows at which a number of the trade is no measurement: far from all other values, or from its neighbours."""
-    known = others[np.isfinite(others)]
-    if known.size < 2:
+    if (known := others[np.isfinite(others)]).size < 2:
         return at
     low, span, steps = known.min(), np.ptp(known), np.abs(np.diff(known))
     if not abs(null - low - 0.5 * span) <= 0.5 * span + max(_SPAN * span, _SHARE * abs(null)):

@@ -51,7 +51,7 @@ def chart(figure: Figure) -> dict[str, Any]:
 
 def _panel(axes: Axes, width: float, height: float) -> dict[str, Any]:
     place = axes.get_position()
-    artists = sorted((*axes.get_children(),), key=lambda artist: artist.get_zorder())
+    artists = sorted(axes.get_children(), key=lambda artist: artist.get_zorder())
     found = [_artist(artist, axes) for artist in artists]
     return {
         "title": axes.get_title(loc="left") or axes.get_title(),
@@ -107,8 +107,7 @@ def _line(line: Line2D, axes: Axes) -> dict[str, Any] | None:
             **look,
         }
     keep = _kept(y) if x.size > _POINTS else slice(None)
-    marked = line.get_linestyle() == "None"
-    size = {"marker": float(line.get_markersize())} if marked else {}
+    size = {"marker": float(line.get_markersize())} if line.get_linestyle() == "None" else {}
     name = str(line.get_label())
     return {
         "kind": "line",
@@ -134,10 +133,9 @@ def _area(outline: Array, colour: ArrayLike, name: str, text: str) -> dict[str, 
     points = np.concatenate((outline[::every], outline[-1:]))
     red, green, blue, alpha = np.asarray(colour, float)
     rgba = f"rgba({255 * red:.0f},{255 * green:.0f},{255 * blue:.0f},{alpha:.3g})"
-    shown = "" if name.startswith("_") else name
     return {
         "kind": "area",
-        "name": shown,
+        "name": "" if name.startswith("_") else name,
         "text": text,
         "colour": rgba,
         "x": _packed(points[:, 0]),
@@ -183,8 +181,7 @@ def view_data(recording: Recording) -> str:
     times = np.unique(np.linspace(0, len(shapes) - 1, _SHAPE_POINTS // shapes.shape[1]).round().astype(int))
     shapes = shapes[times]
     every = -(-len(recording.marks) // _SAMPLES)
-    centre = recording.centre_lines()[::every]
-    height = recording.marks.position[::every, :, 2]
+    centre, height = recording.centre_lines()[::every], recording.marks.position[::every, :, 2]
     paths = np.stack((centre.real / radius, centre.imag / radius, height / length), axis=-1)
     onset, well = recording.summary.onset, well_geometry(recording.scene)
     units = recording.units

@@ -11,12 +11,16 @@ from matplotlib.figure import Figure
 
 from drill_twin.core.units.system import UnitSystem
 from drill_twin.report.figures.style import BLUE, GREEN, PURPLE, RIGHT, VERMILION, over_time, styled, unbridged
-from drill_twin.report.load_text import load_rows, units_of
+from drill_twin.report.load_text import load_rows, number_text, units_of
 from drill_twin.report.recording import Recording
-from drill_twin.report.text import rotation
+from drill_twin.report.text import radius_text, rotation
 
 _RECORDED: dict[str, Any] = {"color": BLUE, "linewidth": 2.2, "alpha": 0.45}
 _COMPUTED: dict[str, Any] = {"color": VERMILION, "linewidth": 0.9}
+_CHANNELS = (
+    ("hookload", "hookload", "force"), ("top_drive_torque", "torque of the top drive", "torque"),
+    ("bit_speed", "speed of the bit", "rotation"),
+)  # fmt: skip
 _BESIDE = tuple({"color": colour, "linewidth": 1.2, "alpha": 0.85} for colour in (BLUE, VERMILION, GREEN, PURPLE))
 
 
@@ -30,19 +34,15 @@ def comparison(recorded: Mapping[str, Any], computed: Mapping[str, Any]) -> list
 def _values(summary: Mapping[str, Any], units: UnitSystem) -> Iterator[tuple[str, str]]:
     onset = summary["onset_s"]
     yield "onset of whirl", "none" if onset is None else f"{onset:.2f} s, {summary['onset_mark']}"
-    yield "whirl frequency", _text(summary["whirl_frequency_hz"], "{:+.3f} Hz")
-    yield "whirl ratio", _text(summary["whirl_ratio"], "{:+.3f}")
+    yield "whirl frequency", number_text(summary["whirl_frequency_hz"], "{:+.3f} Hz", "none")
+    yield "whirl ratio", number_text(summary["whirl_ratio"], "{:+.3f}", "none")
     yield "rotation", rotation(summary, units)
     for mark, radius in summary["max_radius_m"].items():
-        yield f"largest radius, {mark}", "not seen" if radius is None else units.text(radius, "offset")
+        yield f"largest radius, {mark}", radius_text(radius, None, units)
     yield from load_rows(summary)
     yield "motion at the end", summary["motion"][-1]["state"] if summary["motion"] else "unknown"
     yield "bit at the end", summary["bit"]
     yield "simulated time", f"{summary['duration_s']:.2f} s"
-
-
-def _text(value: float | None, form: str) -> str:
-    return "none" if value is None else form.format(value)
 
 
 def draw_comparison(recorded: Recording, computed: Recording) -> Figure:
@@ -71,7 +71,7 @@ def draw_runs(
     with styled():
         units = units or runs[0][1].units
         longest = max(run.duration for _, run in runs)
-        figure, panels = over_time(longest, [1.1] * (len(marks) + 3), title=title, headed=True)
+        figure, panels = over_time(longest, [1.1] * (len(marks) + len(_CHANNELS)), title=title, headed=True)
         styled_runs = [(run, styles[k % len(styles)]) for k, (_, run) in enumerate(runs)]
         for panel, name in zip(panels, marks, strict=False):
             for (run, style), table in zip(styled_runs, tables, strict=True):
@@ -79,13 +79,7 @@ def draw_runs(
                 panel.plot(run.marks.time, radius, **style)
             panel.set_title(f"{name}: distance of the centre line from the axis", fontsize=10.5, pad=3)
             panel.set_ylabel(f"[{units.offset}]")
-        for panel, name, heading, quantity in zip(
-            panels[len(marks) :],
-            ("hookload", "top_drive_torque", "bit_speed"),
-            ("hookload", "torque of the top drive", "speed of the bit"),
-            ("force", "torque", "rotation"),
-            strict=True,
-        ):
+        for panel, (name, heading, quantity) in zip(panels[len(marks) :], _CHANNELS, strict=True):
             for run, style in styled_runs:
                 panel.plot(*unbridged(run.rig.time, units.show(getattr(run.rig, name), quantity)), **style)
             panel.set_title(heading, fontsize=10.5, pad=3)

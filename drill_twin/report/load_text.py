@@ -39,8 +39,9 @@ def severity_rows(summary: Summary) -> Iterator[Row]:
     for name in ("lateral", "axial"):
         if found:
             mark = max(found, key=lambda mark: found[mark][f"{name}_rms_m_s2"])
-            sizes = (found[mark][f"{name}_{size}_m_s2"] for size in ("rms", "peak"))
-            rms, peak = (units.text(size, "acceleration", ".2g") for size in sizes)
+            rms, peak = (
+                units.text(found[mark][f"{name}_{size}_m_s2"], "acceleration", ".2g") for size in ("rms", "peak")
+            )
             yield (
                 f"{name} acceleration",
                 f"{rms} rms, {peak} peak at {mark}: {level_text(found[mark][f'{name}_level'])}",
@@ -56,8 +57,7 @@ def severity_rows(summary: Summary) -> Iterator[Row]:
 
 def surface_rows(summary: Summary) -> Iterator[Row]:
     """Rows on what the surface channels tell: swing of the torque, gaps and spikes."""
-    found = summary.get("surface")
-    if not found:
+    if not (found := summary.get("surface")):
         return
     if swing := found["torque_swing"]:
         last, largest = (units_of(summary).text(swing[key], "torque") for key in ("last_nm", "largest_nm"))
@@ -85,21 +85,17 @@ def fatigue_rows(summary: Summary) -> Iterator[Row]:
     """Rows on stress and damage of the sections of `fatigue`."""
     for name, found in (summary.get("fatigue") or {}).items():
         life = found["seconds_to_damage_1"]
-        words = (
-            f"at most {units_of(summary).text(found['largest_stress_pa'], 'stress')} "
-            f"({found['share_of_yield']:.0%} of yield), "
-            f"{found['cycles']:g} cycles, {number_text(found['cycles_per_second'], '{:.3g}')} a second at the end"
-        )
-        yield f"stress at {name}", words
         yield (
-            f"damage at {name}",
-            f"{found['damage']:.3g}; "
-            + (
-                f"none from {summary['settled_s']:.1f} s on"
-                if life is None
-                else f"1 after {duration_text(life)} of such motion"
+            f"stress at {name}",
+            (
+                f"at most {units_of(summary).text(found['largest_stress_pa'], 'stress')} "
+                f"({found['share_of_yield']:.0%} of yield), "
+                f"{found['cycles']:g} cycles, {number_text(found['cycles_per_second'], '{:.3g}')} a second at the end"
             ),
         )
+        later = f"none from {summary['settled_s']:.1f} s on"
+        later = later if life is None else f"1 after {duration_text(life)} of such motion"
+        yield f"damage at {name}", f"{found['damage']:.3g}; {later}"
 
 
 def duration_text(seconds: float) -> str:
@@ -118,12 +114,14 @@ def bit_rows(summary: Summary) -> Iterator[Row]:
         last, most = (number_text(summary[key], "{:.2f}") for key in ("stick_slip_index", "largest_stick_slip_index"))
         yield "stick-slip index", f"{last} over the last {TIME_BASE} s, {most} at most"
     for stretch in summary["stick_slip"][:_STRETCHES]:
-        words = (
-            f"{stretch['start_s']:.2f} to {stretch['end_s']:.2f} s: {stretch['cycles']} cycles of "
-            f"{stretch['shortest_s']:.3f} to {stretch['longest_s']:.3f} s ({stretch['frequency_hz']:.2f} Hz), "
-            f"severity {stretch['severity']:.2f}"
+        yield (
+            "stick-slip",
+            (
+                f"{stretch['start_s']:.2f} to {stretch['end_s']:.2f} s: {stretch['cycles']} cycles of "
+                f"{stretch['shortest_s']:.3f} to {stretch['longest_s']:.3f} s ({stretch['frequency_hz']:.2f} Hz), "
+                f"severity {stretch['severity']:.2f}"
+            ),
         )
-        yield "stick-slip", words
     if len(summary["stick_slip"]) > _STRETCHES:
         yield "", f"and {len(summary['stick_slip']) - _STRETCHES} more stretches of stick-slip"
     if summary["stick_slip"] and summary["bit_spectral_peak_hz"] is not None:
@@ -132,21 +130,17 @@ def bit_rows(summary: Summary) -> Iterator[Row]:
 
 def sub_rows(summary: Summary) -> Iterator[Row]:
     """Rows on what a downhole sub tells beside whirl."""
-    found = summary.get("sub")
-    if not found:
+    if not (found := summary.get("sub")):
         return
     if found["share_at_rest"] is not None:
         yield "section at rest", f"{found['share_at_rest']:.0%} of the time of stick-slip"
-    largest = (
-        ""
-        if found["largest_impact"] is None
-        else (
-            f" ({found['impact_rate_hz']:.2f} a second), acceleration "
-            f"{units_of(summary).text(found['mean_impact'], 'acceleration', '.3g')} on average, "
-            f"{units_of(summary).text(found['largest_impact'], 'acceleration', '.3g')} at most"
+    hard = ""
+    if found["largest_impact"] is not None:
+        mean, most = (
+            units_of(summary).text(found[f"{size}_impact"], "acceleration", ".3g") for size in ("mean", "largest")
         )
-    )
-    yield "impacts on the wall", f"{found['impacts']}{largest}"
+        hard = f" ({found['impact_rate_hz']:.2f} a second), acceleration {mean} on average, {most} at most"
+    yield "impacts on the wall", f"{found['impacts']}{hard}"
 
 
 def units_of(summary: Summary) -> UnitSystem:
@@ -154,6 +148,6 @@ def units_of(summary: Summary) -> UnitSystem:
     return unit_system(summary["units"])
 
 
-def number_text(value: float | None, form: str) -> str:
-    """Number in a format, as "{:.2f} Hz"; "unknown" for None."""
-    return "unknown" if value is None else form.format(value)
+def number_text(value: float | None, form: str, none: str = "unknown") -> str:
+    """Number in a format, as "{:.2f} Hz"; another word for None."""
+    return none if value is None else form.format(value)

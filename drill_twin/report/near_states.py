@@ -83,8 +83,7 @@ def _lateral(bag: Recording, notes: list[str]) -> Scene:
     shaken = [key for key in scene.effect_names if key in TIME_DEPENDENT]
     finest = min(ELEMENTS, bag.nodes - 1) if bag.nodes else ELEMENTS
     own = lateral_form(without(scene, shaken), finest)
-    left_out = [key for key in scene.effect_names if key not in {*own.effect_names, *SPATIAL_EFFECTS}]
-    if left_out:
+    if left_out := [key for key in scene.effect_names if key not in {*own.effect_names, *SPATIAL_EFFECTS}]:
         notes.append(f"states are computed without {', '.join(left_out)}")
     return own
 
@@ -160,7 +159,7 @@ def _conclusion(findings: list[dict[str, Any]], states: tuple[WhirlState, ...]) 
         if others:
             return f"the whirl is a stable one; another start can lead to the other stable whirls at {others}"
         return "the whirl settled in the only stable steady whirl found"
-    begin = "rig.start: whirl-state begins a run on it"
     return (
-        f"the motion is none of the stable whirls found, at {others}: it began elsewhere, or has not settled ({begin})"
+        f"the motion is none of the stable whirls found, at {others}: it began elsewhere, or has not settled "
+        "(rig.start: whirl-state begins a run on it)"
     )

@@ -172,10 +172,10 @@ def _cards(summary: Mapping[str, Any]) -> str:
 
 def _motion_cards(summary: Mapping[str, Any]) -> str:
     """Lasting motion, and the frequency where there is a single one."""
-    ended, cards = transient(summary), card(summary["lasting_motion"], "{}", "motion that lasts", "unknown")
+    cards = card(summary["lasting_motion"], "{}", "motion that lasts", "unknown")
     if irregular(summary):
         return cards + card(interval(summary) or None, "{}", "irregular whirl, over windows", "irregular")
-    whose = " of the transient" if ended else ""
+    whose = " of the transient" * transient(summary)
     return (
         cards
         + card(summary["whirl_frequency_hz"], "{:+.2f} Hz", f"whirl{whose}, positive = forward")
@@ -184,9 +184,8 @@ def _motion_cards(summary: Mapping[str, Any]) -> str:
 
 
 def _warning(lines: list[str]) -> str:
-    if not lines:
-        return ""
-    return f'<section class="warning"><ul>{"".join(f"<li>{escape(line)}</li>" for line in lines)}</ul></section>'
+    items = "".join(f"<li>{escape(line)}</li>" for line in lines)
+    return f'<section class="warning"><ul>{items}</ul></section>' if lines else ""
 
 
 def _timeline(summary: Mapping[str, Any]) -> str:

@@ -21,7 +21,7 @@ from drill_twin.dynamics.twin.binding import bounds_of
 from drill_twin.physics.effects.wall import parameters as wall_parameters
 from drill_twin.physics.model.mesh import build_rod
 from drill_twin.report.recording import Recording
-from drill_twin.report.string_curve import along_hole, refined
+from drill_twin.report.string_curve import along_hole, arc_of, refined
 from drill_twin.scene import Scene
 from drill_twin.scene.set_points import extremes
 from drill_twin.whirl.spectrum import WINDOW, centre_line, precession_record
@@ -89,9 +89,8 @@ def loads(bag: Recording, kept: Mapping[str, Array]) -> dict[str, dict[str, floa
     rig = bag.rig
     weight = string_weight(bag.scene) if bag.scene_known else np.nan
     names = ("bit_force", "hookload", "top_drive_torque", "bit_torque")
-    series = [kept.get(name, getattr(rig, name)) for name in names]
+    series, late = [kept.get(name, getattr(rig, name)) for name in names], rig.time >= settled_from(bag)
     series.append(series[0] + series[1] - weight)
-    late = rig.time >= settled_from(bag)
     return {key: _statistics(values, late) for key, values in zip(KEYS, series, strict=True)}
 
 
@@ -110,8 +109,7 @@ def string_weight(scene: Scene) -> float:
 
 
 def _statistics(values: Array, averaged: Mask | bool = True) -> dict[str, float] | None:
-    known = values[np.isfinite(values)]
-    if not known.size:
+    if not (known := values[np.isfinite(values)]).size:
         return None
     late = values[np.isfinite(values) & averaged]
     return {"mean": float((late if late.size else known).mean()), "min": float(known.min()), "max": float(known.max())}
@@ -176,16 +174,14 @@ def wall_depth(bag: Recording) -> dict[str, Any] | None:
         return None
     scene, poses = bag.scene, bag.poses
     curves = along_hole(scene, refined(poses.position, poses.tangent, FRACTIONS))
-    steps = np.linalg.norm(np.diff(curves[0], axis=0), axis=1)
-    up = np.concatenate(([0.0], np.cumsum(steps)))
+    up = arc_of(curves[0])
     if not (np.isfinite(curves).all() and up[-1] > 0.0):  # poses that no run of this scene publishes
         return None
     up *= scene.length / up[-1]
     clearance = np.array([scene.clearance_at(float(place)) for place in up])
     depth = np.hypot(curves[..., 0], curves[..., 1]) - clearance
     depth[:, :: FRACTIONS.size] = -np.inf  # nodes, which the wall does not act on
-    joint = joint_of(scene)
-    if joint is not None:  # above it the string follows the hole and meets no wall
+    if (joint := joint_of(scene)) is not None:  # above it the string follows the hole and meets no wall
         first = int(np.argmin(np.abs(up[:: FRACTIONS.size] - joint)))
         depth[:, FRACTIONS.size * first :] = -np.inf
     depth[poses.time < min(FALLEN, poses.time[-1])] = -np.inf
@@ -201,8 +197,7 @@ def wall_depth(bag: Recording) -> dict[str, Any] | None:
 
 def static_depth(scene: Scene) -> float | None:
     """Depth under the largest weight on bit of the schedule, at rest [m]; None without a wall or the record's file."""
-    block = scene.effects.wall
-    if block is None:
+    if (block := scene.effects.wall) is None:
         return None
     try:
         load = extremes(scene).weight_on_bit

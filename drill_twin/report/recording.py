@@ -120,7 +120,10 @@ class Recording:
         self.run = self.selection.run or self.runs
         if self.run > self.runs:
             raise BagError(f"--run: expected a run of {self.path}, 1 to {self.runs}, found {self.run}")
-        self._skip_other_layouts()
+        for topic, series in ((MARKS_STATE, self.marks), (STRING_POSES, self.poses), (STRING_STRESS, self.stress)):
+            if topic not in self.skipped:  # messages of another scene than most, unless the analysis has them
+                for stamp, count, reason in series.other_layouts():
+                    self.skipped.add(topic, seconds(stamp), reason, count)
         self.summary: Summary = self._checked_summary()
         own = self.scene.unit_system.name if self.scene_known else bag.units if isinstance(bag, RecordBag) else "si"
         self.units = unit_system(self.selection.units or own)
@@ -203,13 +206,6 @@ class Recording:
             height = mark.distance_from_bit - self.scene.length
             row[0, 0] = place.position.real, place.position.imag, height, place.spin
             self.marks.append(place.stamp, row, (mark.name,))
-
-    def _skip_other_layouts(self) -> None:
-        """Count the messages of another scene than most, unless the analysis has."""
-        for topic, series in ((MARKS_STATE, self.marks), (STRING_POSES, self.poses), (STRING_STRESS, self.stress)):
-            if topic not in self.skipped:
-                for stamp, count, reason in series.other_layouts():
-                    self.skipped.add(topic, seconds(stamp), reason, count)
 
     def _checked_summary(self) -> Summary:
         pipeline = self._pipeline

@@ -13,7 +13,6 @@ from pathlib import Path
 from drill_twin.core import __version__
 from drill_twin.core.arrays import Array
 from drill_twin.core.errors import BagError, MessageError, import_extra
-from drill_twin.core.files.yaml_reader import YamlError, plain_yaml
 from drill_twin.core.rig_channels import RIG_CHANNELS
 from drill_twin.core.table import Column, Table
 from drill_twin.core.units.dimension import ANGULAR_SPEED, FORCE, LENGTH, TORQUE
@@ -21,6 +20,7 @@ from drill_twin.io.bag.series import RigSeries
 from drill_twin.io.bag.skipped import SkippedMessages
 from drill_twin.io.messages.decode import read_string
 from drill_twin.io.messages.topics import RIG_STATE, TWIN_SCENE
+from drill_twin.report.run_log import scene_content
 from drill_twin.report.selection import SelectedMessages, Selection, open_bag
 
 _COLUMNS = (
@@ -66,15 +66,7 @@ def read_rig(path: str | Path, selection: Selection) -> tuple[RigSeries, str]:
         raise BagError(
             f"{path}: expected messages on {RIG_STATE} in this time, found none; choose another --from, --to"
         )
-    return rig, _name(scene)
-
-
-def _name(scene: str) -> str:
-    try:
-        content = plain_yaml(scene)
-    except YamlError:
-        return ""
-    return str(content.get("name") or "") if isinstance(content, dict) else ""
+    return rig, str(scene_content(scene).get("name") or "")
 
 
 def rig_channels(rig: RigSeries) -> list[Channel]:

@@ -69,13 +69,10 @@ class RunLog:
 
     def _on_speed(self, values: Mapping[str, str]) -> None:
         """Read the two speeds; in old bags, without a name for each, the real-time factor is the physics' alone."""
-        factor = number(values["realtime_factor"])
-        if "physics_speed" not in values:
-            self.physics_speed = self.physics_speed if factor is None else factor
-            return
-        speed = number(values["physics_speed"])
-        self.realtime_factor = self.realtime_factor if factor is None else factor
-        self.physics_speed = self.physics_speed if speed is None else speed
+        if (speed := number(values.get("physics_speed", values["realtime_factor"]))) is not None:
+            self.physics_speed = speed
+        if "physics_speed" in values and (factor := number(values["realtime_factor"])) is not None:
+            self.realtime_factor = factor
 
     @property
     def energy(self) -> dict[str, Array]:
@@ -84,13 +81,18 @@ class RunLog:
         return {key: np.array([report[key] for report in reports]) for key in (reports[0] if reports else ())}
 
 
-def _run_block(text: str) -> dict[str, Any]:
-    """Content of the `run` block of a scene text; empty if there is none, or if the text is not YAML."""
+def scene_content(text: str) -> dict[str, Any]:
+    """Keys of a scene text; empty if the text is not YAML, or no mapping."""
     try:
-        data = plain_yaml(text)
+        content = plain_yaml(text)
     except YamlError:
         return {}  # the whirl pipeline reports what is wrong with the scene
-    run = data.get("run") if isinstance(data, dict) else None
+    return content if isinstance(content, dict) else {}
+
+
+def _run_block(text: str) -> dict[str, Any]:
+    """Content of the `run` block of a scene text; empty if there is none."""
+    run = scene_content(text).get("run")
     if not isinstance(run, dict):
         return {}
     effects = run.get("effects")

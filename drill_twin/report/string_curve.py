@@ -35,9 +35,13 @@ def along_hole(scene: Scene, curves: Array) -> Array:
     line = survey_of(scene)
     if line is None or not curves.size:
         return curves
-    steps = np.linalg.norm(np.diff(curves[0], axis=0), axis=1)
-    up = np.concatenate(([0.0], np.cumsum(steps)))
+    up = arc_of(curves[0])
     return to_hole_coordinates(line.at(scene.length * (1.0 - up / up[-1])), curves)
+
+
+def arc_of(points: Array) -> Array:
+    """Length of a curve up to each of its points [m], shape (k,)."""
+    return np.append(0.0, np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1)))
 
 
 def low_side(scene: Scene, depth: Array) -> ComplexArray:
@@ -135,8 +139,7 @@ def well_geometry(scene: Scene, stations: int = 101) -> dict[str, Any]:
     edge = np.array(edges)
     at = (np.linspace(0.0, scene.length, stations), edge, edge[edge > 0.0] - 1e-6 * scene.length)
     depth = np.unique(np.concatenate(at).round(6))
-    axis = axis_at(scene, depth)
-    if axis is None:
+    if (axis := axis_at(scene, depth)) is None:
         centre = np.stack((0.0 * depth, 0.0 * depth, -depth), axis=1)
         across = tuple(np.tile(row, (depth.size, 1)) for row in np.eye(3)[:2])
     else:

@@ -22,7 +22,6 @@ from drill_twin.physics.model.mesh import SPIN, Rod
 from drill_twin.physics.model.section_stress import bending_stress
 from drill_twin.physics.model.wellbore import offsets
 from drill_twin.report.recording import Recording
-from drill_twin.scene import Scene
 
 _ITERATIONS = 20
 """Repetitions of `_slopes`, each of which halves its error at least."""
@@ -45,25 +44,23 @@ class StringForces(NamedTuple):
 
 def string_forces(recording: Recording, poses: slice = slice(None)) -> StringForces | None:
     """Forces at the kept poses of a recording; None where they are none of a mesh of its scene."""
-    scene, nodes = recording.scene, recording.nodes
-    rod = _mesh(scene, nodes)
+    scene, rod = recording.scene, _mesh(recording)
     if rod is None:
         return None
     model = discretise(scene, rod)
     position, spin = recording.poses.position[poses], recording.poses.spin[poses]
-    tangent = recording.poses.tangent[poses]
-    strain, slopes = _strain(rod, position, tangent)
+    strain, slopes = _strain(rod, position, recording.poses.tangent[poses])
     if scene.effects.torsion is None:
         below = np.cumsum(axial_weight(scene, model)) - 0.5 * axial_weight(scene, model)
         tension = below - _bit_force(recording)[poses, None]
         torque = np.full_like(tension, np.nan)
     else:
-        tension = rod.axial * strain
-        torque = _torque(rod, position, slopes, spin)
+        tension, torque = rod.axial * strain, _torque(rod, position, slopes, spin)
     side = np.zeros_like(tension)
     if scene.effects.wall is not None:
         law = wall_parameters(scene.effects.wall, model)
-        places = _at_gauss_points(rod, position, slopes)
+        points = np.einsum("epi,teic->tepc", rod.shape[:, :, 0], _ends(position, slopes))
+        places = points.reshape(len(points), -1, 3)  # the Gauss points of the elements, shape (T, 2 n, 3)
         off = places[..., :2] if law.bore.axis is None else offsets(law.bore.axis, places).off
         depth = np.maximum(np.linalg.norm(off, axis=-1) - law.bore.clearance, 0.0)
         side = (law.stiffness * depth ** (1.5 - 0.5 * law.linear)).reshape(*tension.shape, 2).mean(axis=-1)
@@ -75,8 +72,7 @@ def string_forces(recording: Recording, poses: slice = slice(None)) -> StringFor
 
 def bending_stress_at(recording: Recording, poses: NDArray[np.int64]) -> Array | None:
     """Largest bending stress of each element at chosen poses [Pa], shape (k, n); None where they are of no mesh."""
-    scene, nodes = recording.scene, recording.nodes
-    rod = _mesh(scene, nodes)
+    scene, rod = recording.scene, _mesh(recording)
     if rod is None:
         return None
     position = recording.poses.position[poses]
@@ -85,15 +81,15 @@ def bending_stress_at(recording: Recording, poses: NDArray[np.int64]) -> Array |
     return np.stack([bending_stress(rod, tubes_of(scene), u) for u in rows])
 
 
-def _mesh(scene: Scene, nodes: int) -> Rod | None:
-    """Mesh with this number of nodes; None where the scene has none, or needs a record that is not at hand."""
-    if nodes < 2:
+def _mesh(recording: Recording) -> Rod | None:
+    """Mesh with the nodes of the poses; None where the scene has none, or needs a record that is not at hand."""
+    if recording.nodes < 2:
         return None
     try:
-        rod = mesh(scene, nodes - 1)
+        rod = mesh(recording.scene, recording.nodes - 1)
     except TableError:
         return None
-    return rod if rod.arc.size == nodes else None
+    return rod if rod.arc.size == recording.nodes else None
 
 
 def _strain(rod: Rod, position: Array, tangent: Array) -> tuple[Array, Array]:
@@ -130,15 +126,7 @@ def _torque(rod: Rod, position: Array, slopes: Array, spin: Array) -> Array:
     return np.asarray(rod.torsion / rod.length * climb)
 
 
-def _at_gauss_points(rod: Rod, position: Array, slopes: Array) -> Array:
-    """Points of the string at the Gauss points of its elements [m], shape (T, 2 n, 3)."""
-    nodal = _ends(position, slopes)
-    return np.asarray(np.einsum("epi,teic->tepc", rod.shape[:, :, 0], nodal).reshape(position.shape[0], -1, 3))
-
-
 def _bit_force(recording: Recording) -> Array:
     """Weight on bit at the poses [N]; NaN without rig states."""
-    rig = recording.rig
-    if not len(rig):
-        return np.full(len(recording.poses), np.nan)
-    return np.interp(recording.poses.time, rig.time, rig.bit_force)
+    rig, time = recording.rig, recording.poses.time
+    return np.interp(time, rig.time, rig.bit_force) if len(rig) else np.full(time.size, np.nan)

@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import asdict
 from datetime import UTC, datetime
 from pathlib import Path
@@ -18,11 +17,9 @@ from drill_twin.io.messages.stamps import seconds
 from drill_twin.report.quantities import applied, fatigue, loads, precession, settled_from, soft_wall, wall_depth
 from drill_twin.report.recording import Recording, read_recording
 from drill_twin.report.severity import severity
-from drill_twin.report.surface import surface, without_spikes
-from drill_twin.whirl import AnalysisError, MotionPeriod, two_sided_spectrum
+from drill_twin.report.surface import highest_line, surface, without_spikes
+from drill_twin.whirl import MotionPeriod
 
-SLOWEST = 0.1
-"""Lowest frequency of oscillations of the bit's speed [Hz]."""
 _OF_THE_ONSET = ("mark", "confidence", "criterion", "uncertainty_s", "dated", "at_start")
 _OF_THE_WHIRL = (
     "mark_onset_s", "whirl_frequency_hz", "whirl_ratio", "frequency_mark", "lasting_motion", "whirl_end_s",
@@ -167,15 +164,8 @@ def timeline(periods: tuple[MotionPeriod, ...], end: float) -> list[dict[str, An
         if lines and lines[-1]["state"] is period.state:
             lines[-1]["end_s"] = until
         elif until > period.start_s:
-            lines.append(
-                {
-                    "start_s": period.start_s,
-                    "end_s": until,
-                    "state": period.state,
-                    "criterion": period.criterion,
-                    "confidence": period.confidence,
-                }
-            )
+            keys = {key: getattr(period, key) for key in ("state", "criterion", "confidence")}
+            lines.append({"start_s": period.start_s, "end_s": until, **keys})
     return lines
 
 
@@ -184,12 +174,8 @@ def bit_peak(bag: Recording) -> float | None:
     if not len(bag.rig):
         return None
     time, speed = bag.rig.time, bag.rig.bit_speed
-    try:
-        peak = two_sided_spectrum(time, speed.astype(complex)).peak(SLOWEST, math.inf)
-    except AnalysisError:
-        return None  # too short a record
-    steady = abs(float(np.nanmean(speed)))
-    return None if peak is None or peak.radius < NOTICED * steady else peak.frequency
+    peak = highest_line(time, speed)
+    return None if peak is None or peak.radius < NOTICED * abs(float(np.nanmean(speed))) else peak.frequency
 
 
 def _notes(bag: Recording) -> list[str]:

@@ -16,7 +16,7 @@ from drill_twin.physics.model.mesh import build_rod
 from drill_twin.report.recording import Recording
 from drill_twin.scene import Scene
 from drill_twin.scene.set_points.tables import find_spikes
-from drill_twin.whirl import AnalysisError, two_sided_spectrum
+from drill_twin.whirl import AnalysisError, Peak, two_sided_spectrum
 from drill_twin.whirl.motion.stick_slip_index import REST, TIME_BASE
 
 CHANNELS = {
@@ -31,7 +31,7 @@ SPIKE_WINDOW, FEWEST = 0.5, 7
 EVEN = 0.1
 """Largest change of the speed of the top drive over a window that counts, over its mean."""
 SLOWEST = 0.1
-"""Lowest frequency of a swing [Hz]."""
+"""Lowest frequency of a swing, and of oscillations of the bit's speed [Hz]."""
 
 
 def surface(bag: Recording, kept: Mapping[str, Array]) -> dict[str, Any] | None:
@@ -67,8 +67,7 @@ def without_spikes(bag: Recording) -> dict[str, Array]:
     window = max(FEWEST, round(SPIKE_WINDOW / float(np.median(np.diff(rig.time)))))
     for name in CHANNELS:
         values = getattr(rig, name).copy()
-        known = np.flatnonzero(np.isfinite(values))
-        if known.size:
+        if (known := np.flatnonzero(np.isfinite(values))).size:
             values[known[find_spikes(values[known], window=window)]] = math.nan
             found[name] = values
     return found
@@ -97,14 +96,19 @@ def _torque_swing(time: Array, torque: Array, speed: Array | None) -> tuple[dict
     size, mean, window, turn = swings[-1]
     largest = max(swings, key=lambda one: one[0])
     good = np.isfinite(torque[window])
-    try:
-        peak = two_sided_spectrum(time[window][good], torque[window][good].astype(complex)).peak(SLOWEST, math.inf)
-    except AnalysisError:
-        peak = None
+    peak = highest_line(time[window][good], torque[window][good])
     return {
         "last_nm": size, "largest_nm": largest[0], "last": size / abs(mean), "largest": largest[0] / abs(largest[1]),
         "period_s": 1.0 / peak.frequency if peak else None,
     }, turn  # fmt: skip
+
+
+def highest_line(time: Array, values: Array) -> Peak | None:
+    """Highest line from `SLOWEST` on in the spectrum of a channel; None where there is none, or too short a record."""
+    try:
+        return two_sided_spectrum(time, values.astype(complex)).peak(SLOWEST, math.inf)
+    except AnalysisError:
+        return None
 
 
 def _steady(speed: Array) -> float:

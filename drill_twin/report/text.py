@@ -24,9 +24,7 @@ from drill_twin.whirl import MotionState, criteria
 
 _OF_THE_STRING = {MotionState.SPIRAL.value, MotionState.SECOND_BENDING.value}
 """States of the string's shape, which no single mark can have."""
-FIELD_NAMES = {
-    MotionState.ROLLING.value: "backward whirl", MotionState.IRREGULAR.value: "chaotic whirl",
-}  # fmt: skip
+FIELD_NAMES = {MotionState.ROLLING.value: "backward whirl", MotionState.IRREGULAR.value: "chaotic whirl"}
 """Field names of states that have another name here (vocabulary of D-WIS)."""
 LAB = "lab"
 """System of units of a bench, for which the levels of downhole tools are not meant."""
@@ -111,13 +109,11 @@ def _states(summary: Summary) -> Iterator[Row]:
 
 def _wall(summary: Summary) -> Iterator[Row]:
     """Row on the penetration of the wall."""
-    found = summary.get("wall")
-    if found and found["deepest_m"] > 0.0:
+    if (found := summary.get("wall")) and found["deepest_m"] > 0.0:
         units = units_of(summary)
         share = f"{found['deepest_m'] / found['clearance_m']:.1%} of the clearance"
-        at_rest = (
-            "" if found["static_m"] is None else f"; its load at rest gives {units.text(found['static_m'], 'offset')}"
-        )
+        still = found["static_m"]
+        at_rest = "" if still is None else f"; its load at rest gives {units.text(still, 'offset')}"
         place = f"{units.text(found['distance_from_bit_m'], 'length')} from the bit at {found['time_s']:.2f} s"
         yield "deepest in the wall", f"{units.text(found['deepest_m'], 'offset')} ({share}), {place}{at_rest}"
 
@@ -163,14 +159,11 @@ def limitations(summary: Summary) -> list[str]:
         lines.insert(0, f"the bag is not whole: {'; '.join(summary['damage'])}")
     quality = summary["quality"]
     counted = (
-        ("duplicate", "samples twice"),
-        ("late", "samples out of order"),
-        ("incomplete", "samples without position or rotation"),
-        ("missing_marks", "marks missing in samples"),
+        ("duplicate", "samples twice"), ("late", "samples out of order"),
+        ("incomplete", "samples without position or rotation"), ("missing_marks", "marks missing in samples"),
         ("gaps", "gaps in time"),
-    )
-    parts = [f"{quality[key]} {words}" for key, words in counted if quality.get(key)]
-    if parts:
+    )  # fmt: skip
+    if parts := [f"{quality[key]} {words}" for key, words in counted if quality.get(key)]:
         lines.append(f"left out of the analysis: {', '.join(parts)}")
     return lines
 
@@ -240,9 +233,8 @@ def interval(summary: Summary) -> str:
 
 def _frequency(summary: Summary) -> str:
     frequency, mark = summary["whirl_frequency_hz"], summary["frequency_mark"]
-    over = interval(summary)
-    if over:
-        over = f"{over} over windows of {summary['window_rev']:g} revolutions"
+    if over := interval(summary):
+        over += f" over windows of {summary['window_rev']:g} revolutions"
     if irregular(summary):
         return f"no single one, the motion is irregular{f': {over}, at {mark}' if over else ''}"
     if frequency is None:
@@ -264,13 +256,10 @@ def _lines(summary: Summary) -> str:
 def _ratio(summary: Summary) -> str:
     """Whirl ratio, each number with its meaning."""
     names = {"mode": "most frequent", "line": "highest line of the spectrum", "mean": "mean weighted by the radius"}
-    left_out = {"mode"} if irregular(summary) else set()
-    found = [
-        f"{value:+.3f} ({names[kind]})"
-        for kind, value in summary["ratios"].items()
-        if value is not None and kind not in left_out
-    ]
-    return ", ".join(found) or "unknown"
+    if irregular(summary):
+        del names["mode"]
+    found = {kind: value for kind, value in summary["ratios"].items() if value is not None and kind in names}
+    return ", ".join(f"{value:+.3f} ({names[kind]})" for kind, value in found.items()) or "unknown"
 
 
 def rotation(summary: Summary, units: UnitSystem) -> str:

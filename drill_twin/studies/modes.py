@@ -8,7 +8,6 @@ import math
 from typing import Any
 
 import numpy as np
-from matplotlib.axes import Axes
 from matplotlib.colors import TwoSlopeNorm
 from matplotlib.figure import Figure
 
@@ -17,7 +16,7 @@ from drill_twin.core.units.system import UnitSystem
 from drill_twin.dynamics.rotordynamics.campbell import Campbell, GrowthMap
 from drill_twin.dynamics.rotordynamics.forced_response import BEND, JOINT, OFFSET, ForcedResponse
 from drill_twin.dynamics.rotordynamics.modes import LATERAL, ModeTable
-from drill_twin.report.figures.style import BLUE, GREY, INK, MARK_COLOURS, PURPLE, VERMILION, blank, head, styled
+from drill_twin.report.figures.style import BLUE, GREY, INK, MARK_COLOURS, PURPLE, VERMILION, blank, styled
 from drill_twin.scene import Scene
 
 
@@ -104,19 +103,17 @@ def shapes_figure(table: ModeTable, arc: Array, name: str, units: UnitSystem) ->
     lateral, command = table.of(LATERAL)[:SHAPES], table.balance.command
     end = table.assembly.extent.cut if table.assembly else arc[-1]
     with styled():
-        figure = blank(4.2)
-        head(figure, f"{name}: lateral modes at {units.set_point(command.weight_on_bit, command.rotation)}")
+        at = units.set_point(command.weight_on_bit, command.rotation)
+        figure = blank(4.2, f"{name}: lateral modes at {at}")
         panels = figure.subplots(1, max(len(lateral), 1), sharey=True, squeeze=False)[0]
         figure.subplots_adjust(left=0.08, right=0.98, top=0.78, bottom=0.13, wspace=0.15)
         for panel, mode in zip(panels, lateral, strict=False):
             panel.plot(mode.shape.real, units.show(arc, "length"), color=BLUE)
             panel.plot(mode.shape.imag, units.show(arc, "length"), color=VERMILION, linestyle="--")
             panel.set_title(f"{mode.frequency:+.3g} Hz\n{mode.growth:+.3g} 1/s", fontsize=10)
-            panel.set_xlim(-1.15, 1.15)
-            panel.set_xlabel("shape [-]")
-        panels[0].set_ylabel(f"distance from bit [{units.length}]")
-        panels[0].set_ylim(0.0, units.show(end, "length"))
-        if len(lateral):
+            panel.set(xlim=(-1.15, 1.15), xlabel="shape [-]")
+        panels[0].set(ylabel=f"distance from bit [{units.length}]", ylim=(0.0, units.show(end, "length")))
+        if lateral:
             panels[0].legend(
                 ["x", "y"] if table.on_axis else ["to the low side", "level"], loc="upper left", fontsize=8
             )
@@ -139,10 +136,9 @@ def response_figure(response: ForcedResponse, table: ModeTable, scene: Scene) ->
     limits = [*gaps[: len(names)], max(gaps)]
     touching = [f"{units.text(low, 'length')} to {units.text(high, 'length')}" for low, high in response.contacts]
     with styled():
-        figure = blank(6.4 if touching else 4.0)
         load, whole = units.text(command.weight_on_bit, "force"), "assembly" if table.assembly else "string"
-        head(
-            figure,
+        figure = blank(
+            6.4 if touching else 4.0,
             f"{scene.name}: forced response at {load}; dotted: critical speeds, red: the rotation\n"
             f"linear; pale: {'of pipe above the collars, or ' * bool(table.assembly)}beyond the clearance, where the "
             "wall limits it",
@@ -171,9 +167,9 @@ def response_figure(response: ForcedResponse, table: ModeTable, scene: Scene) ->
                 if 0.0 < mode.eigenvalue.imag < response.speeds[-1]:
                     at, solid = units.show(mode.eigenvalue.imag, "rotation"), 1.0 if mode.of_collars else 0.35
                     panel.axvline(at, color=GREY, linestyle=":", linewidth=0.9, alpha=solid)
-        for row in panels:
-            low, high = row[0].get_ylim()
-            row[0].set_ylim(bottom=max(low, FLOOR * high))
+        for panel, _ in panels:
+            low, high = panel.get_ylim()
+            panel.set_ylim(bottom=max(low, FLOOR * high))
         panels[0, 0].set_ylabel(f"amplitude [{units.offset}]")
         panels[0, 0].legend(loc="lower left", bbox_to_anchor=(0.0, 1.12), ncol=4, fontsize=8.5)
         if touching:
@@ -187,8 +183,7 @@ def campbell_figure(diagram: Campbell, name: str, units: UnitSystem) -> Figure:
     """Frequency and growth of the lateral modes over the speed of rotation; critical speeds marked."""
     turns, hertz = units.show(diagram.speeds, "rotation"), diagram.eigenvalues.imag / math.tau
     with styled():
-        figure = blank(5.0)
-        head(figure, f"{name}: Campbell diagram at {units.text(diagram.weight_on_bit, 'force')}")
+        figure = blank(5.0, f"{name}: Campbell diagram at {units.text(diagram.weight_on_bit, 'force')}")
         left, right = figure.subplots(1, 2)
         figure.subplots_adjust(left=0.075, right=0.97, top=0.79, bottom=0.12, wspace=0.24)
         for mode in range(hertz.shape[1]):
@@ -198,11 +193,9 @@ def campbell_figure(diagram: Campbell, name: str, units: UnitSystem) -> Figure:
         left.plot(turns, diagram.speeds / math.tau, color=GREY, linestyle=":", label="1 x rotation")
         for _, speed in diagram.critical:
             left.plot(units.show(speed, "rotation"), speed / math.tau, "o", color=INK, markersize=5)
-        left.set_ylabel("frequency [Hz], forward whirl positive")
-        right.set_ylabel("growth [1/s]")
         right.axhline(0.0, color=INK, linewidth=0.9)
-        for panel in (left, right):
-            panel.set_xlabel(f"rotation [{units.rotation}]")
+        for panel, label in ((left, "frequency [Hz], forward whirl positive"), (right, "growth [1/s]")):
+            panel.set(xlabel=f"rotation [{units.rotation}]", ylabel=label)
         left.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), fontsize=8, ncol=4)
     return figure
 
@@ -213,24 +206,18 @@ def growth_figure(growth: GrowthMap, name: str, units: UnitSystem) -> Figure:
     if growth.torsional is not None:
         maps.append((growth.torsional, "torsion: onset of stick-slip"))
     with styled():
-        figure = blank(4.6)
-        head(figure, f"{name}: largest growth rate of the string on the axis")
+        figure = blank(4.6, f"{name}: largest growth rate of the string on the axis")
         panels = figure.subplots(1, len(maps), squeeze=False)[0]
         figure.subplots_adjust(left=0.075, right=0.97, top=0.82, bottom=0.13, wspace=0.2)
+        turns, loads = units.show(growth.speeds, "rotation"), units.show(growth.weights, "force")
         for panel, (rates, title) in zip(panels, maps, strict=True):
-            _map(figure, panel, growth, rates, units)
-            panel.set_title(title)
+            size = max(float(np.abs(rates).max()), 1e-9)
+            colours = panel.pcolormesh(turns, loads, rates, cmap="RdBu_r", norm=TwoSlopeNorm(0.0, -size, size))
+            if rates.min() < 0.0 < rates.max():
+                line = panel.contour(turns, loads, rates, levels=[0.0], colors=[PURPLE], linewidths=2.0)
+                panel.clabel(line, fmt={0.0: "growth 0"}, fontsize=9)
+            panel.grid(visible=False)
+            panel.set(title=title, xlabel=f"rotation [{units.rotation}]")
+            figure.colorbar(colours, ax=panel, label="growth [1/s]", pad=0.02)
         panels[0].set_ylabel(f"weight on bit [{units.force}]")
     return figure
-
-
-def _map(figure: Figure, panel: Axes, growth: GrowthMap, rates: Array, units: UnitSystem) -> None:
-    size = max(float(np.abs(rates).max()), 1e-9)
-    turns, loads = units.show(growth.speeds, "rotation"), units.show(growth.weights, "force")
-    colours = panel.pcolormesh(turns, loads, rates, cmap="RdBu_r", norm=TwoSlopeNorm(0.0, -size, size))
-    if rates.min() < 0.0 < rates.max():
-        line = panel.contour(turns, loads, rates, levels=[0.0], colors=[PURPLE], linewidths=2.0)
-        panel.clabel(line, fmt={0.0: "growth 0"}, fontsize=9)
-    panel.grid(visible=False)
-    panel.set_xlabel(f"rotation [{units.rotation}]")
-    figure.colorbar(colours, ax=panel, label="growth [1/s]", pad=0.02)

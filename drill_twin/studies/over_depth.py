@@ -18,7 +18,7 @@ from drill_twin.core.units.dimension import FORCE, LENGTH, TORQUE
 from drill_twin.core.units.parse import name_and_unit
 from drill_twin.core.units.ranges import parse_range
 from drill_twin.dynamics.torque_drag.over_depth import OverDepth
-from drill_twin.report.figures.style import BLUE, GREEN, INK, VERMILION, blank, head, styled
+from drill_twin.report.figures.style import BLUE, GREEN, INK, VERMILION, blank, styled
 from drill_twin.scene.records import read_columns
 
 COLUMNS = {
@@ -80,9 +80,8 @@ def read_measured(path: Path) -> dict[str, Points]:
         raise TableError(
             f"{path}: expected a column of depth and a column of a load, found {columns.listed}; known names: {known}"
         )
-    found = {}
     places = columns.si(depth, columns.unit(depth, LENGTH), LENGTH, "depth")
-    drilling = np.zeros(places.size, bool)
+    found, drilling = {}, np.zeros(places.size, bool)
     for _ in columns.named("weight_on_bit")[:1]:
         drilling |= columns.channel("weight_on_bit").values > ON_BOTTOM
     for load, name in named.items():
@@ -135,8 +134,7 @@ def shown(found: OverDepth, points: Mapping[str, Points]) -> Iterator[Table | st
         f"{units.torque}",
     )  # fmt: skip
     for load, values in friction_of(found, points).items():
-        inside = values[np.isfinite(values)]
-        if not inside.size:
+        if not (inside := values[np.isfinite(values)]).size:
             yield f"measured {load}: none of {values.size} points within the range of friction"
             continue
         yield (
@@ -157,9 +155,8 @@ def broomstick(found: OverDepth, points: Mapping[str, Points]) -> Figure:
     depth, bottom = units.show(found.depth, "length"), float(units.show(found.scene.length, "length"))
     shades = np.linspace(0.35, 1.0, found.friction.size)
     with styled():
-        figure = blank(7.2)
-        head(figure, f"{found.scene.name}: loads over the depth of the bit, friction {found.friction[0]:.3g} to "
-             f"{found.friction[-1]:.3g}")  # fmt: skip
+        friction = f"{found.friction[0]:.3g} to {found.friction[-1]:.3g}"
+        figure = blank(7.2, f"{found.scene.name}: loads over the depth of the bit, friction {friction}")
         load, torque = (figure.add_axes((0.08 + 0.5 * k, 0.085, 0.4, 0.76)) for k in range(2))
         for operation, rows in zip(found.operations, found.hookload, strict=True):
             colour = colours[operation.name]
@@ -167,9 +164,9 @@ def broomstick(found: OverDepth, points: Mapping[str, Points]) -> Figure:
             for row, shade in many:
                 load.plot(units.show(row, "force"), depth, color=colour, alpha=shade, linewidth=1.4)
             load.plot([], [], color=colour, label=operation.name)
-        for row, shade, friction in zip(found.torque, shades.tolist(), found.friction.tolist(), strict=True):
+        for row, shade, value in zip(found.torque, shades.tolist(), found.friction.tolist(), strict=True):
             torque.plot(units.show(row, "torque"), depth, color=GREEN, alpha=shade, linewidth=1.4)
-            torque.annotate(f"{friction:.3g}", (units.show(row[-1], "torque"), bottom), xytext=(0, -3), fontsize=8.5,
+            torque.annotate(f"{value:.3g}", (units.show(row[-1], "torque"), bottom), xytext=(0, -3), fontsize=8.5,
                             textcoords="offset points", ha="center", va="top", color=INK)  # fmt: skip
         for name, one in points.items():
             panel, quantity = (torque, "torque") if name == "torque" else (load, "force")
@@ -179,8 +176,7 @@ def broomstick(found: OverDepth, points: Mapping[str, Points]) -> Figure:
                 color=colour, markersize=5, markeredgecolor=INK, label=f"{name}, measured",
             )  # fmt: skip
         for panel, name, quantity in ((load, "hookload", "force"), (torque, "torque off bottom", "torque")):
-            panel.set(xlabel=f"{name} [{getattr(units, quantity)}]", ylim=(1.05 * bottom, 0.0))
-            panel.set_xlim(left=0.0)
+            panel.set(xlabel=f"{name} [{getattr(units, quantity)}]", ylim=(1.05 * bottom, 0.0), xlim=(0.0, None))
         load.set_ylabel(f"depth of the bit [{units.length}]")
         figure.legend(*load.get_legend_handles_labels(), loc="upper left", bbox_to_anchor=(0.07, 0.93), ncols=6)
         figure.text(0.975, 0.895, "darker: more friction", ha="right", fontsize=9)

@@ -14,7 +14,7 @@ from drill_twin.core.table import Column, Table
 from drill_twin.core.units.system import UnitSystem
 from drill_twin.dynamics.torque_drag.analysis import OperationLoads, Statics
 from drill_twin.dynamics.torque_drag.soft_string import CHEN, BucklingState
-from drill_twin.report.figures.style import BLUE, GREEN, GREY, ORANGE, PURPLE, VERMILION, blank, head, styled
+from drill_twin.report.figures.style import BLUE, GREEN, GREY, ORANGE, PURPLE, VERMILION, blank, styled
 
 
 def statics_data(found: Statics) -> dict[str, Any]:
@@ -81,8 +81,7 @@ COLOURS = (BLUE, VERMILION, GREEN, PURPLE, ORANGE)
 def tracks(found: Statics, units: UnitSystem) -> Figure:
     """Figure of all operations; the soft string is dashed."""
     with styled():
-        figure = blank(7.2)
-        head(figure, f"{found.scene.name}: torque and drag")
+        figure = blank(7.2, f"{found.scene.name}: torque and drag")
         panels = [figure.add_axes((0.08 + 0.235 * k, 0.08, 0.195, 0.75)) for k in range(4)]
         tension, torque, side, buckling = panels
         widths = np.linspace(3.4, 1.0, len(found.operations))  # equal loads lie over each other, the wider ones show

@@ -16,7 +16,7 @@ from drill_twin.dynamics.discretisation.resolution import mesh
 from drill_twin.dynamics.rotordynamics.steady.branches import Branch
 from drill_twin.dynamics.rotordynamics.steady.whirl_state import WhirlState
 from drill_twin.dynamics.twin.twin import Twin
-from drill_twin.report.figures.style import BLUE, GREY, INK, MARK_COLOURS, VERMILION, blank, head, styled
+from drill_twin.report.figures.style import BLUE, GREY, INK, MARK_COLOURS, VERMILION, blank, styled
 from drill_twin.runs.ensemble.parts import parts_of, planned
 from drill_twin.scene import Scene
 from drill_twin.scene.load import override
@@ -94,14 +94,11 @@ def shown_parameter(key: str, units: UnitSystem) -> tuple[str, float]:
 
 def states_figure(states: Sequence[WhirlState], scene: Scene) -> Figure:
     """Shapes of the states in the turning frame: along the string, and seen from above with the clearance."""
-    shown, command = states[:MOST_STATES], states[0].whirl.command
-    units = scene.unit_system
-    clearance = units.show(scene.least_clearance, "offset")
-    turn = np.linspace(0.0, math.tau, 200)
+    shown, command, units = states[:MOST_STATES], states[0].whirl.command, scene.unit_system
+    clearance, turn = units.show(scene.least_clearance, "offset"), np.linspace(0.0, math.tau, 200)
     with styled():
-        figure = blank(6.4)
         at = units.set_point(command.weight_on_bit, command.rotation)
-        head(figure, f"{scene.name}: steady whirl at {at}")
+        figure = blank(6.4, f"{scene.name}: steady whirl at {at}")
         panels = figure.subplots(2, len(shown), squeeze=False, height_ratios=(1.5, 1.0))
         figure.subplots_adjust(left=0.08, right=0.98, top=0.8, bottom=0.09, wspace=0.3, hspace=0.3)
         for column, state in enumerate(shown):
@@ -111,14 +108,12 @@ def states_figure(states: Sequence[WhirlState], scene: Scene) -> Figure:
             along.plot(x, arc, color=BLUE)
             along.plot(y, arc, color=VERMILION, linestyle="--")
             along.set_xlim(-1.15 * clearance, 1.15 * clearance)
-            growth = f"growth {state.growth:+.3g} 1/s"
-            speed = f"{state.frequency:+.3f} Hz, ratio {state.ratio:+.3f}"
-            along.set_title(f"{state.kind}, {state.verdict}\n{speed}\n{growth}", fontsize=9)
+            speed = f"{state.frequency:+.3f} Hz, ratio {state.ratio:+.3f}\ngrowth {state.growth:+.3g} 1/s"
+            along.set_title(f"{state.kind}, {state.verdict}\n{speed}", fontsize=9)
             above.plot(clearance * np.cos(turn), clearance * np.sin(turn), color=GREY, linewidth=0.9)
             above.plot(x, y, color=BLUE)
             above.plot(x[0], y[0], "o", color=VERMILION, markersize=4)
-            above.set_aspect("equal")
-            above.set_xlabel(f"x [{units.offset}]")
+            above.set(aspect="equal", xlabel=f"x [{units.offset}]")
         panels[0, 0].set_ylabel(f"distance from bit [{units.length}]")
         panels[0, 0].legend(["x", "y"], loc="upper left", fontsize=8)
         panels[1, 0].set_ylabel(f"y [{units.offset}]; dot: bit")
@@ -137,11 +132,9 @@ def branches_figure(
         simulated: Values of the parameter with frequency [Hz] and ratio of the simulation in time, and whether that is
             steady: full dots, else open ones.
     """
-    parameter = branches[0].parameter
-    label, unit = shown_parameter(parameter, units)
+    label, unit = shown_parameter(branches[0].parameter, units)
     with styled():
-        figure = blank(5.0)
-        head(figure, f"{name}: steady whirl over {label.split(' [')[0]}")
+        figure = blank(5.0, f"{name}: steady whirl over {label.split(' [')[0]}")
         panels = figure.subplots(1, 2)
         figure.subplots_adjust(left=0.075, right=0.97, top=0.8, bottom=0.12, wspace=0.24)
         for number, one in enumerate(branches):

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from drill_twin.cli.export import export
+from drill_twin.cli.analyze import export
 from drill_twin.core.errors import ArgumentError, BagError
 from drill_twin.report import read_recording
 

@@ -36,8 +36,7 @@ class CheckedStream(BufferedWriter):
 
     def __init__(self, path: Path) -> None:
         self._path = path
-        flags = os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_APPEND
-        super().__init__(FileIO(os.open(path, flags, 0o666), "ab"))
+        super().__init__(FileIO(os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_APPEND, 0o666), "ab"))
         self._size = 0
 
     def write(self, data: Any) -> int:
@@ -68,8 +67,7 @@ class CheckedStream(BufferedWriter):
             there = self._path.stat()
         except OSError:
             return "found it removed"
-        same = os.path.samestat(there, os.fstat(self.fileno()))
-        return "" if same else "found another file in its place"
+        return "" if os.path.samestat(there, os.fstat(self.fileno())) else "found another file in its place"
 
 
 _CHUNK_SIZE = 256 * 1024
@@ -99,7 +97,7 @@ class FileWriter:
         self._open_since: int | None = None  # ns; earliest message that it does not have
         self._stream = CheckedStream(path)
         self._writer = Writer(self._stream, chunk_size=_CHUNK_SIZE, compression=CompressionType.ZSTD)
-        pack_indices(self._writer)
+        setattr(self._writer, _LIST, PackedIndices())
         self._append = message_appender(self._writer)
         self._writer.start(profile="ros2", library=f"drill_twin {__version__}")
         self._channels: dict[str, int] = {}
@@ -222,11 +220,6 @@ class PackedIndices:
         return sum(map(len, self._packed))
 
 
-def pack_indices(writer: Writer) -> None:
-    """Make a new writer keep its chunk indices compressed."""
-    setattr(writer, _LIST, PackedIndices())
-
-
 _HEAD = struct.Struct("<BQHIQQ")  # opcode, length of the rest, channel, sequence, time of recording and of publishing
 _BEHIND_LENGTH = _HEAD.size - 9
 
@@ -272,8 +265,7 @@ def message_appender(writer: Writer) -> Append:
             counts[channel] += 1
             statistics.message_count += 1
             chunk.num_messages += 1
-            index = indices.get(channel)
-            if index is None:
+            if (index := indices.get(channel)) is None:
                 index = indices[channel] = _Index(channel)
             index.numbers += (stamp, place)
             pieces.append(pack(opcode, _BEHIND_LENGTH + len(raw), channel, number, stamp, stamp))

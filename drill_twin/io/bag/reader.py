@@ -243,8 +243,7 @@ class Bag:
         Raises:
             BagError: The bag has no scene.
         """
-        raw = self.last(TWIN_SCENE)
-        if raw is None:
+        if (raw := self.last(TWIN_SCENE)) is None:
             raise BagError(f"{self.path}: expected the scene on {TWIN_SCENE}, found no message there; name the scene")
         return read_string(raw)
 
@@ -259,8 +258,7 @@ class Bag:
         ours = {recorded: name for name, recorded in self._recorded.items()}
         self.topics: dict[str, RecordedTopic] = {ours[name]: topic for name, topic in found.items() if name in ours}
         self._unchecked = self._recorded.get(RIG_STATE, "")
-        onset = self.topics.get(WHIRL_ONSET)
-        if onset is not None and onset.type_name == DIAGNOSTIC_ARRAY:
+        if (onset := self.topics.get(WHIRL_ONSET)) is not None and onset.type_name == DIAGNOSTIC_ARRAY:
             raise self._too_old(f"{WHIRL_ONSET} as {TOPICS[WHIRL_ONSET].type_name}, found {DIAGNOSTIC_ARRAY}")
 
     def _too_old(self, mismatch: str) -> BagError:
@@ -293,8 +291,6 @@ def _merged(files: Sequence[BagFile]) -> dict[str, RecordedTopic]:
     topics: dict[str, RecordedTopic] = {}
     for file in files:
         for name, topic in file.topics.items():
-            if name in topics:
-                topics[name].count += topic.count
-            else:
-                topics[name] = topic
+            if (known := topics.setdefault(name, topic)) is not topic:
+                known.count += topic.count
     return topics

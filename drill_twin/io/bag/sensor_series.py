@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -31,8 +31,7 @@ class ImuSeries(Series):
         Raises:
             MessageError: The message cannot be decoded, or has a number that is not finite.
         """
-        reading = read_imu(raw)
-        if not np.isfinite(reading.values).all():
+        if not np.isfinite((reading := read_imu(raw)).values).all():
             raise MessageError("expected readings of a sub, found a number that is not finite")
         self.append(reading.stamp, reading.values)
 
@@ -72,14 +71,13 @@ class SurfaceSeries(RigSeries):
         return read_measured_state(state), ()
 
 
-class SubSeries:
+class SubSeries(NamedTuple):
     """Readings and summaries of a downhole sub."""
 
-    def __init__(self) -> None:
-        self.imu = ImuSeries()
-        """Readings."""
-        self.summary = SummarySeries()
-        """Summaries."""
+    imu: ImuSeries
+    """Readings."""
+    summary: SummarySeries
+    """Summaries."""
 
 
 class Measured:
@@ -114,6 +112,6 @@ class Measured:
     def _series(self, topic: str) -> ImuSeries | SummarySeries | SurfaceSeries:
         if name := sub_of(topic):
             key = f"measured/{name}" if topic.startswith(MEASURED) else name
-            sub = self.subs.setdefault(key, SubSeries())
+            sub = self.subs.setdefault(key, SubSeries(ImuSeries(), SummarySeries()))
             return sub.imu if topic.endswith("/imu") else sub.summary
         return self.surface if topic == SURFACE_STATE else self.rig

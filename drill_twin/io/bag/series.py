@@ -78,10 +78,8 @@ class MarkSeries(JointSeries):
         self._columns = np.zeros((0, len(MARK_AXES)), np.intp)
 
     def _row(self, state: JointState) -> tuple[Any, tuple[str, ...]]:
-        if not state.position.size:
-            raise MessageError(f"expected x, y, z and spin of marks, found {', '.join(state.names) or 'nothing'}")
-        if state.names != self._layout:
-            self._set_layout(state.names)
+        if state.names != self._layout or not state.position.size:
+            self._set_layout(state)
         missing = np.full(len(state.names), np.nan)
         parts = (part if part.size else missing for part in (state.position, state.velocity, state.effort))
         return [np.append(part, np.nan)[self._columns] for part in parts], self._layout_marks
@@ -98,11 +96,12 @@ class MarkSeries(JointSeries):
         found = usable(Rows(states.stamps, values[:, :, self._columns], self._layout_marks))
         return None if found is None else (found, states)
 
-    def _set_layout(self, names: tuple[str, ...]) -> None:
-        """Find the columns of these joints: of the marks of an earlier message, if all are there, else of all marks."""
+    def _set_layout(self, state: JointState) -> None:
+        """Find the columns of its joints: of the marks of an earlier message, if all are there, else of all marks."""
+        names = state.names
         found = {name.removesuffix("/x"): None for name in names if name.endswith("/x")}
         marks = next((known for known in self._marks if found.keys() >= set(known)), tuple(found))
-        if not marks:
+        if not (marks and state.position.size):
             raise MessageError(f"expected x, y, z and spin of marks, found {', '.join(names) or 'nothing'}")
         self._columns = columns(names, marks)
         self._layout, self._layout_marks = names, marks

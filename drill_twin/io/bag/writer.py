@@ -97,8 +97,7 @@ class BagWriter:
         Raises:
             BagError: The topic is registered with another type.
         """
-        known = self._topics.get(topic.name)
-        if known is None:
+        if (known := self._topics.get(topic.name)) is None:
             self._topics[topic.name] = topic
             self._files[-1].add_topic(topic)
         elif known.type_name != topic.type_name:
@@ -133,7 +132,8 @@ class BagWriter:
             return
         try:
             if self._is_full(messages[0][1]):
-                self._begin_next()
+                self._files[-1].finish(self._information())
+                self._open_next()
             numbered = []
             for topic, stamp, raw in messages:
                 recorded = self._topics[topic]
@@ -191,17 +191,14 @@ class BagWriter:
             return
         self.flush()
         self._closed = True
-        self._finish()
-        if self.damage:
-            raise BagError(f"{'; '.join(self.damage)}; what is still there can be read")
-
-    def _finish(self) -> None:
         information = self._information()
         self._files[-1].finish(information)
         try:
             write_whole(self.folder / "metadata.yaml", to_yaml({"rosbag2_bagfile_information": information}))
         except OSError as error:
             raise self._files[-1].broken(error) from error
+        if self.damage:
+            raise BagError(f"{'; '.join(self.damage)}; what is still there can be read")
 
     def _go_on_after(self, change: str) -> None:
         file = self._files[-1]
@@ -218,19 +215,12 @@ class BagWriter:
 
     def _is_full(self, stamp: int) -> bool:
         file = self._files[-1]
-        if file.start is None:
-            return False
         too_large = self._largest > 0.0 and file.size >= self._largest
-        return too_large or (self._longest > 0.0 and stamp - file.start >= self._longest * _NANOSECONDS)
-
-    def _begin_next(self) -> None:
-        self._files[-1].finish(self._information())
-        self._open_next()
+        too_long = self._longest > 0.0 and stamp - (file.start or 0) >= self._longest * _NANOSECONDS
+        return file.start is not None and (too_large or too_long)
 
     def _open_next(self) -> None:
-        stem = self._files[0].path.stem
-        if not re.search(r"_\d+$", self.folder.name):
-            stem = self.folder.name
+        stem = self._files[0].path.stem if re.search(r"_\d+$", self.folder.name) else self.folder.name
         path = self.folder / f"{stem}_{len(self._files)}.mcap"
         try:
             self._files.append(FileWriter(path, self._topics.values()))

@@ -21,7 +21,7 @@ from matplotlib.patches import Circle
 from matplotlib.ticker import MaxNLocator
 
 from drill_twin.core.arrays import Array, ComplexArray
-from drill_twin.report.figures.style import BLUE, GREY, INK, LIGHT, VERMILION, WIDTH, blank, head, mark_style, note
+from drill_twin.report.figures.style import BLUE, GREY, INK, LIGHT, VERMILION, WIDTH, blank, mark_style, note
 from drill_twin.report.recording import Recording
 from drill_twin.report.string_curve import FLAT, VERTICAL, assembly_top, low_side
 
@@ -40,14 +40,10 @@ def orbits(recording: Recording) -> Figure:
     """Wall (thick), limit of the centre line (dotted), the pipe at its size, and the orbit, coloured by time."""
     depths = by_depth(recording)
     columns = min(COLUMNS, len(depths))
-    rows = math.ceil(len(depths) / columns)
-    side = min(WIDTH * 0.95 / columns, 4.2)
-    top, bottom, gap = 0.7, 0.85, 0.3
-    height = rows * (side + gap) + top + bottom
-    figure = blank(height)
-    head(figure, "Orbits of the centre line across the hole, seen from above")
-    norm = Normalize(0.0, recording.duration)
-    unit = recording.units.offset
+    side, top, bottom, gap = min(WIDTH * 0.95 / columns, 4.2), 0.7, 0.85, 0.3
+    height = math.ceil(len(depths) / columns) * (side + gap) + top + bottom
+    figure = blank(height, "Orbits of the centre line across the hole, seen from above")
+    norm, unit = Normalize(0.0, recording.duration), recording.units.offset
     left = 0.5 * (1.0 - columns * side / WIDTH) + 0.015
     for number, marks in enumerate(depths):
         row, column = divmod(number, columns)
@@ -63,8 +59,7 @@ def orbits(recording: Recording) -> Figure:
         panel.set_xlabel(f"x [{unit}]" if number + columns >= len(depths) else "", labelpad=1)
     bar = figure.add_axes((0.3, 0.52 / height, 0.4, 0.11 / height))
     figure.colorbar(ScalarMappable(norm, MAP), cax=bar, orientation="horizontal", label="time [s]")
-    onset = recording.summary.onset
-    if onset is not None:
+    if (onset := recording.summary.onset) is not None:
         bar.axvline(onset.time_s, color=INK, linewidth=1.4, linestyle=(0, (2, 1)))
         looks = {"ha": "center", "va": "bottom", "fontsize": 9}
         note(bar, "onset", (onset.time_s, 1.0), where=("data", "axes fraction"), shift=(0, 2), **looks)
@@ -126,8 +121,7 @@ def _limits(panel: Axes, edge: float) -> None:
 def _hole(panel: Axes, wall: float, pipe: float, centre: complex) -> None:
     """Cross-section of the hole with the pipe at its last position."""
     panel.add_patch(Circle((0.0, 0.0), wall, facecolor="white", edgecolor=INK, linewidth=1.8, zorder=1))
-    reach = Circle((0.0, 0.0), wall - pipe, fill=False, edgecolor=GREY, linewidth=0.9, linestyle=":", zorder=3)
-    panel.add_patch(reach)
+    panel.add_patch(Circle((0.0, 0.0), wall - pipe, fill=False, edgecolor=GREY, linewidth=0.9, linestyle=":", zorder=3))
     if np.isfinite(centre):
         at = (centre.real, centre.imag)
         panel.add_patch(Circle(at, pipe, facecolor=BLUE, alpha=0.18, linewidth=0, zorder=2, label="pipe"))
@@ -138,8 +132,7 @@ def _path(panel: Axes, time: Array, centre: ComplexArray, norm: Normalize) -> No
     every = max(1, time.size // _SEGMENTS)
     points = np.column_stack((centre.real, centre.imag))[::every]
     lines = LineCollection(list(np.stack((points[:-1], points[1:]), axis=1)), cmap=MAP, norm=norm, linewidth=0.9)
-    lines.set_array(time[::every][:-1])
-    lines.set_zorder(3)
+    lines.set(array=time[::every][:-1], zorder=3)
     panel.add_collection(lines)
     panel.plot([points[-1, 0]], [points[-1, 1]], "o", color=INK, markersize=3.5, zorder=5)
 
@@ -156,8 +149,7 @@ def string_shapes(recording: Recording) -> Figure:
     """
     if len(recording.poses) and recording.scene.length > FLAT:
         return _flat_shapes(recording)
-    figure = blank(6.6)
-    head(figure, "The string in the hole (lateral axes stretched)")
+    figure = blank(6.6, "The string in the hole (lateral axes stretched)")
     if not len(recording.poses):
         figure.text(0.5, 0.5, "the bag holds no poses of the string", ha="center", color=GREY)
         return figure
@@ -192,8 +184,7 @@ def string_shapes(recording: Recording) -> Figure:
 def _flat_shapes(recording: Recording) -> Figure:
     """Assembly of a long string: distance from the axis over measured depth, over the run and at its end."""
     scene, units, time, shapes = recording.scene, recording.units, recording.poses.time, recording.shapes()
-    figure, last = blank(6.6), float(time[-1])
-    head(figure, "The assembly in the hole, by its distance from the axis")
+    figure, last = blank(6.6, "The assembly in the hole, by its distance from the axis"), float(time[-1])
     depth = np.linspace(assembly_top(scene), scene.length, 200)
     hole = units.show(np.array([scene.hole.radius_at(at) for at in depth.tolist()]), "offset")
     window, deep = _window(recording), units.show(depth, "length")
@@ -228,8 +219,7 @@ def _paths(panel: Any, recording: Recording, since: float) -> None:
     height = units.show(recording.marks.position[..., 2], "length")
     for mark, place in enumerate(recording.places):
         z = centre[chosen, mark]
-        style = {**mark_style(mark), "linewidth": 1.6}
-        panel.plot(z.real, z.imag, height[chosen, mark], label=place.name, **style)
+        panel.plot(z.real, z.imag, height[chosen, mark], label=place.name, **mark_style(mark), linewidth=1.6)
 
 
 def _box(figure: Figure, recording: Recording, side: int) -> Any:
@@ -244,14 +234,16 @@ def _box(figure: Figure, recording: Recording, side: int) -> Any:
     radius = max(radii.values())
     angle = np.linspace(0.0, math.tau, 73)
     for depth, wall in radii.items():
-        ring = np.full_like(angle, -depth)
-        panel.plot(wall * np.cos(angle), wall * np.sin(angle), ring, color=GREY, linewidth=0.6, alpha=0.7)
+        ring = (wall * np.cos(angle), wall * np.sin(angle), np.full_like(angle, -depth))
+        panel.plot(*ring, color=GREY, linewidth=0.6, alpha=0.7)
     panel.set_box_aspect((1.0, 1.0, 1.9), zoom=1.0)
     panel.view_init(elev=18, azim=-58)
-    panel.set(xlim=(-radius, radius), ylim=(-radius, radius), zlim=(-units.show(length, "length"), 0.0))
+    panel.set(
+        xlim=(-radius, radius), ylim=(-radius, radius), zlim=(-units.show(length, "length"), 0.0),
+        xlabel=f"x [{units.offset}]", ylabel=f"y [{units.offset}]", zlabel=f"z [{units.length}]",
+    )  # fmt: skip
     for axis in (panel.xaxis, panel.yaxis):
         axis.set_major_locator(MaxNLocator(3))
-    panel.set(xlabel=f"x [{units.offset}]", ylabel=f"y [{units.offset}]", zlabel=f"z [{units.length}]")
     for axis in (panel.xaxis, panel.yaxis, panel.zaxis):
         axis.set_pane_color((1.0, 1.0, 1.0, 0.0))
         axis.line.set_color(LIGHT)

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from typing import NamedTuple
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -35,12 +34,8 @@ from drill_twin.report.figures.style import (
 from drill_twin.report.recording import Recording
 from drill_twin.whirl import MotionPeriod, MotionState, criteria
 
-
-class _Panel(NamedTuple):
-    label: str
-    quantity: str
-    lines: dict[str, Array]
-    commanded: Array | None = None
+_Panel = tuple[str, str, dict[str, Array], Array | None]
+"""Label and quantity of a panel, its lines by name, and what was commanded."""
 
 
 def set_points(recording: Recording) -> Figure:
@@ -75,13 +70,12 @@ def _panels(recording: Recording) -> Iterator[_Panel]:
         ("torque", "torque", {"top drive": rig.top_drive_torque, "bit": -rig.bit_torque}, None),
         ("hookload", "force", {"hookload": rig.hookload}, None),
     ):  # fmt: skip
-        known = {name: values for name, values in lines.items() if np.isfinite(values).any()}
-        if known:
-            yield _Panel(label, quantity, known, commanded)
+        if known := {name: values for name, values in lines.items() if np.isfinite(values).any()}:
+            yield label, quantity, known, commanded
 
 
 def _title(found: list[_Panel]) -> str:
-    names = [panel.label for panel in found]
+    names = [label for label, *_ in found]
     return f"{', '.join(names[:-1])} and {names[-1]}".capitalize() if len(names) > 1 else names[0].capitalize()
 
 
@@ -99,15 +93,13 @@ def displacement(recording: Recording) -> Figure:
     )
     for panel, group in zip(panels, groups, strict=True):
         place, number = group[0], recording.places.index(group[0])
-        z = centre[:, number]
-        radius = np.abs(z)
+        radius = np.abs(z := centre[:, number])
         panel.fill_between(time, -radius, radius, color=INK, alpha=0.10, linewidth=0, label="distance from axis")
         panel.plot(time, z.real, color=BLUE, linewidth=0.9, label="x")
         panel.plot(time, z.imag, color=ORANGE, linewidth=0.9, label="y")
         for side in (-1.0, 1.0):
             panel.axhline(side * units.show(place.clearance, "offset"), color=GREY, linewidth=1.0, linestyle=":")
-        panel.set_ylim(-max(limit, 1e-6), max(limit, 1e-6))
-        panel.set_ylabel(f"[{units.offset}]")
+        panel.set(ylim=(-max(limit, 1e-6), max(limit, 1e-6)), ylabel=f"[{units.offset}]")
         widest = units.text(float(np.nanmax(np.abs(lines[:, number]))), "offset")
         panel.set_title(f"{mark_label(units, *group)}: at most {widest}", fontsize=10.5, pad=3)
     draw_onset(recording.summary.onset, recording.duration, panels)
@@ -138,8 +130,7 @@ def motion(recording: Recording) -> Figure:
     bands.set_yticks(range(len(rows)), list(rows), fontsize=min(10.5, 10.5 * _ROOM / longest))
     bands.grid(visible=False)
     bands.tick_params(length=0)
-    for side in ("left", "bottom"):
-        bands.spines[side].set_visible(False)
+    bands.spines[["left", "bottom"]].set_visible(False)
     _ratio(ratio, recording)
     draw_onset(summary.onset, recording.duration, [bands, ratio])
     _legend(figure, [period.state for periods in rows.values() for period in periods])
@@ -169,20 +160,21 @@ def _ratio(panel: Axes, recording: Recording) -> None:
         panel.plot(time, wide, linewidth=1.5, label=name, **mark_style(mark))
     seen = ratios[large & np.isfinite(ratios)]
     low, high = np.percentile(seen, [1.0, 99.0]) if seen.size else (0.0, 1.0)
-    panel.set_ylim(max(min(low - 0.1, -0.3), -3.0), min(max(high + 0.1, 1.25), 3.0))
+    panel.set(
+        ylim=(max(min(low - 0.1, -0.3), -3.0), min(max(high + 0.1, 1.25), 3.0)),
+        ylabel="whirl ratio\n- backward, + forward",
+    )
     panel.axhline(0.0, color=GREY, linewidth=1.0)
     panel.axhline(1.0, color=GREY, linewidth=1.0, linestyle="--")
     looks = {"ha": "right", "va": "bottom", "fontsize": 8.5, "color": GREY}
     note(panel, "as fast as the string turns", (1.0, 1.0), where=("axes fraction", "data"), shift=(-3, 2), **looks)
-    panel.set_ylabel("whirl ratio\n- backward, + forward")
     share = f"{100 * criteria.ONSET_RADIUS:g} %"
     panel.set_title(f"Whirl ratio (faint: within {share} of the clearance)", fontsize=10.5, pad=4)
     panel.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=min(6, ratios.shape[1]), borderaxespad=0.2)
 
 
 def _legend(figure: Figure, states: list[MotionState]) -> None:
-    shown = [state for state in MotionState if state in states]
-    handles = [Patch(color=STATE_COLOURS[state], label=state.value) for state in shown]
+    handles = [Patch(color=STATE_COLOURS[state], label=state.value) for state in MotionState if state in states]
     columns = math.ceil(len(handles) / (1 if len(handles) <= 4 else 2))
     figure.legend(handles=handles, loc="upper right", bbox_to_anchor=(RIGHT, 1.0), ncols=columns, borderaxespad=0.3,
                   handlelength=1.0, columnspacing=1.2)  # fmt: skip

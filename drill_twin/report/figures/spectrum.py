@@ -21,7 +21,6 @@ from drill_twin.report.figures.style import (
     VERMILION,
     blank,
     draw_onset,
-    head,
     mark_label,
     mark_style,
     note,
@@ -37,14 +36,11 @@ _SHORTEST = 2.0
 
 def spectrum(recording: Recording) -> Figure:
     """All marks in one panel, radius against signed frequency [Hz], with rotation and whirl."""
-    figure = blank(3.9)
+    time, centre, onset = recording.marks.time, recording.centre_lines(), recording.summary.onset
+    late = onset is not None and recording.duration - onset.time_s > _SHORTEST
+    begin = onset.time_s if onset is not None and late else 0.0
+    figure = blank(3.9, f"Spectrum of the centre line, {begin:.1f} to {recording.duration:.1f} s")
     panel = figure.add_axes((LEFT, 0.14, RIGHT - LEFT, 0.70))
-    time, centre = recording.marks.time, recording.centre_lines()
-    onset = recording.summary.onset
-    begin = 0.0
-    if onset is not None and recording.duration - onset.time_s > _SHORTEST:
-        begin = onset.time_s
-    head(figure, f"Spectrum of the centre line, {begin:.1f} to {recording.duration:.1f} s")
     chosen = time >= begin
     sign = -1.0 if (recording.summary.rotation_rev_s or 1.0) < 0.0 else 1.0
     highest = 0.0
@@ -58,12 +54,12 @@ def spectrum(recording: Recording) -> Figure:
         highest = max(highest, float(radius.max()))
         panel.plot(sign * found.frequency, radius, label=place.name, **mark_style(mark))
     _lines(panel, recording)
+    panel.set(
+        xlabel="frequency [Hz], positive = the sense of rotation",
+        ylabel=f"radius of the orbit [{recording.units.offset}]",
+    )
     if highest:
-        panel.set_yscale("log")
-        panel.set_ylim(1e-4 * highest, 2.0 * highest)
-    panel.set_xlabel("frequency [Hz], positive = the sense of rotation")
-    panel.set_ylabel(f"radius of the orbit [{recording.units.offset}]")
-    if highest:
+        panel.set(yscale="log", ylim=(1e-4 * highest, 2.0 * highest))
         figure.legend(loc="upper right", bbox_to_anchor=(0.985, 0.995), ncols=6)
     return figure
 
@@ -109,8 +105,7 @@ def spectrum_over_time(recording: Recording) -> Figure:
     time, radius = recording.whirl.time, recording.units.show(recording.whirl.orbit_radius, "offset")
     for number, place in enumerate(recording.places):
         radii.plot(time, radius[:, number], linewidth=1.0, label=place.name, **mark_style(number))
-    radii.set_ylim(bottom=0.0)
-    radii.set_ylabel(f"orbit radius [{recording.units.offset}]")
+    radii.set(ylim=(0.0, None), ylabel=f"orbit radius [{recording.units.offset}]")
     radii.set_title("Distance of the centre line from the axis", fontsize=10.5, pad=4)
     radii.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=min(6, len(recording.places)), borderaxespad=0.2)
     draw_onset(recording.summary.onset, recording.duration, [lines, radii])
@@ -122,8 +117,7 @@ def _leading_mark(recording: Recording) -> int:
     names = [place.name for place in recording.places]
     if recording.summary.frequency_mark in names:
         return names.index(recording.summary.frequency_mark)
-    largest = [recording.summary.max_radius_m.get(name) or 0.0 for name in names]
-    return int(np.argmax(largest))
+    return int(np.argmax([recording.summary.max_radius_m.get(name) or 0.0 for name in names]))
 
 
 def _spectra(panel: Axes, recording: Recording, mark: int) -> None:
@@ -131,8 +125,7 @@ def _spectra(panel: Axes, recording: Recording, mark: int) -> None:
     sign = -1.0 if (recording.summary.rotation_rev_s or 1.0) < 0.0 else 1.0
     window = min(_REVOLUTIONS / rotation if rotation else math.inf, 0.25 * recording.duration)
     reach = 3.3 * rotation if rotation else 5.0
-    panel.set_ylim(-1.6 * rotation if rotation else -5.0, reach)
-    panel.set_ylabel("frequency [Hz]\n- backward, + forward")
+    panel.set(ylim=(-1.6 * rotation if rotation else -5.0, reach), ylabel="frequency [Hz]\n- backward, + forward")
     try:
         time, frequency, radius = sliding(recording.marks.time, recording.centre_lines()[:, mark], window)
     except AnalysisError as error:

@@ -92,10 +92,11 @@ class NotebookFigure(Figure):
         return stream.getvalue()
 
 
-def blank(height: float) -> Figure:
-    """Empty figure of the common width and a height [inch]."""
+def blank(height: float, title: str = "") -> Figure:
+    """Empty figure of the common width and a height [inch], with its title."""
     figure = NotebookFigure(figsize=(WIDTH, height))
     FigureCanvasAgg(figure)
+    head(figure, title)
     return figure
 
 
@@ -112,8 +113,7 @@ def over_time(
     """
     top, bottom, gap = 0.66 if headed else 0.62, 0.52, 0.34
     height = top + bottom + sum(heights) + gap * (len(heights) - 1)
-    figure = blank(height)
-    head(figure, title)
+    figure = blank(height, title)
     panels: list[Axes] = []
     place = height - top
     for share in heights:
@@ -168,8 +168,7 @@ def draw_onset(onset: Onset | None, duration: float, panels: Sequence[Axes]) -> 
 
 def laid_out(height: float, title: str) -> Figure:
     """Empty figure with a title; its panels are laid out below it so that no label overlaps another."""
-    figure = blank(height)
-    head(figure, title)
+    figure = blank(height, title)
     figure.set_layout_engine("constrained", rect=(0.0, 0.0, 1.0, 1.0 - 0.4 / height))
     return figure
 

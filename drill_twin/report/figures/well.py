@@ -15,7 +15,7 @@ from matplotlib.ticker import MaxNLocator
 
 from drill_twin.core.arrays import Array, ComplexArray
 from drill_twin.dynamics.discretisation.discretise import contact_radius
-from drill_twin.report.figures.style import BLUE, GREY, INK, LIGHT, VERMILION, blank, head
+from drill_twin.report.figures.style import BLUE, GREY, INK, LIGHT, VERMILION, blank
 from drill_twin.report.recording import Recording
 from drill_twin.report.string_curve import VERTICAL, inclination, low_side
 from drill_twin.report.string_forces import string_forces
@@ -30,14 +30,11 @@ _POINTS = 800
 def well(recording: Recording) -> Figure:
     """Vertical section; tracks of string and hole towards the low side, distance to the wall and forces."""
     scene, units = recording.scene, recording.units
-    figure = blank(6.8)
-    head(figure, f"The string in the well at {recording.duration:.2f} s")
+    figure = blank(6.8, f"The string in the well at {recording.duration:.2f} s")
     depth = np.linspace(0.0, scene.length, _POINTS)
     hole = np.array([scene.hole.radius_at(at) for at in depth.tolist()])
-    pipe = contact_radius(scene, scene.length - depth)
-    low = low_side(scene, depth)
-    inclined = bool(np.abs(low).max() > VERTICAL)
-    offset = _offset(recording, depth)
+    pipe, low = contact_radius(scene, scene.length - depth), low_side(scene, depth)
+    inclined, offset = bool(np.abs(low).max() > VERTICAL), _offset(recording, depth)
     along = (offset * np.conj(_directions(low))).real
     right = -1.0 if inclined else 1.0  # the low side of a hole that builds to the right is on its left
     panel = figure.add_axes((0.065, 0.09, 0.22, 0.775))
@@ -53,7 +50,7 @@ def well(recording: Recording) -> Figure:
         units.show(hole - pipe - np.abs(offset), "offset"), deep, color=BLUE, linewidth=1.0, label="distance to wall"
     )
     gap.axvline(0.0, color=INK, linewidth=1.4)
-    gap.set(xlabel=f"[{units.offset}]")
+    gap.set_xlabel(f"[{units.offset}]")
     gap.set_title("to the wall", fontsize=10)
     _forces(recording, side, tension, torque)
     for track in tracks:
@@ -94,8 +91,7 @@ def _forces(recording: Recording, side: Axes, tension: Axes, torque: Axes) -> No
 
 def _directions(low: ComplexArray) -> ComplexArray:
     """Unit direction of the low side; where the hole is vertical, the nearest inclined place's direction, else x."""
-    known = np.flatnonzero(np.abs(low) > VERTICAL)
-    if not known.size:
+    if not (known := np.flatnonzero(np.abs(low) > VERTICAL)).size:
         return np.ones(low.size, complex)
     nearest = known[np.abs(np.arange(low.size)[:, None] - known).argmin(axis=1)]
     way: ComplexArray = low[nearest] / np.abs(low[nearest])
@@ -135,9 +131,11 @@ def _section(panel: Axes, angle: Array, depth: Array, hole: Array, pipe: Array, 
             panel.fill(np.append(left[0], right[0][::-1]), np.append(left[1], right[1][::-1]), **looks)
     room = 0.5 * size + 1.6 * _WIDE * size
     centre = 0.5 * float(out.max() + out.min())
-    panel.set(xlim=(centre - 0.62 * room, centre + 0.62 * room) if np.ptp(out) < 0.4 * size else None, aspect="equal")
-    panel.set_ylim(float(down.max()) + 1.6 * _WIDE * size, float(down.min()) - 1.6 * _WIDE * size)
-    panel.set(xlabel=f"along the section [{unit}]", ylabel=f"vertical depth [{unit}]")
+    panel.set(
+        xlim=(centre - 0.62 * room, centre + 0.62 * room) if np.ptp(out) < 0.4 * size else None, aspect="equal",
+        ylim=(float(down.max()) + 1.6 * _WIDE * size, float(down.min()) - 1.6 * _WIDE * size),
+        xlabel=f"along the section [{unit}]", ylabel=f"vertical depth [{unit}]",
+    )  # fmt: skip
     panel.yaxis.labelpad = 1.0
     panel.set_title(f"widths drawn {wider:.3g} times", fontsize=10, pad=_LEGEND)
     panel.xaxis.set_major_locator(MaxNLocator(3))

@@ -6,6 +6,7 @@ from __future__ import annotations
 import re
 from collections import defaultdict
 from collections.abc import Iterable, Iterator, Mapping
+from contextlib import suppress
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -79,8 +80,8 @@ class Columns(dict[str, Array]):
         super().__init__(values)
         self.file, self.notes, self.taken = file, list[str](), dict[str, Taken]()
         self.units = {name: unit.strip("[]() ") for name, unit in (units or {}).items()}
-        self.left_out: dict[str, list[str]] = {}
-        self.dates, self.given = dict(dates or {}), dict[str, tuple[str, str]]()
+        self.left_out, self.given = dict[str, list[str]](), dict[str, tuple[str, str]]()
+        self.dates = dict(dates or {})
         self._texts, self._nulls = dict(texts or {}), [*nulls]
 
     def choose(self, choices: Iterable[str]) -> None:
@@ -89,15 +90,16 @@ class Columns(dict[str, Array]):
         Raises:
             TableError: A null value is no number, or a channel has no such name.
         """
-        nulls = self._nulls
         for choice in choices:
             channel, column, unit = channel_column(choice, lambda rest: rest in self or rest in self._texts)
             if channel == NULL:
-                nulls += null_values(column, str(self.file))
+                self._nulls += null_values(column, str(self.file))
             elif column:
                 self.given[channel.removesuffix(INSTANT)] = column, unit
         for name, values in self.items():
-            self[name], self.left_out[name] = (values, []) if name in self.dates else without_missing(values, nulls)
+            self[name], self.left_out[name] = (
+                (values, []) if name in self.dates else without_missing(values, self._nulls)
+            )
 
     def keep(self, rows: npt.NDArray[np.intp], size: int) -> None:
         """Keep these rows of the columns of a size, and no column of another size."""
@@ -226,15 +228,8 @@ class Columns(dict[str, Array]):
             return bare, unit
         words = re.split(r"[ _,;/]+", bare[:_LONGEST_NAME])
         for count in (2, 1):
-            if len(words) >= count and _is_of(" ".join(words[-count:]), dimension):
-                return " ".join(words[:-count]) or bare, " ".join(words[-count:])
+            with suppress(UnitError):
+                record_factor(unit := " ".join(words[-count:]), dimension)
+                return " ".join(words[:-count]) or bare, unit
         by_name = (unit for word, unit in (("rpm", "rpm"), ("rps", "rev/s")) if word in bare.lower())
         return bare, next(by_name, "") if dimension is ANGULAR_SPEED else ""
-
-
-def _is_of(unit: str, dimension: Dimension) -> bool:
-    try:
-        record_factor(unit, dimension)
-    except UnitError:
-        return False
-    return True

@@ -23,8 +23,10 @@ def read_las(path: Path) -> Columns:
     Raises:
         TableError: The file is no LAS 2.0 file, or a log over depth.
     """
-    lines = _used(path)
-    version, well, curves = _header(path, lines)
+    # ASCII by the standard; not all keep it
+    bare = ((number, line.strip()) for number, line in LAS.lines(path, longest=_LONGEST_LINE, latin=True))
+    lines: Iterator[tuple[int, str]] = ((number, line) for number, line in bare if line and not line.startswith("#"))
+    version, null, curves = _header(path, lines)
     rows = RecordRows([name for name, _ in curves], _DELIMITERS.get(version.get("DLM", "").upper(), " "))
     if version.get("WRAP", "").upper() == "YES":
         lines = _unwrapped(lines, len(curves))
@@ -37,31 +39,19 @@ def read_las(path: Path) -> Columns:
         raise TableError(
             f"{path}: expected curves and rows of data, found {len(curves)} curves without; export it again"
         )
-    units = dict(zip(rows.names, (unit for _, unit in curves), strict=True))
-    return rows.columns(path, units, well.get("NULL", ""))
+    return rows.columns(path, dict(zip(rows.names, (unit for _, unit in curves), strict=True)), null)
 
 
-def _used(path: Path) -> Iterator[tuple[int, str]]:
-    """Lines that are neither empty nor a comment, with their numbers."""
-    for number, line in LAS.lines(path, longest=_LONGEST_LINE, latin=True):  # ASCII by the standard; not all keep it
-        bare = line.strip()
-        if bare and not bare.startswith("#"):
-            yield number, bare
-
-
-def _header(
-    path: Path, lines: Iterator[tuple[int, str]]
-) -> tuple[dict[str, str], dict[str, str], list[tuple[str, str]]]:
+def _header(path: Path, lines: Iterator[tuple[int, str]]) -> tuple[dict[str, str], str, list[tuple[str, str]]]:
     """Values of ~Version, the null value of ~Well, and names and units of ~Curve: all up to ~A.
 
     Raises:
         TableError: There is no ~V or ~A, too many curves, or the log is over depth.
     """
-    version, well, curves, section, seen = dict[str, str](), dict[str, str](), list[tuple[str, str]](), "", set[str]()
+    version, curves, null, section, seen = dict[str, str](), list[tuple[str, str]](), "", "", set[str]()
     for _, line in lines:
         if line.startswith("~"):
-            section = line[1:2].upper()
-            seen.add(section)
+            seen.add(section := line[1:2].upper())
             if section == "A":
                 break
             continue
@@ -69,7 +59,7 @@ def _header(
         if section == "V":
             version[name] = value
         elif section == "W" and name == "NULL":
-            well[name] = value
+            null = value
         elif section == "C":
             curves.append((name, unit))
     if not {"V", "A"} <= seen:
@@ -78,7 +68,7 @@ def _header(
         raise TableError(f"{path}: expected at most {_MOST_CURVES} curves, found {len(curves)}; export fewer")
     if curves and curves[0][0] in _DEPTH:
         raise TableError(f"{path}: expected a log over time, found one over {curves[0][0]}; export the log over time")
-    return version, well, curves
+    return version, null, curves
 
 
 def _parts(line: str) -> tuple[str, str, str]:

@@ -126,14 +126,11 @@ class RecordRows:
             return math.nan
         missing = cell.lower() in WORDS
         if (dates := self._dates.get(k)) is None:
-            value = math.nan if missing else self.number(cell)
-            if value is not None:
+            if (value := math.nan if missing else self.number(cell)) is not None:
                 return value
-            if all(map(math.isnan, self._numbers[k :: len(self.names)])):
-                dates = Dates(self.count - 1)
-                if dates.add(cell):
-                    self._dates[k] = dates
-                    return math.nan
+            if all(map(math.isnan, self._numbers[k :: len(self.names)])) and (first := Dates(self.count - 1)).add(cell):
+                self._dates[k] = first
+                return math.nan
         elif dates.add("" if missing else cell) or missing:
             return math.nan
         self.texts[k] = Text(cell[:_LONGEST_CELL], self.count)
@@ -246,7 +243,7 @@ def _is_data(cells: list[str], *, strict: bool = False) -> bool:
 
 def used_lines(kind: ForeignFile, path: Path, *, latin: bool = False) -> Iterator[tuple[int, str]]:
     """Lines of a table that are neither empty nor a comment, with their numbers."""
-    return ((place, line) for place, line in kind.lines(path, latin=latin) if line.strip() and not line.startswith("#"))
+    return ((place, line) for place, line in kind.lines(path, latin=latin) if line.strip() and line[0] != "#")
 
 
 def delimiter_of(header: str) -> str:

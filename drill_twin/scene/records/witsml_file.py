@@ -35,7 +35,6 @@ class _LogReader:
 
     def __init__(self) -> None:
         self.header: dict[str, str] = {}
-        self.names: list[str] = []
         self.rows: RecordRows | None = None
         self._open: list[str] = []
         self._text: list[str] = []
@@ -48,10 +47,9 @@ class _LogReader:
             raise _RefusedError(f'expected <logs version="{_VERSION}.1"> of WITSML, found {found}')
         if len(self._open) >= _DEEPEST:
             raise _RefusedError(f"expected elements at most {_DEEPEST} deep, found more")
-        if name == "log":
-            self._logs += 1
-            if self._logs > 1:
-                raise _RefusedError("expected one log, found more; export them one by one")
+        self._logs += name == "log"
+        if self._logs > 1:
+            raise _RefusedError("expected one log, found more; export them one by one")
         self._open.append(name)
         self._text, self._length = [], 0
 
@@ -63,8 +61,7 @@ class _LogReader:
 
     def end(self, name: str) -> None:
         name = name.rpartition(" ")[2]
-        parent = self._open[-2] if len(self._open) > 1 else ""
-        if name in _TEXTS and parent in {"log", "logData"}:
+        if name in _TEXTS and {*self._open[-2:-1]} & {"log", "logData"}:
             content = "".join(self._text).strip()
             if name == "data":
                 self._row(content)
@@ -86,8 +83,7 @@ class _LogReader:
             raise _RefusedError(f'expected a time in row {rows.count}, found "{rows.texts[0].cell}"')
 
     def _begin(self) -> RecordRows:
-        kind = self.header.get("indexType", "none")
-        if kind not in _TIME:
+        if (kind := self.header.get("indexType", "none")) not in _TIME:
             raise _RefusedError(
                 f'expected a log over time (indexType "date time"), found "{kind[:40]}"; export that one'
             )
@@ -95,18 +91,16 @@ class _LogReader:
             raise _RefusedError(
                 f'expected a dataDelimiter of one character, found "{self.header["dataDelimiter"][:40]}"'
             )
-        self.names = [name.strip() for name in self.header.get("mnemonicList", "").split(",")]
-        if not 1 < len(self.names) <= MOST_COLUMNS:
-            raise _RefusedError(f"expected 2 to {MOST_COLUMNS} names in mnemonicList, found {len(self.names)}")
-        rows = RecordRows(self.names, self.header.get("dataDelimiter") or ",")
-        self.names = rows.names
-        return rows
+        names = [name.strip() for name in self.header.get("mnemonicList", "").split(",")]
+        if not 1 < len(names) <= MOST_COLUMNS:
+            raise _RefusedError(f"expected 2 to {MOST_COLUMNS} names in mnemonicList, found {len(names)}")
+        return RecordRows(names, self.header.get("dataDelimiter") or ",")
 
     def columns(self, path: Path) -> Columns:
         """The columns of numbers, the index first and in s."""
         if self.rows is None:
             raise _RefusedError("expected <data> in the log, found none: a header only; export the log with its data")
-        units = dict(zip(self.names, map(str.strip, self.header.get("unitList", "").split(",")), strict=False))
+        units = dict(zip(self.rows.names, map(str.strip, self.header.get("unitList", "").split(",")), strict=False))
         units = {name: unit for name, unit in units.items() if unit not in _NONE}
         return self.rows.columns(path, units, self.header.get("nullValue", ""))
 
@@ -131,12 +125,8 @@ def read_witsml(path: Path) -> Columns:
                     raise _RefusedError(f"expected tags of at most {_LONGEST_TEXT} characters, found a longer one")
             parser.Parse(b"", True)
         return reader.columns(path)
-    except (expat.ExpatError, _RefusedError, OSError, ValueError, LookupError) as error:
-        line = parser.CurrentLineNumber
-        raise TableError(f"{path}:{line}: {_sentence(error)}") from None
-
-
-def _sentence(error: Exception) -> str:
-    if isinstance(error, _RefusedError):
-        return str(error)
-    return f"expected a WITSML log, found {' '.join(str(error).split())[:200]}; export it again"
+    except _RefusedError as error:
+        told = str(error)
+    except (expat.ExpatError, OSError, ValueError, LookupError) as error:
+        told = f"expected a WITSML log, found {' '.join(str(error).split())[:200]}; export it again"
+    raise TableError(f"{path}:{parser.CurrentLineNumber}: {told}")

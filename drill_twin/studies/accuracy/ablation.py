@@ -113,19 +113,19 @@ def ablate(
     effects = tuple(load_scene(scene, overrides=dict(overrides)).effect_names)
 
     def run(left_out: list[Group], name: str = "") -> dict[Group, tuple[Trial, ...] | str]:
-        keys = [
-            (group, seed) for seed in range(replicas) for group in left_out
-        ]  # each kernel is compiled by one worker
         off = {group: dict.fromkeys((f"effects.{key}" for key in group), "off") for group in left_out}
-        jobs = {(group, seed): (scene, {**overrides, **off[group]}, seed, folder) for group, seed in keys}
+        jobs = {  # each kernel is compiled by one worker
+            (group, seed): (scene, {**overrides, **off[group]}, seed, folder)
+            for seed in range(replicas)
+            for group in left_out
+        }
         done = run_jobs(
             cached_run, jobs, workers, done=lambda key, _: progress(name + (", ".join(key[0]) or "nothing"))
         )
         return {group: _trials([done[group, seed] for seed in range(replicas)]) for group in left_out}
 
     results = run([(), *groups(effects)])
-    baseline = results.pop(())
-    if isinstance(baseline, str):
+    if isinstance(baseline := results.pop(()), str):
         raise RunError(f"the scene with all its effects cannot be run: {baseline}")
     changes = [_change(group, baseline, trials, tolerance) for group, trials in results.items()]
     left_out = _without(effects, {change.left_out[0] for change in changes if change.needed or change.unknown})
@@ -158,9 +158,7 @@ def _change(
 
 def _saved(before: tuple[Trial, ...], after: tuple[Trial, ...], name: str) -> float:
     """Share of a cost that is saved [-], from the fastest run of each: other load on the machine only adds time."""
-    first: float = min(getattr(trial, name) for trial in before)
-    second: float = min(getattr(trial, name) for trial in after)
-    return 1.0 - second / first
+    return 1.0 - float(min(getattr(trial, name) for trial in after) / min(getattr(trial, name) for trial in before))
 
 
 def _without(effects: tuple[str, ...], wanted: set[str]) -> tuple[str, ...]:

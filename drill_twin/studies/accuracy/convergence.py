@@ -112,8 +112,7 @@ def choose_resolutions(
 ) -> list[Resolution]:
     """Multiples of the resolution that `auto` chooses, for each formulation that the scene permits (`forms`)."""
     numerics = scene.numerics.model_copy(update={"elements": "auto", "step": "auto", "accuracy": None})
-    twin = Twin(scene.model_copy(update={"numerics": numerics}))
-    sections = len(scene.string.sections)
+    twin, sections = Twin(scene.model_copy(update={"numerics": numerics})), len(scene.string.sections)
     counts = sorted({max(MIN_ELEMENTS, sections, round(share * twin.elements)) for share in elements})
     frame = scene.numerics.frame_period
     lengths = sorted({min(share * twin.step_size, frame) for share in steps}, reverse=True)
@@ -182,14 +181,12 @@ def measure(
         (resolution, seed): (scene, {**overrides, **resolution.overrides()}, seed, folder) for resolution, seed in keys
     }
     done = run_jobs(cached_run, jobs, workers, done=lambda key, _: progress(key[0].text))
-    reference = done[exact, None]
-    if isinstance(reference, str):
+    if isinstance(reference := done[exact, None], str):
         raise RunError(f"the converged run of {described.name} failed: {reference}")
     others = [motion for seed in range(replicas) if isinstance(motion := done[exact, seed], Motion)]
     measured, failures = [], []
     for resolution in resolutions:
-        motion = done[resolution, None]
-        if isinstance(motion, str):
+        if isinstance(motion := done[resolution, None], str):
             failures.append(f"{resolution.text}: {motion}")
         else:
             costs = motion.cost, 1.0 / motion.cost, motion.frame_p95, motion.compile_seconds, motion.iteration_rate

@@ -180,18 +180,12 @@ def from_motions(
         later: Newton iterations per second after the onset, over their number in the part which these runs cover.
         ended: End of the measurement.
     """
-    onset = number_or_none(reference.onset)
-    points = tuple(_point(motion, reference, onset, later) for motion in motions)
-    covered = float(reference.time[-1])
-    return ErrorModel(
-        content_key(scene), onset, covered, reference.elements, reference.step, ended, points
-    )  # fmt: skip
-
-
-def _point(motion: Motion, reference: Motion, onset: float | None, later: float) -> MeasuredPoint:
-    path, late = errors_before(motion, reference)
-    before, after = rates(motion, onset)
-    return MeasuredPoint(motion.elements, motion.step, motion.tolerance, path, late, before, later * after)
+    onset, covered = number_or_none(reference.onset), float(reference.time[-1])
+    points = []
+    for motion in motions:
+        errors, (before, after) = errors_before(motion, reference), rates(motion, onset)
+        points.append(MeasuredPoint(motion.elements, motion.step, motion.tolerance, *errors, before, later * after))
+    return ErrorModel(content_key(scene), onset, covered, reference.elements, reference.step, ended, tuple(points))
 
 
 def rates(motion: Motion, onset: float | None, end: float = np.inf) -> tuple[float, float]:
@@ -207,8 +201,7 @@ def load_model(scene: Scene) -> tuple[ErrorModel, str] | None:
     """Error model of a scene and its origin, `cached` on this machine or `shipped`; None if there is none."""
     key = content_key(scene)
     here = cached_file(_cache_name(key))
-    content = read_own(here)
-    if content is not None:
+    if (content := read_own(here)) is not None:
         try:
             return ErrorModel.parse(content), "cached"
         except ValueError:

@@ -46,8 +46,7 @@ class MotionErrors:
     @property
     def controlled(self) -> float:
         """The error that `accuracy` controls: the larger of path and onset error."""
-        known = [value for value in (self.path, self.onset) if value is not None]
-        return max(known) if known else 0.0
+        return max((value for value in (self.path, self.onset) if value is not None), default=0.0)
 
 
 def statistics(motion: Motion) -> tuple[float, float]:
@@ -87,8 +86,7 @@ def _late_mean(motion: Motion, values: Array) -> float:
 
 def path_error(motion: Motion, reference: Motion) -> float | None:
     """Largest distance between two paths before the onset, over the largest radius there [-]; None without marks."""
-    end = reference.onset if np.isfinite(reference.onset) else np.inf
-    early = reference.time <= end
+    early = reference.time <= (reference.onset if np.isfinite(reference.onset) else np.inf)
     if not early.any() or reference.centre.shape[1] == 0:
         return None
     path, true = (run.centre[early, :, 0] + 1j * run.centre[early, :, 1] for run in (motion, reference))
@@ -204,8 +202,7 @@ def worst(quantities: Mapping[str, AblationQuantity]) -> float:
 
 
 def _values(trials: Sequence[Trial], name: str) -> list[float]:
-    values = [getattr(trial, name) for trial in trials]
-    return [value for value in values if value is not None]
+    return [value for trial in trials if (value := getattr(trial, name)) is not None]
 
 
 def _quantity(

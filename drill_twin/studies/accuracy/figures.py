@@ -34,10 +34,9 @@ def ablation_figure(ablation: Ablation) -> Figure:
             _bars(
                 axis, rows, [_shown(change, name) for change in changes],
                 [bool(change.failure) or change.quantities[name].matters for change in changes],
-                [_unknown(change, name) for change in changes],
+                [not (change.failure or (one := change.quantities[name]).matters or one.known) for change in changes],
             )  # fmt: skip
-            axis.set_xscale("log")
-            axis.set_xlim(SMALLEST, LARGEST)
+            axis.set(xscale="log", xlim=(SMALLEST, LARGEST))
             axis.axvline(1.0, color=INK, linewidth=0.8)
             axis.set_title(f"change of\n{title}", fontsize=9)
             axis.set_xlabel(f"tolerances\nof {ablation.tolerance:.0%}", fontsize=9)
@@ -52,19 +51,13 @@ def ablation_figure(ablation: Ablation) -> Figure:
 
 def _bars(axis: Axes, rows: np.ndarray, values: list[float], matters: list[bool], unknown: list[bool]) -> None:
     colours = [NEEDED if needed else NOT_NEEDED for needed in matters]
-    hatches = ["///" if hatched else "" for hatched in unknown]
+    hatches = ["///" * hatched for hatched in unknown]
     axis.barh(rows, values, color=colours, height=0.7, hatch=hatches, edgecolor="white", linewidth=0.0)
     axis.grid(visible=False, axis="y")
 
 
 def _shown(change: Change, name: str) -> float:
-    if change.failure:
-        return LARGEST
-    return float(np.clip(change.quantities[name].tolerances, SMALLEST, LARGEST))
-
-
-def _unknown(change: Change, name: str) -> bool:
-    return not change.failure and not change.quantities[name].matters and not change.quantities[name].known
+    return LARGEST if change.failure else float(np.clip(change.quantities[name].tolerances, SMALLEST, LARGEST))
 
 
 def _label(change: Change) -> str:
@@ -96,8 +89,7 @@ def cost_figure(curve: Curve) -> Figure:
 def _panel(axis: Axes, curve: Curve, quantity: str, title: str) -> None:
     runs = [run for run in curve.runs if run.resolution.tolerance is None]
     for form, colour in COLOURS.items():
-        chosen = [run for run in runs if run.resolution.form == form]
-        if chosen:
+        if chosen := [run for run in runs if run.resolution.form == form]:
             axis.loglog(
                 [1e3 * run.cost for run in chosen], [_error(run, quantity) for run in chosen],
                 "o", color=colour, markersize=4, alpha=0.6, label=FORMULATION_NAMES[form],
@@ -115,8 +107,7 @@ def _panel(axis: Axes, curve: Curve, quantity: str, title: str) -> None:
                 f"{run.resolution.elements} el., {run.resolution.step * 1e3:.2g} ms", (1e3 * run.cost, last),
                 fontsize=7, xytext=(-5, -1), textcoords="offset points", ha="right", va="top",
             )  # fmt: skip
-    noise = getattr(curve.noise, quantity)
-    if noise:
+    if noise := getattr(curve.noise, quantity):
         axis.axhline(noise, color=GREY, linewidth=0.8, linestyle="--")
         axis.annotate(
             "spread of runs with a random push",

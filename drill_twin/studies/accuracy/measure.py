@@ -81,8 +81,7 @@ class Measurement:
         motions, complete = self._coarsen(reference, ladder[:-1])
         motions += ladder[:-1]
         model = from_motions(self._scene, reference, motions, ended=ended if complete else "budget")
-        later = self._later(model)
-        return from_motions(self._scene, reference, motions, later=later, ended=model.ended)
+        return from_motions(self._scene, reference, motions, later=self._later(model), ended=model.ended)
 
     def _refine(self) -> tuple[list[Motion], str]:
         """Runs of ever finer resolution, and what ended them."""
@@ -103,8 +102,7 @@ class Measurement:
                 continue
             if len(ladder) < 2:
                 continue
-            reached = self._spare(ladder[-1], ladder[:-1])
-            if reached and level >= AUTO:
+            if self._spare(ladder[-1], ladder[:-1]) and level >= AUTO:
                 return ladder, "reached"
         if len(ladder) < 2:
             raise failure
@@ -153,8 +151,7 @@ class Measurement:
             whole = self._run(point.elements, round(self._frame / point.step), point.tolerance)
         except (_SpentError, RunError):
             return 1.0
-        covered = rates(whole, model.onset_s, model.covered_s)[1]
-        return rates(whole, model.onset_s)[1] / covered
+        return rates(whole, model.onset_s)[1] / rates(whole, model.onset_s, model.covered_s)[1]
 
     def _level(self, level: int) -> tuple[int, int]:
         elements = max(self._fewest, round(self._elements * 2.0**level))
@@ -162,8 +159,7 @@ class Measurement:
 
     def _spare(self, reference: Motion, motions: list[Motion]) -> bool:
         """Set the budget by the cheapest run that is accurate enough, else by the finest; returns whether one is."""
-        model = from_motions(self._scene, reference, motions)
-        point = model.cheapest(self._accuracy)
+        point = from_motions(self._scene, reference, motions).cheapest(self._accuracy)
         chosen = point and (point.elements, point.step)
         cost = next((one.cost for one in motions if (one.elements, one.step) == chosen), motions[-1].cost)
         self._budget = max(BUDGET, RUNS * cost * self._duration)

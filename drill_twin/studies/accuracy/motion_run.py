@@ -33,9 +33,8 @@ PERTURBATION = 1e-4
 
 def perturb(twin: Twin, seed: int) -> None:
     """Add a small smooth random lateral velocity, so that chaotic runs diverge."""
-    random = np.random.default_rng(seed)
     _, v = twin.unknowns
-    place, slope = random_shape(twin.rod.arc, random)
+    place, slope = random_shape(twin.rod.arc, np.random.default_rng(seed))
     v[:, 0:2] += PERTURBATION * place
     v[:, 3:5] += PERTURBATION * slope
 
@@ -177,10 +176,9 @@ def cached_run(scene: str, overrides: dict[str, str], seed: int | None, folder: 
         described = load_scene(scene, overrides=overrides)
         key = hashlib.sha256(f"{described.to_yaml()}{seed}{__version__}{FORMAT}".encode()).hexdigest()[:16]
         path = folder / f"{key}.npz"
-        if (cached := Motion.load(path)) is not None:
-            return cached
-        motion = run_motion(described, seed)
-        motion.save(path)
+        if (motion := Motion.load(path)) is None:
+            motion = run_motion(described, seed)
+            motion.save(path)
     except DrillTwinError as error:
         return str(error)
     return motion

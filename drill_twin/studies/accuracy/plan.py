@@ -235,10 +235,8 @@ def check(
     Raises:
         RunError: The finer run fails.
     """
-    began = time.thread_time()
-    onset = recording.summary.onset_s
-    line = recording.centre_lines()
-    times = recording.marks.time
+    began, onset = time.thread_time(), recording.summary.onset_s
+    line, times = recording.centre_lines(), recording.marks.time
     clearance = np.array([place.clearance for place in recording.scene.mark_table])
     return AccuracyResult(
         asked=plan.asked,

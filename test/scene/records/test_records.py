@@ -9,8 +9,7 @@ import pytest
 from scipy.io import savemat
 
 import drill_twin as dt
-from drill_twin.cli.analyze import analyze
-from drill_twin.cli.export import export
+from drill_twin.cli.analyze import analyze, export
 from drill_twin.core.errors import TableError
 from drill_twin.io.bag.virtual_bags import RecordBag
 from drill_twin.report import build_report, read_recording, summarise
