@@ -4,8 +4,6 @@
 The demo's exit code is 0 only if every node ended well and the bag holds every topic of the contract.
 """
 
-from __future__ import annotations
-
 import argparse
 import json
 from collections.abc import Iterable, Sequence

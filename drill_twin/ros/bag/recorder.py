@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Recorder node: writes every topic of the contract, byte for byte, to an MCAP bag that survives kill -9."""
 
-from __future__ import annotations
-
 import re
 import time
 from collections.abc import Iterator, Mapping

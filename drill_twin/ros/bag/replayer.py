@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Replayer node: publishes the messages of a bag, byte for byte, with `/clock`, as rosbag2's player does."""
 
-from __future__ import annotations
-
 import time
 from collections.abc import Iterator
 from types import SimpleNamespace

@@ -5,8 +5,6 @@ A wildcard block of a parameter file (`/**:`, `/rig2/**:`, `/*:`) is shared, and
 does not have. rclpy (7.1) does not tell from which block a value came, so that the arguments are read here once more.
 """
 
-from __future__ import annotations
-
 import difflib
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path

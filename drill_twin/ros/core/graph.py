@@ -6,8 +6,6 @@ reported by no event (Fast DDS of the wheels). Both are told here, with a remedy
 `drill-twin ros doctor`.
 """
 
-from __future__ import annotations
-
 from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from rclpy.topic_endpoint_info import TopicEndpointInfo

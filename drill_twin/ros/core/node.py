@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Base class of all nodes: a lifecycle node with the topics of the contract, diagnostics, and the start-up barrier."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager, suppress
 from dataclasses import replace

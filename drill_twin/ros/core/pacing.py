@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Pacing by the wall clock: frames at their times, and periodic actions."""
 
-from __future__ import annotations
-
 import time
 from collections import deque
 from collections.abc import Callable

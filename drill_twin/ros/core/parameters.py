@@ -6,8 +6,6 @@ number in its SI unit, or a text with any unit of scene files, `"120 rpm"`. A sp
 bare 12 might be meant in rad/s, rev/s or rev/min.
 """
 
-from __future__ import annotations
-
 import json
 import math
 import textwrap

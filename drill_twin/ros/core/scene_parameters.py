@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Scene of a node, from its parameters: name or path, and overrides."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable
 from types import SimpleNamespace
 

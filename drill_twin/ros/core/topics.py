@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Publishers and subscriptions of a node, by topic of the contract; messages are CDR bytes, decoded by their row."""
 
-from __future__ import annotations
-
 import importlib
 import inspect
 import re

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Checks of this machine: Python, packages, ROS, cache of compiled kernels, clock, browser; works without ROS."""
 
-from __future__ import annotations
-
 import ctypes
 import importlib
 import os

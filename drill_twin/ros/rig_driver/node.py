@@ -7,8 +7,6 @@ While several nodes publish `/clock`, the driver goes on to send the last set-po
 counted.
 """
 
-from __future__ import annotations
-
 import math
 import time
 from types import SimpleNamespace

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Set-points that a driver plays: its parameters' set-points, and the transition to others in a run, without a jump."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 from types import SimpleNamespace

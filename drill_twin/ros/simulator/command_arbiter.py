@@ -7,8 +7,6 @@ commands of another are refused, and so are the single values on `/rig/wob_comma
 type.
 """
 
-from __future__ import annotations
-
 import math
 import time
 from collections import Counter

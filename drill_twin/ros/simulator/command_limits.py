@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Limits of commands, from the scene and the parameters."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass, replace
 

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """One quantity of the set-points: who commands it, since when, and what is applied."""
 
-from __future__ import annotations
-
 import math
 from collections import deque
 from collections.abc import Callable

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Stamps of commands: of simulated time or of the wall clock, as a publisher began, or zero for the time of arrival."""
 
-from __future__ import annotations
-
 import time
 from collections.abc import Callable
 

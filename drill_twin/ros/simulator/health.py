@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Diagnostics of the simulator: named values, and a level with one sentence."""
 
-from __future__ import annotations
-
 import math
 from types import SimpleNamespace
 

@@ -8,8 +8,6 @@ control: a stopped run is a paused one at time zero. What is unsupported (spawni
 as such.
 """
 
-from __future__ import annotations
-
 import importlib
 from collections.abc import Callable
 from functools import partial

@@ -4,8 +4,6 @@
 The twin's tf is published where tf2_msgs is installed: in a whole ROS 2, not with the wheels.
 """
 
-from __future__ import annotations
-
 import os
 import threading
 import time

@@ -5,8 +5,6 @@ With a rig driver in the graph its live parameters are set; without one the sing
 and reset are the services of the simulator.
 """
 
-from __future__ import annotations
-
 import argparse
 import math
 import threading

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Set-points of the gateway on `/rig/command`, and the safe one after a loss of control."""
 
-from __future__ import annotations
-
 import threading
 import time
 from collections.abc import Mapping

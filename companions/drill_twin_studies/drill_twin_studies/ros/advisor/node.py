@@ -4,8 +4,6 @@
 Where the node is given no map, `drill-twin map` makes a coarse map of the scene on the topics in a child process.
 """
 
-from __future__ import annotations
-
 import json
 import math
 import os

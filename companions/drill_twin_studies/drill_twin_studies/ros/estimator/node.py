@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Estimator node: an ensemble that follows what a rig measures; the node commands nothing."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from concurrent.futures import Future, ThreadPoolExecutor
