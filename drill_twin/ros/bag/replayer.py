@@ -286,12 +286,12 @@ class Replayer(TwinNode):
 
     def health(self) -> Status:
         """Progress of the replay."""
+        left_out, head = len(self._skipped), self._head
         values = {"bag": self.settings.bag, "rate": f"{self.settings.rate:g}", "messages": str(self._sent)}
-        values |= {"left_out": str(len(self._skipped)), "place": f"{self._head.place:.3f}"}
-        values["paused"] = str(self._head.paused).lower()
-        if self._skipped:
-            return Status(self.NAME, Level.WARN, f"{len(self._skipped)} messages left out", values)
-        return Status(self.NAME, Level.OK, f"{self._sent} of {self._bag.message_count} messages replayed", values)
+        values |= {"left_out": str(left_out), "place": f"{head.place:.3f}", "paused": str(head.paused).lower()}
+        trouble = f"{left_out} messages left out" if left_out else ""
+        progress = f"{self._sent} of {self._bag.message_count} messages replayed"
+        return self.status(values, (Level.WARN, trouble), (Level.OK, progress))
 
 
 def _is_kept(topic: str) -> bool:

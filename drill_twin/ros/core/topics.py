@@ -98,7 +98,8 @@ class NodeTopics:
         self.number: int | None = None
         """Sequence number that its publisher gave the message which is being handed over."""
         self._node, self._unreadable, self._kept = node, unreadable, kept
-        self._gates: list[SceneGate] = []
+        self.scenes = SceneGate(lambda _: None)
+        """Gate of `/twin/scene`, where the node reads it."""
         self._inputs: list[tuple[Subscription, str, str]] = []  # with the type, and the name to count drops by
         self._drops = DropCounter()
 
@@ -152,24 +153,8 @@ class NodeTopics:
 
     def subscribe_scenes(self, received: Callable[[bytes], object]) -> Subscription:
         """Create the subscription to `/twin/scene`; the callback gets the bytes that the gate lets pass."""
-        gate = SceneGate(received)
-        self._gates.append(gate)
+        gate = self.scenes = SceneGate(received)
         return self.subscribe_raw(TWIN_SCENE, lambda raw, _: gate.take(raw), depth=1)
-
-    def pass_on_scenes(self) -> None:
-        """Pass on the scenes that wait, if their turn has come."""
-        for gate in self._gates:
-            gate.work()
-
-    @property
-    def scene_waits(self) -> bool:
-        """True while a scene waits for its turn."""
-        return any(gate.waits for gate in self._gates)
-
-    @property
-    def scenes_put_off(self) -> int:
-        """Number of scenes that were replaced by a newer one before their turn."""
-        return sum(gate.put_off for gate in self._gates)
 
     def subscribe_raw(
         self, topic: str, received: Received, *, depth: int = 0, latched: bool | None = None
@@ -211,11 +196,9 @@ class NodeTopics:
         """Destroy all subscriptions, and all publishers except one topic's."""
         for subscription, _, _ in self._inputs:
             self._node.destroy_subscription(subscription)
-        self._inputs = []
-        self._gates.clear()
         for topic in set(self.publishers) - {kept}:
             self.withdraw(topic)
-        self._drops = DropCounter()
+        self._inputs, self._drops, self.scenes = [], DropCounter(), SceneGate(lambda _: None)
 
     @property
     def dropped(self) -> Mapping[str, int]:

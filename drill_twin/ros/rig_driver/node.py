@@ -208,7 +208,6 @@ class RigDriver(TwinNode):
             "commands_sent": str(self._sent),
             **self.samples.values(),
         }
-        level, text = self.samples.verdict()
-        if len(drivers) > 1:
-            return Status(self.NAME, Level.WARN, f"more than one driver: {', '.join(drivers)}", values)
-        return Status(self.NAME, level, text or ("the schedule is over; holding" if over else "driving"), values)
+        rivals = f"more than one driver: {', '.join(drivers)}" if len(drivers) > 1 else ""
+        state = "the schedule is over; holding" if over else "driving"
+        return self.status(values, (Level.WARN, rivals), self.samples.verdict(), (Level.OK, state))

@@ -192,12 +192,14 @@ class LivePage(TwinNode):
             for topic in {WOB_COMMAND, RPS_COMMAND} & set(self.topics.publishers):
                 self.topics.withdraw(topic)
         self.page_state.check_sources()
-        if missing := self._sources.missing():
-            return Status(self.NAME, Level.WARN, f"no diagnostics for more than {GONE:g} s of {', '.join(missing)}")
-        if skipped := len(self.page_state.skipped):
-            return Status(self.NAME, Level.WARN, f"{skipped} messages could not be read")
-        level, text = self.samples.verdict()
-        return Status(self.NAME, level, text or "showing the twin")
+        missing, skipped = self._sources.missing(), len(self.page_state.skipped)
+        return self.status(
+            {},
+            (Level.WARN, f"no diagnostics for more than {GONE:g} s of {', '.join(missing)}" if missing else ""),
+            (Level.WARN, f"{skipped} messages could not be read" if skipped else ""),
+            self.samples.verdict(),
+            (Level.OK, "showing the twin"),
+        )
 
 
 def run(arguments: Sequence[str], stop: StopRequest) -> None:

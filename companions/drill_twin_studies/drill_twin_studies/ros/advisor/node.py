@@ -257,12 +257,8 @@ class Advisor(TwinNode):
 
     def health(self) -> Status:
         """Level and sentence: gaps of its inputs, progress of the map, or the last advice."""
-        values = self.samples.values()
-        if self._trouble:
-            return Status(self.NAME, Level.ERROR, self._trouble, values)
-        level, text = self.samples.verdict()
-        if level is not Level.OK:
-            return Status(self.NAME, level, text, values)
-        if self._maker is not None:
-            return Status(self.NAME, Level.OK, self._maker.progress, values)
-        return Status(self.NAME, self._level, text or self._said or "no advice yet", values)
+        level, silence = self.samples.verdict()
+        progress = self._maker.progress if self._maker is not None and level is Level.OK else ""
+        said = self._level, self._said or "no advice yet"
+        trouble = Level.ERROR, self._trouble
+        return self.status(self.samples.values(), trouble, (Level.OK, progress), (level, silence), said)

@@ -112,7 +112,8 @@ class Estimator(TwinNode):
     )
     ON_CHANGE: ClassVar = (RIG_COMMAND,)
     TIMED_BY: ClassVar = MEASURED_RIG_STATE
-    _thread: ThreadPoolExecutor | None = None
+    _thread: ThreadPoolExecutor
+    """Thread of the ensemble; made by `configure`."""
 
     def configure(self) -> None:
         """Create topics, and begin to make the ensemble on a thread of its own.
@@ -147,7 +148,7 @@ class Estimator(TwinNode):
     def complete(self) -> None:
         """End a compilation, or the window that is being computed."""
         self._closing = True
-        if self._thread is not None:
+        if hasattr(self, "_thread"):
             self._thread.shutdown(cancel_futures=True)
 
     def not_ready(self) -> str:
@@ -168,7 +169,7 @@ class Estimator(TwinNode):
         self._let_time_pass(self._following)
         while self._following.intake.waiting > _BEHIND:
             self._following.intake.skip()
-        if self._thread is not None and self._step is None and self._following.intake.waiting:
+        if self._step is None and self._following.intake.waiting:
             self._step = self._thread.submit(self._stoppable, self._following.step)
 
     def _stoppable(self, function: Callable[[], Result]) -> Result:
@@ -266,18 +267,14 @@ class Estimator(TwinNode):
         values |= {**self.samples.values(), **self._channels.values(), "windows_waiting": str(intake.waiting)}
         level, silence = self.samples.verdict()
         lacks = "" if self.samples.rests else self._channels.verdict()[1]
-        if level is not Level.OK:
-            return Status(self.NAME, level, silence, values)
-        level, text = (Level.OK, "") if self._found is None else trust_in(self._found)
-        if text:
-            return Status(self.NAME, level, text, values)
-        if lacks := lacks or self.topics.loss:
-            return Status(self.NAME, Level.WARN, lacks, values)
-        if intake.frozen:
-            return Status(self.NAME, Level.WARN, f"{', '.join(sorted(intake.frozen))}: frozen, left out", values)
-        if intake.troubles["skipped window"]:
-            text = "too slow for real time, windows are left out; take fewer members or a coarser mesh"
-            return Status(self.NAME, Level.WARN, text, values)
-        if self._found is None:
-            return Status(self.NAME, Level.OK, silence or "waiting for the end of the first window", values)
-        return Status(self.NAME, *verdict_of(self._found), values)
+        frozen = f"{', '.join(sorted(intake.frozen))}: frozen, left out" if intake.frozen else ""
+        slow = "too slow for real time, windows are left out; take fewer members or a coarser mesh"
+        return self.status(
+            values,
+            (level, silence if level is not Level.OK else ""),
+            trust_in(self._found) if self._found is not None else (Level.OK, ""),
+            (Level.WARN, lacks or self.topics.loss or frozen),
+            (Level.WARN, slow if intake.troubles["skipped window"] else ""),
+            verdict_of(self._found) if self._found is not None else (Level.OK, silence),
+            (Level.OK, "waiting for the end of the first window"),
+        )
