@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from functools import partial
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING
 
 from drill_twin.io.messages.diagnostics import Level, Status
 from drill_twin.io.messages.topics import (
@@ -35,9 +35,9 @@ _QUIET = 0.1  # s
 class Analyzer(TwinNode):
     """Joins marks and rig by stamp, analyses them, and publishes the findings."""
 
-    NAME: ClassVar = "analyzer"
-    PURPOSE: ClassVar = "Finds the onset of whirl, its precession, and the state of motion of every mark."
-    PARAMETERS: ClassVar = (
+    NAME = "analyzer"
+    PURPOSE = "Finds the onset of whirl, its precession, and the state of motion of every mark."
+    PARAMETERS = (
         Parameter(
             "marks_scene",
             "",
@@ -52,8 +52,8 @@ class Analyzer(TwinNode):
         ),
         AUTOSTART,
     )
-    ON_CHANGE: ClassVar = (TWIN_SCENE,)
-    RIGHTS: ClassVar = Rights(
+    ON_CHANGE = (TWIN_SCENE,)
+    RIGHTS = Rights(
         (TWIN_SCENE, REALTIME_FACTOR, MARKS_STATE, RIG_STATE, "/downhole/*/imu", "/measured/downhole/*/imu"),
     )
     _pipeline: WhirlPipeline

@@ -8,16 +8,15 @@ from contextlib import contextmanager
 from dataclasses import replace
 from itertools import count
 from pathlib import Path
-from typing import Any, ClassVar
+from typing import Any
 
 from rclpy.subscription import Subscription
 
-from drill_twin.core.errors import BagError, RunError
+from drill_twin.core.errors import BagError, ParameterError, RunError
 from drill_twin.io.bag.metadata import RecordedTopic, contract_topic
 from drill_twin.io.bag.writer import BagWriter
 from drill_twin.io.messages.diagnostics import Level, Status
 from drill_twin.io.messages.topics import DIAGNOSTICS, OF_TF, TOPICS, sub_of
-from drill_twin.ros.core.given import ParameterError
 from drill_twin.ros.core.graph import unlisted
 from drill_twin.ros.core.node import AUTOSTART, TwinNode
 from drill_twin.ros.core.parameters import Parameter
@@ -38,9 +37,9 @@ _BATCH_TIME = 0.01  # s; waking up for each message would cost as much as writin
 class Recorder(TwinNode):
     """Writes the messages of all topics to a bag, and counts the messages it missed."""
 
-    NAME: ClassVar = "recorder"
-    PURPOSE: ClassVar = "Records every topic of the twin to an MCAP bag."
-    PARAMETERS: ClassVar = (
+    NAME = "recorder"
+    PURPOSE = "Records every topic of the twin to an MCAP bag."
+    PARAMETERS = (
         Parameter("bag", "", 'new folder of the bag, best ending in _0; "": bags/<date>_<time>_0 here'),
         Parameter("max_bagfile_size", 0.0, "a file of this size is followed by another; 0: one file", "MB", 0.0, 1e6),
         Parameter(
@@ -59,7 +58,7 @@ class Recorder(TwinNode):
         Parameter("exclude_regex", "", "nor topics in whose full name this is found", such_as="/string/.*"),
         AUTOSTART,
     )
-    RIGHTS: ClassVar = Rights(subscribes=tuple(ALL_TOPICS))
+    RIGHTS = Rights(subscribes=tuple(ALL_TOPICS))
     _bag: BagWriter
     """The bag; made by `configure`."""
 

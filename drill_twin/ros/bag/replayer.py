@@ -4,9 +4,8 @@
 import time
 from collections.abc import Iterator
 from types import SimpleNamespace
-from typing import ClassVar
 
-from drill_twin.core.errors import MessageError
+from drill_twin.core.errors import MessageError, ParameterError
 from drill_twin.io.bag.skipped import SkippedMessages
 from drill_twin.io.messages.cdr import ClockTemplate
 from drill_twin.io.messages.decode import read_string
@@ -16,7 +15,6 @@ from drill_twin.io.messages.stamps import NANOSECONDS
 from drill_twin.io.messages.topics import CLOCK_TOPIC, DIAGNOSTICS, TF_STATIC, TOPICS, TWIN_SCENE
 from drill_twin.io.messages.type_store import deserialize
 from drill_twin.ros.bag.player_control import SERVICES, PlayerControl, Playhead, offer
-from drill_twin.ros.core.given import ParameterError
 from drill_twin.ros.core.node import AUTOSTART, TwinNode
 from drill_twin.ros.core.parameters import Parameter
 from drill_twin.ros.core.policy import ALL_TOPICS, READY, Rights
@@ -34,9 +32,9 @@ _ACKNOWLEDGE = 50  # messages; of a burst so short the transport drops none, not
 class Replayer(TwinNode):
     """Publishes the messages of a bag at the times at which they were recorded."""
 
-    NAME: ClassVar = "replayer"
-    PURPOSE: ClassVar = "Publishes a bag again, with /clock, at any rate."
-    PARAMETERS: ClassVar = (
+    NAME = "replayer"
+    PURPOSE = "Publishes a bag again, with /clock, at any rate."
+    PARAMETERS = (
         Parameter("bag", "", "bag to replay: a folder, or a .mcap or .db3 file"),
         Parameter(
             "rate",
@@ -90,9 +88,7 @@ class Replayer(TwinNode):
         Parameter("loop", False, "whether to begin again at the end"),
         AUTOSTART,
     )
-    RIGHTS: ClassVar = Rights(
-        publishes=tuple(ALL_TOPICS), services=tuple(f"~/{name}" for name in SERVICES), calls=READY
-    )
+    RIGHTS = Rights(publishes=tuple(ALL_TOPICS), services=tuple(f"~/{name}" for name in SERVICES), calls=READY)
     _sent = 0
     _skipped = SkippedMessages()
 

@@ -14,15 +14,11 @@ from rclpy.context import Context
 from rclpy.node import Node
 from rclpy.parameter import Parameter as RosParameter
 
-from drill_twin.core.errors import DrillTwinError
+from drill_twin.core.errors import ParameterError
 from drill_twin.core.files.yaml_reader import plain_yaml
 
 OF_ROS = ("use_sim_time", "start_type_description_service", "qos_overrides.")
 """Beginnings of the names of parameters that rclpy itself reads."""
-
-
-class ParameterError(DrillTwinError):
-    """A node parameter with which a node cannot start."""
 
 
 class ArgumentsContext(Context):

@@ -4,7 +4,7 @@
 from collections.abc import Callable, Iterable
 from types import SimpleNamespace
 
-from drill_twin.ros.core.given import ParameterError
+from drill_twin.core.errors import ParameterError
 from drill_twin.ros.core.parameters import Parameter
 from drill_twin.scene import Scene, load_scene
 

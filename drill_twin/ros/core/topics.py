@@ -17,16 +17,17 @@ from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSPolicyKind, QoSProfile
 from rclpy.qos_overriding_options import InvalidQosOverridesError, QoSOverridingOptions
 from rclpy.subscription import Subscription
 
-from drill_twin.core.errors import MessageError
+from drill_twin.core.errors import MessageError, ParameterError
 from drill_twin.io.messages.readers import reader_of
 from drill_twin.io.messages.topic_row import Topic
 from drill_twin.io.messages.topics import CLOCK_TOPIC, DIAGNOSTICS, RPS_COMMAND, TF, TOPICS, TWIN_SCENE, WOB_COMMAND
-from drill_twin.ros.core.given import ParameterError, given_parameters, refuse_unknown, warn_of_misspelled
+from drill_twin.ros.core.given import given_parameters, refuse_unknown, warn_of_misspelled
 from drill_twin.ros.core.graph import UNKNOWN_NAME, full_name, unmet
 from drill_twin.ros.core.queues import DropCounter, SceneGate
 
+SEVERAL_PUBLISHERS = (DIAGNOSTICS, WOB_COMMAND, RPS_COMMAND, TF)
+"""Topics that several nodes may publish; the sequence numbers of the publishers cannot be told apart."""
 _PATIENCE = Duration(seconds=0.1)  # longest wait for a reader, which may have been killed
-_SEVERAL_PUBLISHERS = (DIAGNOSTICS, WOB_COMMAND, RPS_COMMAND, TF)  # their sequence numbers cannot be told apart
 _QOS_OVERRIDES = "qos_overrides."
 _ENDS, _POLICIES = "publisher|subscription", "history|depth|reliability|durability"
 _OVERRIDE = re.compile(rf"qos_overrides\.(/.+)\.(?:{_ENDS})\.(?:{_POLICIES})")
@@ -162,7 +163,7 @@ class NodeTopics:
         """Create the subscription to a topic; the callback receives bytes, and what rclpy knows of the message."""
         row = TOPICS[topic]
         keeps = row.latched if latched is None else latched
-        counted = topic if topic not in _SEVERAL_PUBLISHERS and depth != 1 and not row.offered_latched else ""
+        counted = topic if topic not in SEVERAL_PUBLISHERS and depth != 1 and not row.offered_latched else ""
 
         def take(*given: Any) -> None:
             raw, info = given if len(given) > 1 else given[0]  # rclpy 7.1.6 hands over both as one argument

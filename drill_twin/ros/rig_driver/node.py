@@ -10,7 +10,6 @@ counted.
 import math
 import time
 from types import SimpleNamespace
-from typing import ClassVar
 
 from drill_twin.io.messages.diagnostics import Level, Status
 from drill_twin.io.messages.rig_messages import CommandEncoder
@@ -81,10 +80,10 @@ _REPEAT = 5.0  # s of wall time after which a set-point is sent again, should th
 class RigDriver(TwinNode):
     """Sends set-points: the scene's schedule, or a table of measured ones."""
 
-    NAME: ClassVar = "rig_driver"
-    PURPOSE: ClassVar = "Plays weight on bit and top-drive speed, planned or measured, into the simulator."
-    PARAMETERS: ClassVar = PARAMETERS
-    RIGHTS: ClassVar = Rights((CLOCK_TOPIC,), calls=READY)
+    NAME = "rig_driver"
+    PURPOSE = "Plays weight on bit and top-drive speed, planned or measured, into the simulator."
+    PARAMETERS = PARAMETERS
+    RIGHTS = Rights((CLOCK_TOPIC,), calls=READY)
     _sent = 0
 
     def configure(self) -> None:

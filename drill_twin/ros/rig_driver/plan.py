@@ -5,8 +5,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from types import SimpleNamespace
 
-from drill_twin.core.errors import SceneError
-from drill_twin.ros.core.given import ParameterError
+from drill_twin.core.errors import ParameterError, SceneError
 from drill_twin.ros.core.scene_parameters import scene_of
 from drill_twin.scene.blocks.numerics import frame_period_ns
 from drill_twin.scene.set_points import Schedule

@@ -22,9 +22,7 @@ def health(node: TwinNode, control: RunControl) -> Status:
     values = {"state": control.state_text, **_values(node.settings, simulation)}
     if len(publishers := node.topics.publisher_nodes(STRING_POSES)) > 1:
         topic = node.resolve_topic_name(relative(STRING_POSES))
-        return node.status(
-            values, (Level.ERROR, f"more than one simulator publishes {topic}: {', '.join(publishers)}")
-        )
+        return node.status(values, (Level.ERROR, f"more than one simulator publishes {topic}: {', '.join(publishers)}"))
     if not node.active or control.paused:
         return node.status(values, (Level.OK, f"{control.state_text} at {simulation.time_text}"))
     rival = next((quantity for quantity in simulation.commands.quantities if quantity.several_send), None)

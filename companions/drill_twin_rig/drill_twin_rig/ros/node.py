@@ -12,16 +12,15 @@ import time
 from collections.abc import Iterator, Mapping, Sequence
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, Any
 
 from std_srvs.srv import Trigger
 
-from drill_twin.core.errors import DrillTwinError, MessageError, missing
+from drill_twin.core.errors import DrillTwinError, MessageError, ParameterError, missing
 from drill_twin.core.loopback import is_loopback
 from drill_twin.io.messages.decode import read_string
 from drill_twin.io.messages.diagnostics import Level, Status
 from drill_twin.io.messages.topics import RIG_STATE, TOPICS, TWIN_SCENE
-from drill_twin.ros.core.given import ParameterError
 from drill_twin.ros.core.node import AUTOSTART, TwinNode
 from drill_twin.ros.core.parameters import Parameter
 from drill_twin.ros.core.policy import Rights
@@ -88,10 +87,10 @@ _DEPTH = 100  # messages; half a second at 200 Hz
 class Gateway(TwinNode):
     """Shows the quantities of the twin on an OPC UA server, and commands it for a client."""
 
-    NAME: ClassVar = "gateway"
-    PURPOSE: ClassVar = "Connects the twin with rig software by OPC UA, with the signals of D-WIS. Needs asyncua."
-    PARAMETERS: ClassVar = PARAMETERS
-    RIGHTS: ClassVar = Rights(
+    NAME = "gateway"
+    PURPOSE = "Connects the twin with rig software by OPC UA, with the signals of D-WIS. Needs asyncua."
+    PARAMETERS = PARAMETERS
+    RIGHTS = Rights(
         (TWIN_SCENE, *{quantity.topic for quantity in QUANTITIES.values()}),
         ("~/grant_control", "~/withdraw_control"),
     )
@@ -140,7 +139,7 @@ class Gateway(TwinNode):
 
     def _on_message(self, topic: str, raw: bytes, _: Mapping[str, Any]) -> None:
         try:
-            self._quantities.take(topic, bytes(raw))
+            self._quantities.take(topic, raw)
         except MessageError as error:
             self._unread = f"{topic}: {error}"
 

@@ -7,11 +7,11 @@ from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import asdict
 from functools import partial
 from types import SimpleNamespace
-from typing import ClassVar, TypeVar
+from typing import TypeVar
 
 import numpy as np
 
-from drill_twin.core.errors import RunError, RunStopped
+from drill_twin.core.errors import ParameterError, RunError, RunStopped
 from drill_twin.dynamics.solver.slices import checked
 from drill_twin.io.messages.decode import JointState
 from drill_twin.io.messages.diagnostics import Level, Status
@@ -30,7 +30,6 @@ from drill_twin.io.messages.topics import (
     TWIN_SCENE,
 )
 from drill_twin.io.scene_geometry import readings_topic
-from drill_twin.ros.core.given import ParameterError
 from drill_twin.ros.core.node import AUTOSTART, TwinNode
 from drill_twin.ros.core.parameters import Parameter
 from drill_twin.ros.core.policy import Rights
@@ -103,15 +102,15 @@ Result = TypeVar("Result")
 class Estimator(TwinNode):
     """Feeds an ensemble with what is measured, and publishes what it finds."""
 
-    NAME: ClassVar = "estimator"
-    PURPOSE: ClassVar = "Follows a rig with an ensemble: numbers, virtual sensors, chance of whirl, alarm."
-    PARAMETERS: ClassVar = PARAMETERS
-    RIGHTS: ClassVar = Rights(
+    NAME = "estimator"
+    PURPOSE = "Follows a rig with an ensemble: numbers, virtual sensors, chance of whirl, alarm."
+    PARAMETERS = PARAMETERS
+    RIGHTS = Rights(
         (MEASURED_RIG_STATE, RIG_STATE, RIG_COMMAND, "/downhole/*/imu", "/measured/downhole/*/imu"),
         publishes=tuple(ESTIMATE + topic for topic in OF_NEAREST_TWIN),
     )
-    ON_CHANGE: ClassVar = (RIG_COMMAND,)
-    TIMED_BY: ClassVar = MEASURED_RIG_STATE
+    ON_CHANGE = (RIG_COMMAND,)
+    TIMED_BY = MEASURED_RIG_STATE
     _thread: ThreadPoolExecutor
     """Thread of the ensemble; made by `configure`."""
 
