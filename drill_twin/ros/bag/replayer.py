@@ -212,7 +212,8 @@ class Replayer(TwinNode):
         """
         kept: dict[tuple[str, bytes], bytes] = {}
         self._early, scene = b"", (TWIN_SCENE, b"")
-        for topic, stamp, raw in self._bag.messages([name for name in self._topics if _is_kept(name)]):
+        kept_topics = [name for name in self._topics if TOPICS[name].latched or name == CLOCK_TOPIC]
+        for topic, stamp, raw in self._bag.messages(kept_topics):
             passed = self._passed(stamp)
             if passed >= place and (scene in kept or TWIN_SCENE not in self._topics):
                 break
@@ -288,8 +289,3 @@ class Replayer(TwinNode):
         trouble = f"{left_out} messages left out" if left_out else ""
         progress = f"{self._sent} of {self._bag.message_count} messages replayed"
         return self.status(values, (Level.WARN, trouble), (Level.OK, progress))
-
-
-def _is_kept(topic: str) -> bool:
-    """True for a topic whose last message holds until the next: after a jump it is published again."""
-    return TOPICS[topic].latched or topic == CLOCK_TOPIC

@@ -86,12 +86,15 @@ def ros_installation() -> Iterator[Check]:
         )
         return
     middleware, error = _middleware()
-    yield _distro(distro)
+    remedy = f"source /opt/ros/{DISTRO}/setup.bash; nodes of different distributions need not understand each other"
+    found = distro or f"{DISTRO}, not sourced"
+    yield judged(ROS, "distribution", found, "" if distro in {"", DISTRO} else remedy)
     if error:  # loading it here would end this process
         yield _broken(error)
         return
     yield _rclpy()
-    yield _known_middleware(middleware)
+    remedy = "all nodes need the same; the discovery profile and the tests of this package are for rmw_fastrtps_cpp"
+    yield judged(ROS, "middleware", middleware, "" if middleware == "rmw_fastrtps_cpp" else remedy, Verdict.NOTE)
     for package, purpose in (("tf2_msgs", "tf"), ("simulation_interfaces", "standard services")):
         there = find_spec(package) is not None
         yield Check(ROS, package, "installed" if there else f"not installed: the simulator has no {purpose}")
@@ -212,16 +215,6 @@ def _rclpy() -> Check:
         remedy = "use the rclpy of /opt/ros: rm -rf .venv, then make setup in the shell that has sourced ROS"
         return Check(ROS, "rclpy", f"{found}, of the wheels, beside a sourced ROS", Verdict.PROBLEM, remedy)
     return Check(ROS, "rclpy", found)
-
-
-def _distro(distro: str) -> Check:
-    remedy = f"source /opt/ros/{DISTRO}/setup.bash; nodes of different distributions need not understand each other"
-    return judged(ROS, "distribution", distro or f"{DISTRO}, not sourced", "" if distro in {"", DISTRO} else remedy)
-
-
-def _known_middleware(found: str) -> Check:
-    remedy = "all nodes need the same; the discovery profile and the tests of this package are for rmw_fastrtps_cpp"
-    return judged(ROS, "middleware", found, "" if found == "rmw_fastrtps_cpp" else remedy, Verdict.NOTE)
 
 
 def _domain() -> Iterator[Check]:
