@@ -138,6 +138,10 @@ class ArgumentError(DrillTwinError, ValueError):
     """An argument of a function of the Python API that cannot be used."""
 
 
+class ParameterError(DrillTwinError):
+    """A node parameter with which a node cannot start."""
+
+
 class CheckpointError(DrillTwinError):
     """A checkpoint that cannot be written, read or resumed."""
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from functools import partial
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING
 
 from drill_twin.io.messages.diagnostics import Level, Status
 from drill_twin.io.messages.topics import (
@@ -36,9 +36,9 @@ _QUIET = 0.1  # s
 class Analyzer(TwinNode):
     """Joins marks and rig by stamp, analyses them, and publishes the findings."""
 
-    NAME: ClassVar = "analyzer"
-    PURPOSE: ClassVar = "Finds the onset of whirl, its precession, and the state of motion of every mark."
-    PARAMETERS: ClassVar = (
+    NAME = "analyzer"
+    PURPOSE = "Finds the onset of whirl, its precession, and the state of motion of every mark."
+    PARAMETERS = (
         Parameter(
             "marks_scene",
             "",
@@ -53,14 +53,15 @@ class Analyzer(TwinNode):
         ),
         AUTOSTART,
     )
-    ON_CHANGE: ClassVar = (TWIN_SCENE,)
-    RIGHTS: ClassVar = Rights(
+    ON_CHANGE = (TWIN_SCENE,)
+    RIGHTS = Rights(
         (
             *(DIAGNOSTICS, TWIN_SCENE, REALTIME_FACTOR, MARKS_STATE, RIG_STATE),
             *("/downhole/*/imu", "/measured/downhole/*/imu"),
         ),
     )
-    _pipeline: WhirlPipeline | None = None
+    _pipeline: WhirlPipeline
+    """Pipeline of the analysis; made by `configure`."""
 
     def configure(self) -> None:
         """Create the pipeline, the publishers of its findings, and the subscriptions to scene and samples."""
@@ -77,11 +78,10 @@ class Analyzer(TwinNode):
         for topic in (WHIRL_STATE, WHIRL_MOTION, WHIRL_ONSET, TWIN_SUMMARY):
             self.topics.advertise(topic)
         self._publish(pipeline.start())
-        self.topics.subscribe_scenes(partial(self._on_message, pipeline, TWIN_SCENE))
-        self.topics.subscribe_raw(REALTIME_FACTOR, partial(self._on_message, pipeline, REALTIME_FACTOR))
+        self.topics.subscribe_scenes(partial(self._on_message, TWIN_SCENE))
+        self.topics.subscribe_raw(REALTIME_FACTOR, partial(self._on_message, REALTIME_FACTOR))
         self._inputs = [
-            self.topics.subscribe_raw(topic, partial(self._on_message, pipeline, topic), depth=_DEPTH)
-            for topic in samples
+            self.topics.subscribe_raw(topic, partial(self._on_message, topic), depth=_DEPTH) for topic in samples
         ]
         if scene is None:
             self.samples.expect(TWIN_SCENE)
@@ -89,13 +89,13 @@ class Analyzer(TwinNode):
 
     def complete(self) -> None:
         """Analyse what has arrived already, and wait until the findings are received."""
-        if self._pipeline is not None:
+        if hasattr(self, "_pipeline"):
             self.drain(_QUIET)
             self.publish_diagnostics()
             self.flush(2.0)
-        self._pipeline = None
 
-    def _on_message(self, pipeline: WhirlPipeline, topic: str, raw: bytes, *_: object) -> None:
+    def _on_message(self, topic: str, raw: bytes, *_: object) -> None:
+        pipeline = self._pipeline
         runs, malformed = pipeline.runs, pipeline.malformed
         self._publish(pipeline.take(topic, raw))
         if pipeline.malformed > malformed:
@@ -131,19 +131,16 @@ class Analyzer(TwinNode):
 
     def not_ready(self) -> str:
         """Reason why it cannot analyse yet: no scene, or a topic without a connected publisher."""
-        if self._pipeline is None or self._pipeline.scene is None:
+        if self._pipeline.scene is None:
             return f"no scene on {TWIN_SCENE} yet"
-        if self.topics.scene_waits:
+        if self.topics.scenes.waits:
             return f"a scene on {TWIN_SCENE} waits to be read"
         late = [topic.topic_name for topic in self._inputs if not topic.get_publisher_count()]
         return f"not yet connected to the publishers of {', '.join(late)}" if late else ""
 
     def health(self) -> Status:
         """Counts of accepted and rejected samples, and the state of motion."""
-        pipeline = self._pipeline
-        if pipeline is None:
-            return Status(self.NAME, Level.OK, "starting")
-        quality = pipeline.quality
+        pipeline, quality = self._pipeline, self._pipeline.quality
         values = {
             "samples": str(quality.accepted),
             "duplicate": str(quality.duplicate),
@@ -152,19 +149,17 @@ class Analyzer(TwinNode):
             "unpaired": str(pipeline.unpaired),
             "malformed": str(pipeline.malformed),
             "runs": str(pipeline.runs),
-            "scenes_put_off": str(self.topics.scenes_put_off),
+            "scenes_put_off": str(self.topics.scenes.put_off),
             **self.samples.values(),
         }
         if pipeline.section is not None:
             sub = pipeline.section.sub
             values |= {"impacts": str(sub.impacts), "impact_rate": _known(sub.impact_rate_hz)}
             values |= {"largest_impact": _known(sub.largest_impact), "share_at_rest": _known(sub.share_at_rest)}
-        if pipeline.trouble:
-            return Status(self.NAME, Level.ERROR, pipeline.trouble, values)
-        level, text = self.samples.verdict()
-        if level is Level.OK and (loss := self.topics.loss):
-            level, text = Level.WARN, loss
-        return Status(self.NAME, level, text or f"motion: {pipeline.motion}", values)
+        silence = self.samples.verdict()
+        loss = self.topics.loss if silence[0] is Level.OK else ""
+        motion = Level.OK, f"motion: {pipeline.motion}"
+        return self.status(values, (Level.ERROR, pipeline.trouble), (Level.WARN, loss), silence, motion)
 
 
 def _known(value: float | None) -> str:

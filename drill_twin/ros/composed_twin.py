@@ -5,8 +5,6 @@ Each node runs its own loop in a thread; the simulator's physics runs with the G
 same as of separate nodes, so other nodes can observe, command and record the twin.
 """
 
-from __future__ import annotations
-
 import importlib
 import threading
 from collections.abc import Callable, Iterable, Sequence

@@ -4,15 +4,12 @@
 The demo's exit code is 0 only if every node ended well and the bag holds every topic of the contract.
 """
 
-from __future__ import annotations
-
 import argparse
 import json
 from collections.abc import Iterable, Sequence
 from contextlib import suppress
 from functools import partial
 from pathlib import Path
-from typing import ClassVar
 
 from rclpy.context import Context
 from rich.console import Console
@@ -84,8 +81,8 @@ def run(arguments: Sequence[str], stop: StopRequest) -> None:
 class DemoObserver(TwinNode):
     """Shows simulated time, onset, motion state and problems of a running twin."""
 
-    NAME: ClassVar = "demo"
-    PURPOSE: ClassVar = "Observes a running twin."
+    NAME = "demo"
+    PURPOSE = "Observes a running twin."
 
     def __init__(self, progress: Progress, duration: float, context: Context, others: Iterable[str] = ()) -> None:
         """Begin to show a run of a duration [s]; `TwinNode` explains the other arguments."""

@@ -6,8 +6,6 @@ Without the Fast DDS profile of this package a node that joins later is discover
 (SROS2); with a whole ROS 2 Jazzy they are there. What is required and not there is refused.
 """
 
-from __future__ import annotations
-
 import os
 import socket
 from collections.abc import Iterator

@@ -11,8 +11,6 @@ parameter file `config/nodes/NAME.yaml`, which `drill-twin ros node NAME --param
 link to another one in `resource/executables/`. Help text, security policy and tests of the node follow from its class.
 """
 
-from __future__ import annotations
-
 import importlib
 import sys
 from collections.abc import Collection, Iterator, Mapping, Sequence

@@ -7,8 +7,7 @@ from types import SimpleNamespace
 import pytest
 
 from drill_twin.ros.simulator.command_arbiter import CommandArbiter
-from drill_twin.ros.simulator.command_limits import CommandError, limits_for
-from drill_twin.ros.simulator.command_stamps import CommandStamps
+from drill_twin.ros.simulator.command_limits import CommandError, CommandStamps, limits_for
 from drill_twin.scene import load_scene
 from drill_twin.scene.set_points import Command
 from drill_twin_evidence.verify.statics.block import rig

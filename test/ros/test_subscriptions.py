@@ -81,7 +81,7 @@ def test_after_a_scene_that_took_long_the_newest_waits_for_its_turn(bench, obser
     scenes.publish(second)
     observer.spin_once(0.05)
     scenes.publish(third)
-    until(observer, lambda: observer.topics.scenes_put_off == 1)
+    until(observer, lambda: observer.topics.scenes.put_off == 1)
     assert found == [loads, first]
     until(observer, lambda: len(found) > 2)
     assert found == [loads, first, third]

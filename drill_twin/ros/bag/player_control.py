@@ -5,8 +5,6 @@ The types of these services are of the package `rosbag2_interfaces`, which a who
 Without the package, services that need no number are `std_srvs/Trigger`; parameters stand in for the other services.
 """
 
-from __future__ import annotations
-
 import importlib
 import math
 import time

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Recorder node: writes every topic of the contract, byte for byte, to an MCAP bag that survives kill -9."""
 
-from __future__ import annotations
-
 import re
 import time
 from collections.abc import Iterator, Mapping
@@ -10,14 +8,16 @@ from contextlib import contextmanager
 from dataclasses import replace
 from itertools import count
 from pathlib import Path
-from typing import Any, ClassVar
+from typing import Any
 
-from drill_twin.core.errors import BagError, RunError
+from rclpy.subscription import Subscription
+
+from drill_twin.core.errors import BagError, ParameterError, RunError
 from drill_twin.io.bag.metadata import RecordedTopic, contract_topic
 from drill_twin.io.bag.writer import BagWriter
 from drill_twin.io.messages.diagnostics import Level, Status
 from drill_twin.io.messages.topics import DIAGNOSTICS, OF_TF, TOPICS, sub_of
-from drill_twin.ros.core.given import ParameterError
+from drill_twin.ros.core.graph import unlisted
 from drill_twin.ros.core.node import AUTOSTART, TwinNode
 from drill_twin.ros.core.parameters import Parameter
 from drill_twin.ros.core.policy import ALL_TOPICS, Rights
@@ -37,9 +37,9 @@ _BATCH_TIME = 0.01  # s; waking up for each message would cost as much as writin
 class Recorder(TwinNode):
     """Writes the messages of all topics to a bag, and counts the messages it missed."""
 
-    NAME: ClassVar = "recorder"
-    PURPOSE: ClassVar = "Records every topic of the twin to an MCAP bag."
-    PARAMETERS: ClassVar = (
+    NAME = "recorder"
+    PURPOSE = "Records every topic of the twin to an MCAP bag."
+    PARAMETERS = (
         Parameter("bag", "", 'new folder of the bag, best ending in _0; "": bags/<date>_<time>_0 here'),
         Parameter("max_bagfile_size", 0.0, "a file of this size is followed by another; 0: one file", "MB", 0.0, 1e6),
         Parameter(
@@ -58,8 +58,9 @@ class Recorder(TwinNode):
         Parameter("exclude_regex", "", "nor topics in whose full name this is found", such_as="/string/.*"),
         AUTOSTART,
     )
-    RIGHTS: ClassVar = Rights(subscribes=tuple(ALL_TOPICS))
-    _bag: BagWriter | None = None
+    RIGHTS = Rights(subscribes=tuple(ALL_TOPICS))
+    _bag: BagWriter
+    """The bag; made by `configure`."""
 
     def configure(self) -> None:
         """Create the bag, the subscriptions, and a timer that looks for topics of subs."""
@@ -68,19 +69,21 @@ class Recorder(TwinNode):
         self._failure = ""  # a bag that failed once is not written to again, so that the first error is reported
         self._arrived: list[tuple[str, int, bytes]] = []  # messages that are not in the bag yet
         topics = self._chosen()
-        bag = self._bag = BagWriter(
+        self._bag = BagWriter(
             self.settings.bag or _new_folder(),
             topics=[self._described(topic) for topic in topics],
             custom_data={"namespace": self._namespace} if self._namespace else None,
             largest=self.settings.max_bagfile_size * 1e6,
             longest=self.settings.max_bagfile_duration,
         )
-        self._inputs = [self.topics.subscribe_raw(topic, self._taker_of(topic), depth=_DEPTH) for topic in topics]
-        self._recorded = set(topics)
+        self._inputs: list[Subscription] = []
+        self._recorded = set[str]()
+        for topic in topics:
+            self._record(topic)
         if at_a_rate := [topic for topic in topics if topic not in _NOT_AT_A_RATE]:
             self.samples.expect(*at_a_rate)
         self.every(_SEARCH_PERIOD, self._record_subs)
-        self.get_logger().info(f"recording {len(topics)} topics to {bag.folder}")
+        self.get_logger().info(f"recording {len(topics)} topics to {self._bag.folder}")
 
     def _chosen(self) -> list[str]:
         """Topics to record from the start; topics of subs come once they are there."""
@@ -114,16 +117,15 @@ class Recorder(TwinNode):
 
     def _record_subs(self) -> None:
         """Record the topics of downhole subs that have appeared in the namespace of this node."""
-        if self._bag is None:
-            return
-        for name, types in self.get_topic_names_and_types():
-            topic = name.removeprefix(self._namespace) if name.startswith(self._namespace) else ""
-            new = sub_of(topic) and topic not in self._recorded and self._takes(topic)
-            if new and TOPICS[topic].type_name in types:
+        for topic in unlisted(self):
+            if sub_of(topic) and topic not in self._recorded and self._takes(topic):
                 with self._writing():
                     self._bag.add_topic(self._described(topic))
-                self._inputs.append(self.topics.subscribe_raw(topic, self._taker_of(topic), depth=_DEPTH))
-                self._recorded.add(topic)
+                self._record(topic)
+
+    def _record(self, topic: str) -> None:
+        self._inputs.append(self.topics.subscribe_raw(topic, self._taker_of(topic), depth=_DEPTH))
+        self._recorded.add(topic)
 
     def _described(self, topic: str) -> RecordedTopic:
         """Topic in the namespace of this node; a renaming of one topic is not recorded, so that it is found."""
@@ -144,12 +146,12 @@ class Recorder(TwinNode):
 
         return take
 
-    def _write(self, bag: BagWriter) -> None:
+    def _write(self) -> None:
         """Write what has arrived."""
         arrived, self._arrived = self._arrived, []
         with self._writing():
-            bag.write_all(arrived)
-            bag.flush_if_due()
+            self._bag.write_all(arrived)
+            self._bag.flush_if_due()
 
     @contextmanager
     def _writing(self) -> Iterator[None]:
@@ -167,9 +169,7 @@ class Recorder(TwinNode):
         """Record many messages at a time, by the times at which DDS received them; flush the bag also when idle."""
         time.sleep(_BATCH_TIME)
         self.spin_all()
-        if self._bag is None:
-            return
-        self._write(self._bag)
+        self._write()
         for text in self._bag.damage[self._told :]:
             self.get_logger().error(f"{text}; going on in {self._bag.file}")
         self._told = len(self._bag.damage)
@@ -180,13 +180,13 @@ class Recorder(TwinNode):
         Raises:
             RunError: The bag could not be written, or lacks messages; the exit code tells it.
         """
-        bag = self._bag
-        if bag is None:
+        if not hasattr(self, "_bag"):
             return
+        bag = self._bag
         try:
             if not self._failure:
                 self.drain(_QUIET, _LONGEST)
-                self._write(bag)
+                self._write()
                 self.publish_diagnostics()
                 with self._writing():
                     bag.close()
@@ -199,7 +199,6 @@ class Recorder(TwinNode):
             log = self.get_logger().warning if lost else self.get_logger().info
             count = sum(bag.counts.values()) - bag.lost
             log(f"{bag.folder}: {count} messages recorded, lost: {', '.join(lost) or 'none'}")
-            self._bag = None
         if lost and not self._failure:
             raise RunError(
                 f"{bag.folder}: expected every message in the bag, lost {', '.join(lost)}; record fewer topics"
@@ -217,26 +216,23 @@ class Recorder(TwinNode):
 
     def health(self) -> Status:
         """Messages recorded and lost."""
-        counts = self._bag.counts if self._bag else {}
-        in_bag = self._bag.lost if self._bag else 0
-        lost = sum(self.topics.dropped.values()) + in_bag
+        bag = self._bag
+        lost = sum(self.topics.dropped.values()) + bag.lost
         values = {
-            "bag": str(self._bag.folder) if self._bag else "",
-            "messages": str(sum(counts.values()) - in_bag),
-            "files": str(self._bag.files if self._bag else 0),
+            "bag": str(bag.folder),
+            "messages": str(sum(bag.counts.values()) - bag.lost),
+            "files": str(bag.files),
             "lost": str(lost),
             **{f"lost {topic}": str(number) for topic, number in self.topics.dropped.items()},
             **self.samples.values(),
         }
-        if self._failure:
-            return Status(self.NAME, Level.ERROR, self._failure, values)
-        if self._bag and self._bag.damage:
-            return Status(self.NAME, Level.ERROR, self._bag.damage[-1], values)
-        if lost:
-            return Status(self.NAME, Level.WARN, f"{lost} messages were lost", values)
         level, text = self.samples.verdict()
-        said = f"{values['messages']} messages recorded"
-        return Status(self.NAME, level, f"{said}; {text}" if text else said, values)
+        return self.status(
+            values,
+            (Level.ERROR, self._failure or "".join(bag.damage[-1:])),
+            (Level.WARN, f"{lost} messages were lost" if lost else ""),
+            (level, f"{values['messages']} messages recorded{text and f'; {text}'}"),
+        )
 
 
 def _new_folder() -> str:

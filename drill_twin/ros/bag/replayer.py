@@ -1,14 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
 """Replayer node: publishes the messages of a bag, byte for byte, with `/clock`, as rosbag2's player does."""
 
-from __future__ import annotations
-
 import time
 from collections.abc import Iterator
 from types import SimpleNamespace
-from typing import ClassVar
 
-from drill_twin.core.errors import MessageError
+from drill_twin.core.errors import MessageError, ParameterError
 from drill_twin.io.bag.skipped import SkippedMessages
 from drill_twin.io.messages.cdr import ClockTemplate
 from drill_twin.io.messages.decode import read_string
@@ -18,7 +15,6 @@ from drill_twin.io.messages.stamps import NANOSECONDS
 from drill_twin.io.messages.topics import CLOCK_TOPIC, DIAGNOSTICS, TF_STATIC, TOPICS, TWIN_SCENE
 from drill_twin.io.messages.type_store import deserialize
 from drill_twin.ros.bag.player_control import SERVICES, PlayerControl, Playhead, offer
-from drill_twin.ros.core.given import ParameterError
 from drill_twin.ros.core.node import AUTOSTART, TwinNode
 from drill_twin.ros.core.parameters import Parameter
 from drill_twin.ros.core.policy import ALL_TOPICS, READY, Rights
@@ -36,9 +32,9 @@ _ACKNOWLEDGE = 50  # messages; of a burst so short the transport drops none, not
 class Replayer(TwinNode):
     """Publishes the messages of a bag at the times at which they were recorded."""
 
-    NAME: ClassVar = "replayer"
-    PURPOSE: ClassVar = "Publishes a bag again, with /clock, at any rate."
-    PARAMETERS: ClassVar = (
+    NAME = "replayer"
+    PURPOSE = "Publishes a bag again, with /clock, at any rate."
+    PARAMETERS = (
         Parameter("bag", "", "bag to replay: a folder, or a .mcap or .db3 file"),
         Parameter(
             "rate",
@@ -92,9 +88,7 @@ class Replayer(TwinNode):
         Parameter("loop", False, "whether to begin again at the end"),
         AUTOSTART,
     )
-    RIGHTS: ClassVar = Rights(
-        publishes=tuple(ALL_TOPICS), services=tuple(f"~/{name}" for name in SERVICES), calls=READY
-    )
+    RIGHTS = Rights(publishes=tuple(ALL_TOPICS), services=tuple(f"~/{name}" for name in SERVICES), calls=READY)
     _sent = 0
     _skipped = SkippedMessages()
 
@@ -218,7 +212,8 @@ class Replayer(TwinNode):
         """
         kept: dict[tuple[str, bytes], bytes] = {}
         self._early, scene = b"", (TWIN_SCENE, b"")
-        for topic, stamp, raw in self._bag.messages([name for name in self._topics if _is_kept(name)]):
+        kept_topics = [name for name in self._topics if TOPICS[name].latched or name == CLOCK_TOPIC]
+        for topic, stamp, raw in self._bag.messages(kept_topics):
             passed = self._passed(stamp)
             if passed >= place and (scene in kept or TWIN_SCENE not in self._topics):
                 break
@@ -288,14 +283,9 @@ class Replayer(TwinNode):
 
     def health(self) -> Status:
         """Progress of the replay."""
+        left_out, head = len(self._skipped), self._head
         values = {"bag": self.settings.bag, "rate": f"{self.settings.rate:g}", "messages": str(self._sent)}
-        values |= {"left_out": str(len(self._skipped)), "place": f"{self._head.place:.3f}"}
-        values["paused"] = str(self._head.paused).lower()
-        if self._skipped:
-            return Status(self.NAME, Level.WARN, f"{len(self._skipped)} messages left out", values)
-        return Status(self.NAME, Level.OK, f"{self._sent} of {self._bag.message_count} messages replayed", values)
-
-
-def _is_kept(topic: str) -> bool:
-    """True for a topic whose last message holds until the next: after a jump it is published again."""
-    return TOPICS[topic].latched or topic == CLOCK_TOPIC
+        values |= {"left_out": str(left_out), "place": f"{head.place:.3f}", "paused": str(head.paused).lower()}
+        trouble = f"{left_out} messages left out" if left_out else ""
+        progress = f"{self._sent} of {self._bag.message_count} messages replayed"
+        return self.status(values, (Level.WARN, trouble), (Level.OK, progress))

@@ -4,8 +4,6 @@
 A node that waits for inputs listens there too: whoever moves the time of a twin says in `state` that it stands still.
 """
 
-from __future__ import annotations
-
 import re
 import time
 from collections.abc import Callable, Collection

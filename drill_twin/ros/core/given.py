@@ -5,8 +5,6 @@ A wildcard block of a parameter file (`/**:`, `/rig2/**:`, `/*:`) is shared, and
 does not have. rclpy (7.1) does not tell from which block a value came, so that the arguments are read here once more.
 """
 
-from __future__ import annotations
-
 import difflib
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
@@ -16,15 +14,11 @@ from rclpy.context import Context
 from rclpy.node import Node
 from rclpy.parameter import Parameter as RosParameter
 
-from drill_twin.core.errors import DrillTwinError
+from drill_twin.core.errors import ParameterError
 from drill_twin.core.files.yaml_reader import plain_yaml
 
 OF_ROS = ("use_sim_time", "start_type_description_service", "qos_overrides.")
 """Beginnings of the names of parameters that rclpy itself reads."""
-
-
-class ParameterError(DrillTwinError):
-    """A node parameter with which a node cannot start."""
 
 
 class ArgumentsContext(Context):

@@ -6,8 +6,6 @@ reported by no event (Fast DDS of the wheels). Both are told here, with a remedy
 `drill-twin ros doctor`.
 """
 
-from __future__ import annotations
-
 from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from rclpy.topic_endpoint_info import TopicEndpointInfo
@@ -16,8 +14,6 @@ from drill_twin.io.messages.topics import TOPICS
 
 UNKNOWN_NAME = "_NODE_NAME_UNKNOWN_"
 """Name of a node whose publisher has been discovered and whose name has not."""
-NOT_NAMED_YET = f"_NODE_NAMESPACE_UNKNOWN_/{UNKNOWN_NAME}"
-"""Full name of such a node."""
 _WANTED = (  # policy, requested, not sufficient, the two in words
     ("reliability", ReliabilityPolicy.RELIABLE, ReliabilityPolicy.BEST_EFFORT, "reliable", "best_effort"),
     ("durability", DurabilityPolicy.TRANSIENT_LOCAL, DurabilityPolicy.VOLATILE, "transient_local", "volatile"),
@@ -54,5 +50,7 @@ def readers_of(node: Node, topic: str) -> int:
         offer.qos_profile.durability == DurabilityPolicy.TRANSIENT_LOCAL
         for offer in node.get_publishers_info_by_topic(topic)
     )
-    readers = node.get_subscriptions_info_by_topic(topic)
-    return sum(latched or reader.qos_profile.durability != DurabilityPolicy.TRANSIENT_LOCAL for reader in readers)
+    return sum(
+        latched or reader.qos_profile.durability != DurabilityPolicy.TRANSIENT_LOCAL
+        for reader in node.get_subscriptions_info_by_topic(topic)
+    )

@@ -1,10 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Base class of all nodes: a lifecycle node with the topics of the contract, diagnostics, and the start-up barrier."""
 
-from __future__ import annotations
-
-from collections.abc import Callable, Iterable, Iterator
-from contextlib import contextmanager, suppress
+from collections.abc import Callable, Iterable, Mapping
+from contextlib import suppress
 from dataclasses import replace
 from functools import partial
 from types import SimpleNamespace
@@ -45,7 +43,8 @@ class TwinNode(LifecycleNodeMixin, SpinningNode):
 
     A node implements `configure` and, where it has something to do there, `complete`, `activate` and `deactivate`. An
     inactive node takes no step, and of messages only latched ones. Attributes that `configure` makes are gone after
-    `complete`; an attribute that `complete` reads has a default in the class, since a stop may come before it is made.
+    `complete`; an attribute that `complete` reads has a default in the class, or `complete` asks whether it is there,
+    since a stop may come before it is made.
 
     Raises:
         ParameterError: The node cannot start with a parameter that was given.
@@ -91,7 +90,7 @@ class TwinNode(LifecycleNodeMixin, SpinningNode):
         self._executor.add_node(self)
         self._diagnostics = DiagnosticsPublisher(self, self.topics)
         self._every(_DIAGNOSTICS_PERIOD, self.publish_diagnostics)
-        self._every(_SCENE_PERIOD, self.topics.pass_on_scenes)
+        self._every(_SCENE_PERIOD, lambda: self.topics.scenes.work())  # noqa: PLW0108 - it changes
 
     def configure(self) -> None:
         """Load what is needed; create topics, services and timers. An error refuses the transition."""
@@ -121,6 +120,10 @@ class TwinNode(LifecycleNodeMixin, SpinningNode):
     def health(self) -> Status:
         """Diagnostic status, published once a second while it is configured."""
         return Status(self.NAME, Level.OK, "running")
+
+    def status(self, values: Mapping[str, str], *told: tuple[Level, str]) -> Status:
+        """Status with these values, and with the first of some sentences that is not empty."""
+        return Status(self.NAME, *next(one for one in told if one[1]), values)
 
     def check_change(self, settings: SimpleNamespace) -> None:
         """Refuse settings that hold a live change, by raising a DrillTwinError."""
@@ -186,36 +189,31 @@ class TwinNode(LifecycleNodeMixin, SpinningNode):
 
     def on_configure(self, _: LifecycleState) -> TransitionCallbackReturn:
         """Configure the node, or leave it as it was."""
-        with self._transition():
-            self._attributes = frozenset(vars(self))
-            self.configured, self.samples = True, NodeInputs(self, self.ON_CHANGE, self.TIMED_BY)
-            self.configure()
-            if not self._shares_its_process:
-                refuse_unused_overrides(self)
-            self.topics.muted = not self.active
-            self.offer_ready()
+        done = self._attempt(self._configure)
         if self._refusal is not None:
             self.clean_up()
-        return _FAILED if self._refusal else _DONE
+        return done
+
+    def _configure(self) -> None:
+        self._attributes = frozenset(vars(self))
+        self.configured, self.samples = True, NodeInputs(self, self.ON_CHANGE, self.TIMED_BY)
+        self.configure()
+        if not self._shares_its_process:
+            refuse_unused_overrides(self)
+        self.topics.muted = not self.active
+        self.offer_ready()
 
     def on_activate(self, _: LifecycleState) -> TransitionCallbackReturn:
         """Let the node work."""
-        with self._transition():
-            self.activate()
-            self._set_active(active=True)
-        return _FAILED if self._refusal else _DONE
+        return self._attempt(self.activate, lambda: self._set_active(active=True))
 
     def on_deactivate(self, _: LifecycleState) -> TransitionCallbackReturn:
         """Let the node rest."""
-        with self._transition():
-            self.deactivate()
-            self._set_active(active=False)
-        return _FAILED if self._refusal else _DONE
+        return self._attempt(self.deactivate, lambda: self._set_active(active=False))
 
     def on_cleanup(self, _: LifecycleState) -> TransitionCallbackReturn:
         """Complete what is open, and drop what could not be completed all the same."""
-        with self._transition():
-            self.clean_up()
+        self._attempt(self.clean_up)
         self._unfinished = self._refusal or self._unfinished
         return _DONE
 
@@ -224,16 +222,17 @@ class TwinNode(LifecycleNodeMixin, SpinningNode):
         self.end()
         return _DONE
 
-    @contextmanager
-    def _transition(self) -> Iterator[None]:
-        """Log an error of a transition, or keep it for `start`, because rclpy would swallow it."""
+    def _attempt(self, *actions: Callable[[], object]) -> TransitionCallbackReturn:
+        """Do a transition; its error is logged, or kept for `start`, because rclpy would swallow it."""
         self._refusal = None
         try:
-            yield
+            for action in actions:
+                action()
         except Exception as error:  # noqa: BLE001 - logged here, or raised by `start`
             self._refusal = error
             if not self._starts:
                 self.get_logger().error(str(error))
+        return _FAILED if self._refusal else _DONE
 
     def _set_active(self, *, active: bool) -> None:
         self.active, self.topics.muted = active, not active

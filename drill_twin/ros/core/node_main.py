@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Start, run and end of a node: from its arguments to an orderly shutdown after any error."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterable, Sequence
 

@@ -1,13 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
 """Pacing by the wall clock: frames at their times, and periodic actions."""
 
-from __future__ import annotations
-
 import time
 from collections import deque
 from collections.abc import Callable
 
 _LONGEST_SLEEP = 0.05  # s; longest delay of a signal
+_MAX_LAG = 0.2  # s; above it a lag is dropped
 _DROPS = 100  # drops of lag that are kept; there are at most five a second
 
 
@@ -15,13 +14,12 @@ class Pacer:
     """Limits a loop to one frame every `period` seconds of wall time.
 
     A late frame is counted as an overrun and the next one comes sooner, so that the mean rate holds. Once the loop is
-    later than `max_lag` [s], the lag is dropped and counted, and pacing starts afresh: simulated time then falls behind
+    later than 0.2 s, the lag is dropped and counted, and pacing starts afresh: simulated time then falls behind
     the wall clock, and no burst of frames follows.
     """
 
-    def __init__(self, period: float, max_lag: float = 0.2) -> None:
+    def __init__(self, period: float) -> None:
         self._period = period
-        self._max_lag = max_lag
         self._deadline: float | None = None
         self.overruns = 0
         """Frames that were not ready at their time."""
@@ -54,7 +52,7 @@ class Pacer:
         self._late_frames += 1
         if late > 0.0:
             self.overruns += 1
-            if late > self._max_lag:
+            if late > _MAX_LAG:
                 self._drop(now, late)
             return False
         while self._deadline is not None and (left := self._deadline - time.monotonic()) > 0.0:

@@ -6,8 +6,6 @@ number in its SI unit, or a text with any unit of scene files, `"120 rpm"`. A sp
 bare 12 might be meant in rad/s, rev/s or rev/min.
 """
 
-from __future__ import annotations
-
 import json
 import math
 import textwrap
@@ -20,11 +18,11 @@ from rcl_interfaces.msg import FloatingPointRange, IntegerRange, ParameterDescri
 from rclpy.node import Node
 from rclpy.parameter import Parameter as RosParameter
 
-from drill_twin.core.errors import DrillTwinError, shortened
+from drill_twin.core.errors import DrillTwinError, ParameterError, shortened
 from drill_twin.core.numerals import number
 from drill_twin.core.units import UnitError, parse, write
 from drill_twin.core.units import dimension as dim
-from drill_twin.ros.core.given import OF_ROS, ParameterError, given_parameters, refuse_unknown
+from drill_twin.ros.core.given import OF_ROS, given_parameters, refuse_unknown
 
 Value = bool | int | float | str | tuple[str, ...]
 
@@ -44,8 +42,8 @@ class Parameter:
     default: Value
     description: str
     unit: str = ""
-    low: float | None = None
-    high: float | None = None
+    low: float = -math.inf
+    high: float = math.inf
     choices: tuple[str, ...] = ()
     live: bool = False
     """True if it can be changed while the node runs."""
@@ -65,7 +63,7 @@ class Parameter:
             text = 'a text with a unit such as "120 rpm"'
         elif self._dimension and isinstance(self.default, str):
             text = f"a number [{self.unit}] or {text}"
-        if self.low is not None and self.high is not None:
+        if math.isfinite(self.low):
             text += f" from {self.low:g} to {self.high:g}"
         return f"{text} [{self.unit}]" if self.unit and not isinstance(self.default, str) else text
 
@@ -104,11 +102,9 @@ class Parameter:
 
     def _quantity(self, value: object, dimension: dim.Dimension) -> object:
         """Value in SI, or with its unit where the default is a text, which the scene reads."""
-        bare: float | None = None
+        bare = number(value.strip()) if isinstance(value, str) else None
         if isinstance(value, (int, float)) and not isinstance(value, bool):
             bare = float(value)
-        elif isinstance(value, str):
-            bare = number(value.strip())
         if bare and self._of_rotation:
             raise ParameterError(f"parameter {self.name}: expected {self.expected()}, found {value!r} without a unit")
         if isinstance(self.default, str):
@@ -119,13 +115,9 @@ class Parameter:
             raise ParameterError(f"parameter {self.name}: {error}") from error
 
     def _admits(self, value: Value) -> bool:
-        if self.choices and value not in self.choices:
-            return False
         if isinstance(value, (str, tuple)):
-            return True
-        return math.isfinite(value) and not (
-            (self.low is not None and value < self.low) or (self.high is not None and value > self.high)
-        )
+            return not self.choices or value in self.choices
+        return math.isfinite(value) and self.low <= value <= self.high
 
     def declared(self, value: Value) -> Any:
         """Value of the default's type as ROS is told it; a list without items as a list of an empty text."""
@@ -138,10 +130,9 @@ class Parameter:
         descriptor.dynamic_typing = self._dimension is not None
         if self.choices or descriptor.dynamic_typing:
             descriptor.additional_constraints = self.expected()
-        if self.low is not None and self.high is not None:
+        if math.isfinite(self.low):
             if isinstance(self.default, float):
-                bounds = FloatingPointRange(from_value=float(self.low), to_value=float(self.high))
-                descriptor.floating_point_range = [bounds]
+                descriptor.floating_point_range = [FloatingPointRange(from_value=self.low, to_value=self.high)]
             else:
                 descriptor.integer_range = [IntegerRange(from_value=int(self.low), to_value=int(self.high))]
         return descriptor
@@ -196,21 +187,22 @@ def follow_changes(
     """
     live = {parameter.name: parameter for parameter in table if parameter.live}
 
+    def wanted(changes: Sequence[RosParameter]) -> dict[str, Value]:
+        return {change.name: live[change.name].checked(change.value) for change in changes if change.name in live}
+
     def checked(changes: Sequence[RosParameter]) -> SetParametersResult:
         try:
             if not all(change.name for change in changes):  # rclpy takes an empty name for an existing parameter
                 raise ParameterError("expected the name of a parameter, found an empty text")
-            wanted = {change.name: live[change.name].checked(change.value) for change in changes if change.name in live}
-            if wanted:
-                check(SimpleNamespace(**{**vars(settings), **wanted}))
+            if known := wanted(changes):
+                check(SimpleNamespace(**{**vars(settings), **known}))
         except DrillTwinError as error:
             return SetParametersResult(successful=False, reason=shortened(str(error), 500))
         return SetParametersResult(successful=True)
 
     def take_over(changes: Sequence[RosParameter]) -> None:
-        known = {change.name: live[change.name].checked(change.value) for change in changes if change.name in live}
-        vars(settings).update(known)
-        if known:
+        if known := wanted(changes):
+            vars(settings).update(known)
             changed()
 
     node.add_on_set_parameters_callback(checked)

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Rights of a node, and the SROS2 policy that grants them and nothing else."""
 
-from __future__ import annotations
-
 import re
 from dataclasses import dataclass
 from xml.etree import ElementTree as ET

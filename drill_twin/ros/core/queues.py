@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Queues of a node: how many messages waited, how many were dropped unread, and scenes that take long to read."""
 
-from __future__ import annotations
-
 import time
 from collections import Counter
 from collections.abc import Callable, Mapping

@@ -6,8 +6,6 @@ where its own parameter services meet an unknown type of parameter, or another t
 (`use_sim_time`).
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Any
 

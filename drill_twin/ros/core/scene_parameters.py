@@ -1,12 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """Scene of a node, from its parameters: name or path, and overrides."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable
 from types import SimpleNamespace
 
-from drill_twin.ros.core.given import ParameterError
+from drill_twin.core.errors import ParameterError
 from drill_twin.ros.core.parameters import Parameter
 from drill_twin.scene import Scene, load_scene
 

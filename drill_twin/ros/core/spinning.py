@@ -7,8 +7,6 @@ raised after the turn (`_keep`), because the executor would print a traceback. T
 `evidence/docs/cost.md`.
 """
 
-from __future__ import annotations
-
 import time
 from collections.abc import Callable
 

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Request to stop, set by SIGINT or SIGTERM; imports nothing that takes long, so that signals are caught first."""
 
-from __future__ import annotations
-
 import ctypes
 import os
 import signal

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Publishers and subscriptions of a node, by topic of the contract; messages are CDR bytes, decoded by their row."""
 
-from __future__ import annotations
-
 import importlib
 import inspect
 import re
@@ -19,16 +17,17 @@ from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSPolicyKind, QoSProfile
 from rclpy.qos_overriding_options import InvalidQosOverridesError, QoSOverridingOptions
 from rclpy.subscription import Subscription
 
-from drill_twin.core.errors import MessageError
+from drill_twin.core.errors import MessageError, ParameterError
 from drill_twin.io.messages.readers import reader_of
 from drill_twin.io.messages.topic_row import Topic
 from drill_twin.io.messages.topics import CLOCK_TOPIC, DIAGNOSTICS, RPS_COMMAND, TF, TOPICS, TWIN_SCENE, WOB_COMMAND
-from drill_twin.ros.core.given import ParameterError, given_parameters, refuse_unknown, warn_of_misspelled
+from drill_twin.ros.core.given import given_parameters, refuse_unknown, warn_of_misspelled
 from drill_twin.ros.core.graph import UNKNOWN_NAME, full_name, unmet
 from drill_twin.ros.core.queues import DropCounter, SceneGate
 
+SEVERAL_PUBLISHERS = (DIAGNOSTICS, WOB_COMMAND, RPS_COMMAND, TF)
+"""Topics that several nodes may publish; the sequence numbers of the publishers cannot be told apart."""
 _PATIENCE = Duration(seconds=0.1)  # longest wait for a reader, which may have been killed
-_SEVERAL_PUBLISHERS = (DIAGNOSTICS, WOB_COMMAND, RPS_COMMAND, TF)  # their sequence numbers cannot be told apart
 _QOS_OVERRIDES = "qos_overrides."
 _ENDS, _POLICIES = "publisher|subscription", "history|depth|reliability|durability"
 _OVERRIDE = re.compile(rf"qos_overrides\.(/.+)\.(?:{_ENDS})\.(?:{_POLICIES})")
@@ -100,7 +99,8 @@ class NodeTopics:
         self.number: int | None = None
         """Sequence number that its publisher gave the message which is being handed over."""
         self._node, self._unreadable, self._kept = node, unreadable, kept
-        self._gates: list[SceneGate] = []
+        self.scenes = SceneGate(lambda _: None)
+        """Gate of `/twin/scene`, where the node reads it."""
         self._inputs: list[tuple[Subscription, str, str]] = []  # with the type, and the name to count drops by
         self._drops = DropCounter()
 
@@ -154,24 +154,8 @@ class NodeTopics:
 
     def subscribe_scenes(self, received: Callable[[bytes], object]) -> Subscription:
         """Create the subscription to `/twin/scene`; the callback gets the bytes that the gate lets pass."""
-        gate = SceneGate(received)
-        self._gates.append(gate)
+        gate = self.scenes = SceneGate(received)
         return self.subscribe_raw(TWIN_SCENE, lambda raw, _: gate.take(raw), depth=1)
-
-    def pass_on_scenes(self) -> None:
-        """Pass on the scenes that wait, if their turn has come."""
-        for gate in self._gates:
-            gate.work()
-
-    @property
-    def scene_waits(self) -> bool:
-        """True while a scene waits for its turn."""
-        return any(gate.waits for gate in self._gates)
-
-    @property
-    def scenes_put_off(self) -> int:
-        """Number of scenes that were replaced by a newer one before their turn."""
-        return sum(gate.put_off for gate in self._gates)
 
     def subscribe_raw(
         self, topic: str, received: Received, *, depth: int = 0, latched: bool | None = None
@@ -179,7 +163,7 @@ class NodeTopics:
         """Create the subscription to a topic; the callback receives bytes, and what rclpy knows of the message."""
         row = TOPICS[topic]
         keeps = row.latched if latched is None else latched
-        counted = topic if topic not in _SEVERAL_PUBLISHERS and depth != 1 and not row.offered_latched else ""
+        counted = topic if topic not in SEVERAL_PUBLISHERS and depth != 1 and not row.offered_latched else ""
 
         def take(*given: Any) -> None:
             raw, info = given if len(given) > 1 else given[0]  # rclpy 7.1.6 hands over both as one argument
@@ -213,11 +197,9 @@ class NodeTopics:
         """Destroy all subscriptions, and all publishers except one topic's."""
         for subscription, _, _ in self._inputs:
             self._node.destroy_subscription(subscription)
-        self._inputs = []
-        self._gates.clear()
         for topic in set(self.publishers) - {kept}:
             self.withdraw(topic)
-        self._drops = DropCounter()
+        self._inputs, self._drops, self.scenes = [], DropCounter(), SceneGate(lambda _: None)
 
     @property
     def dropped(self) -> Mapping[str, int]:

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Checks of the running nodes in the domain: who publishes what, with which quality of service, clock and version."""
 
-from __future__ import annotations
-
 import time
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -22,15 +20,14 @@ from drill_twin.core.errors import MessageError
 from drill_twin.io.bag.reader import ends_of
 from drill_twin.io.messages.decode import read_clock
 from drill_twin.io.messages.diagnostics import Level, Status, decode_diagnostics
-from drill_twin.io.messages.topics import CLOCK_TOPIC, DIAGNOSTICS, RPS_COMMAND, TOPICS, WOB_COMMAND
-from drill_twin.ros.core.graph import NOT_NAMED_YET, full_name, unmet
-from drill_twin.ros.core.topics import message_class, quality
+from drill_twin.io.messages.topics import CLOCK_TOPIC, DIAGNOSTICS, TOPICS
+from drill_twin.ros.core.graph import UNKNOWN_NAME, full_name, unmet
+from drill_twin.ros.core.topics import SEVERAL_PUBLISHERS, message_class, quality
 from drill_twin.ros.doctor.installation import Check, Verdict
 
 NODES, TOPIC_SECTION, CLOCKS = "nodes", "topics", "clocks"
 NAME = "doctor"
 _WORDS = {"best_effort": "best effort", "transient_local": "latched", "volatile": "not latched"}
-_SEVERAL = (DIAGNOSTICS, WOB_COMMAND, RPS_COMMAND)  # topics that several nodes may publish
 
 
 @dataclass(frozen=True)
@@ -129,7 +126,7 @@ def _topic(topic: str, publishers: list[TopicEndpointInfo], readers: list[TopicE
     if wrong:
         remedy = f"use {row.type_name}, or another name: -r {topic.lstrip('/')}:=OTHER"
         yield Check(TOPIC_SECTION, topic, f"{wrong[0].topic_type} of {full_name(wrong[0])}", Verdict.PROBLEM, remedy)
-    elif len(set(map(full_name, publishers))) > 1 and row.name not in _SEVERAL:
+    elif len(set(map(full_name, publishers))) > 1 and row.name not in SEVERAL_PUBLISHERS:
         remedy = "end one, or give it a namespace"
         yield Check(TOPIC_SECTION, topic, f"several publishers: {_list(publishers)}", Verdict.PROBLEM, remedy)
     elif mismatch := _mismatch(publishers, readers):
@@ -172,7 +169,7 @@ def _contract(topic: str) -> str:
 
 
 def _others(ends: Sequence[TopicEndpointInfo], own: str) -> list[TopicEndpointInfo]:
-    return [end for end in ends if full_name(end) not in {own, NOT_NAMED_YET}]
+    return [end for end in ends if end.node_name != UNKNOWN_NAME and full_name(end) != own]
 
 
 def _list(ends: Sequence[TopicEndpointInfo]) -> str:

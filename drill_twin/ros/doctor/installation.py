@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Checks of this machine: Python, packages, ROS, cache of compiled kernels, clock, browser; works without ROS."""
 
-from __future__ import annotations
-
 import ctypes
 import importlib
 import os
@@ -53,6 +51,11 @@ class Check:
     """Remedy; empty where there is nothing."""
 
 
+def judged(section: str, name: str, found: str, remedy: str, otherwise: Verdict = Verdict.PROBLEM) -> Check:
+    """Check that is well unless there is a remedy."""
+    return Check(section, name, found, otherwise if remedy else Verdict.OK, remedy)
+
+
 def installation() -> Iterator[Check]:
     """Checks of the packages and of the machine."""
     yield Check(INSTALLED, "drill_twin", f"{__version__} in {Path(__file__).parents[2]}")
@@ -83,12 +86,15 @@ def ros_installation() -> Iterator[Check]:
         )
         return
     middleware, error = _middleware()
-    yield _distro(distro)
+    remedy = f"source /opt/ros/{DISTRO}/setup.bash; nodes of different distributions need not understand each other"
+    found = distro or f"{DISTRO}, not sourced"
+    yield judged(ROS, "distribution", found, "" if distro in {"", DISTRO} else remedy)
     if error:  # loading it here would end this process
         yield _broken(error)
         return
     yield _rclpy()
-    yield _known_middleware(middleware)
+    remedy = "all nodes need the same; the discovery profile and the tests of this package are for rmw_fastrtps_cpp"
+    yield judged(ROS, "middleware", middleware, "" if middleware == "rmw_fastrtps_cpp" else remedy, Verdict.NOTE)
     for package, purpose in (("tf2_msgs", "tf"), ("simulation_interfaces", "standard services")):
         there = find_spec(package) is not None
         yield Check(ROS, package, "installed" if there else f"not installed: the simulator has no {purpose}")
@@ -97,10 +103,9 @@ def ros_installation() -> Iterator[Check]:
 
 
 def _python() -> Check:
-    found = f"{platform.python_version()}, {sys.executable}"
-    if platform.python_version_tuple()[:2] not in {("3", "11"), ("3", "12")}:
-        return Check(INSTALLED, "python", found, Verdict.NOTE, "tested with 3.11 and 3.12 only")
-    return Check(INSTALLED, "python", found)
+    tested = platform.python_version_tuple()[:2] in {("3", "11"), ("3", "12")}
+    remedy = "" if tested else "tested with 3.11 and 3.12 only"
+    return judged(INSTALLED, "python", f"{platform.python_version()}, {sys.executable}", remedy, Verdict.NOTE)
 
 
 def _package(name: str) -> Check:
@@ -166,10 +171,8 @@ def _shared_memory() -> Check:
     free = shutil.disk_usage(_SHARED_MEMORY).free
     left = sum(1 for file in _SHARED_MEMORY.iterdir() if file.name.startswith("fastrtps"))
     found = f"{free / 2**20:.0f} MB free, {left} files of Fast DDS"
-    if free < _LEAST_SHARED_MEMORY:
-        remedy = "run fastdds shm clean, or export FASTDDS_BUILTIN_TRANSPORTS=UDPv4"
-        return Check(MACHINE, "shared memory", found, Verdict.PROBLEM, remedy)
-    return Check(MACHINE, "shared memory", found)
+    remedy = "run fastdds shm clean, or export FASTDDS_BUILTIN_TRANSPORTS=UDPv4"
+    return judged(MACHINE, "shared memory", found, remedy if free < _LEAST_SHARED_MEMORY else "")
 
 
 def _middleware() -> tuple[str, str]:
@@ -214,20 +217,6 @@ def _rclpy() -> Check:
     return Check(ROS, "rclpy", found)
 
 
-def _distro(distro: str) -> Check:
-    if distro and distro != DISTRO:
-        remedy = f"source /opt/ros/{DISTRO}/setup.bash; nodes of different distributions need not understand each other"
-        return Check(ROS, "distribution", distro, Verdict.PROBLEM, remedy)
-    return Check(ROS, "distribution", distro or f"{DISTRO}, not sourced")
-
-
-def _known_middleware(found: str) -> Check:
-    if found == "rmw_fastrtps_cpp":
-        return Check(ROS, "middleware", found)
-    remedy = "all nodes need the same; the discovery profile and the tests of this package are for rmw_fastrtps_cpp"
-    return Check(ROS, "middleware", found, Verdict.NOTE, remedy)
-
-
 def _domain() -> Iterator[Check]:
     from drill_twin.ros.deployment import HIGHEST_DOMAIN, domain_of_environment
 
@@ -236,11 +225,8 @@ def _domain() -> Iterator[Check]:
     except DrillTwinError as error:
         yield Check(ROS, "domain", str(error), Verdict.PROBLEM, "export ROS_DOMAIN_ID=0")
         return
-    if domain is not None and domain > HIGHEST_DOMAIN:
-        remedy = f"choose one up to {HIGHEST_DOMAIN}: other programs may have the ports of this one"
-        yield Check(ROS, "domain", str(domain), Verdict.NOTE, remedy)
-    else:
-        yield Check(ROS, "domain", "0" if domain is None else str(domain))
+    high = f"choose one up to {HIGHEST_DOMAIN}: other programs may have the ports of this one"
+    yield judged(ROS, "domain", str(domain or 0), high if (domain or 0) > HIGHEST_DOMAIN else "", Verdict.NOTE)
 
 
 def _discovery() -> Iterator[Check]:

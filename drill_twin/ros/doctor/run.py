@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """All checks of `drill-twin ros doctor`."""
 
-from __future__ import annotations
-
 from drill_twin.core.errors import DrillTwinError
 from drill_twin.ros.core.stop_request import StopRequest
 from drill_twin.ros.doctor.installation import ROS, Check, Verdict, installation, ros_installation, ros_present

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Clock of the simulator among several publishers of `/clock`, of which some may be processes that were killed."""
 
-from __future__ import annotations
-
 import time
 from collections.abc import Callable
 

@@ -7,12 +7,9 @@ While several nodes publish `/clock`, the driver goes on to send the last set-po
 counted.
 """
 
-from __future__ import annotations
-
 import math
 import time
 from types import SimpleNamespace
-from typing import ClassVar
 
 from drill_twin.io.messages.diagnostics import Level, Status
 from drill_twin.io.messages.rig_messages import CommandEncoder
@@ -83,10 +80,10 @@ _REPEAT = 5.0  # s of wall time after which a set-point is sent again, should th
 class RigDriver(TwinNode):
     """Sends set-points: the scene's schedule, or a table of measured ones."""
 
-    NAME: ClassVar = "rig_driver"
-    PURPOSE: ClassVar = "Plays weight on bit and top-drive speed, planned or measured, into the simulator."
-    PARAMETERS: ClassVar = PARAMETERS
-    RIGHTS: ClassVar = Rights((CLOCK_TOPIC, DIAGNOSTICS), calls=READY)
+    NAME = "rig_driver"
+    PURPOSE = "Plays weight on bit and top-drive speed, planned or measured, into the simulator."
+    PARAMETERS = PARAMETERS
+    RIGHTS = Rights((CLOCK_TOPIC, DIAGNOSTICS), calls=READY)
     _sent = 0
 
     def configure(self) -> None:
@@ -210,7 +207,6 @@ class RigDriver(TwinNode):
             "commands_sent": str(self._sent),
             **self.samples.values(),
         }
-        level, text = self.samples.verdict()
-        if len(drivers) > 1:
-            return Status(self.NAME, Level.WARN, f"more than one driver: {', '.join(drivers)}", values)
-        return Status(self.NAME, level, text or ("the schedule is over; holding" if over else "driving"), values)
+        rivals = f"more than one driver: {', '.join(drivers)}" if len(drivers) > 1 else ""
+        state = "the schedule is over; holding" if over else "driving"
+        return self.status(values, (Level.WARN, rivals), self.samples.verdict(), (Level.OK, state))

@@ -1,14 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
 """Set-points that a driver plays: its parameters' set-points, and the transition to others in a run, without a jump."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 from types import SimpleNamespace
 
-from drill_twin.core.errors import SceneError
-from drill_twin.ros.core.given import ParameterError
+from drill_twin.core.errors import ParameterError, SceneError
 from drill_twin.ros.core.scene_parameters import scene_of
 from drill_twin.scene.blocks.numerics import frame_period_ns
 from drill_twin.scene.set_points import Schedule

@@ -7,8 +7,6 @@ commands of another are refused, and so are the single values on `/rig/wob_comma
 type.
 """
 
-from __future__ import annotations
-
 import math
 import time
 from collections import Counter
@@ -20,9 +18,8 @@ from drill_twin.core.errors import MessageError, shortened
 from drill_twin.io.messages.decode import JointStateReader
 from drill_twin.io.messages.rig_messages import read_command
 from drill_twin.io.messages.stamps import seconds
-from drill_twin.ros.simulator.command_limits import CommandError, CommandLimits, limits_for
+from drill_twin.ros.simulator.command_limits import CommandError, CommandLimits, CommandStamps, limits_for
 from drill_twin.ros.simulator.command_quantity import ANONYMOUS, CommandQuantity
-from drill_twin.ros.simulator.command_stamps import CommandStamps
 from drill_twin.scene import Scene
 from drill_twin.scene.set_points.command import QUANTITIES, Command
 

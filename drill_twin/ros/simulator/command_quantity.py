@@ -1,14 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
 """One quantity of the set-points: who commands it, since when, and what is applied."""
 
-from __future__ import annotations
-
 import math
 from collections import deque
 from collections.abc import Callable
 from types import SimpleNamespace
 
-from drill_twin.ros.simulator.command_stamps import SIMULATED
+from drill_twin.ros.simulator.command_limits import SIMULATED
 from drill_twin.scene.set_points.command import Command
 
 _AT_A_RATE = 3  # commands in a row, from which their source is expected to send on
@@ -98,8 +96,7 @@ class CommandQuantity:
 
     def follow(self, command: Command, source: str | None, base: str = "", number: int = 0) -> None:
         """Follow a good command; `source` is None for a single value."""
-        part = command.part(self.fields)
-        self.good = part.completed(self.applied if self.ramps else self.good)
+        self.good = command.part(self.fields).completed(self.applied if self.ramps else self.good)
         follows = not self.silent or self._frames < _FRAMES
         self._in_a_row, self._frames = 0 if source is None else self._in_a_row * follows + 1, 0
         self.by_hand, self._last_time = source is None, self._clock()

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Diagnostics of the simulator: named values, and a level with one sentence."""
 
-from __future__ import annotations
-
 import math
 from types import SimpleNamespace
 
@@ -24,18 +22,17 @@ def health(node: TwinNode, control: RunControl) -> Status:
     values = {"state": control.state_text, **_values(node.settings, simulation)}
     if len(publishers := node.topics.publisher_nodes(STRING_POSES)) > 1:
         topic = node.resolve_topic_name(relative(STRING_POSES))
-        text = f"more than one simulator publishes {topic}: {', '.join(publishers)}"
-        return Status(node.NAME, Level.ERROR, text, values)
+        return node.status(values, (Level.ERROR, f"more than one simulator publishes {topic}: {', '.join(publishers)}"))
     if not node.active or control.paused:
-        return Status(node.NAME, Level.OK, f"{control.state_text} at {simulation.time_text}", values)
+        return node.status(values, (Level.OK, f"{control.state_text} at {simulation.time_text}"))
     rival = next((quantity for quantity in simulation.commands.quantities if quantity.several_send), None)
     if rival and len(publishers := node.topics.publisher_nodes(RIG_COMMAND)) > 1:  # the other may be gone
         text = (
             f"expected one publisher of {RIG_COMMAND} as {rival.source or ANONYMOUS}, found several "
             f"({', '.join(publishers)}): the set-points flip between them; stop all but one, or name them"
         )
-        return Status(node.NAME, Level.ERROR, text, values)
-    return Status(node.NAME, *_verdict(node.settings, simulation), values)
+        return node.status(values, (Level.ERROR, text))
+    return node.status(values, *_verdicts(node.settings, simulation))
 
 
 def _values(settings: SimpleNamespace, simulation: SimulatorRun) -> dict[str, str]:
@@ -62,26 +59,22 @@ def _values(settings: SimpleNamespace, simulation: SimulatorRun) -> dict[str, st
     }
 
 
-def _verdict(settings: SimpleNamespace, simulation: SimulatorRun) -> tuple[Level, str]:
-    """Level and sentence, the most severe first."""
+def _verdicts(settings: SimpleNamespace, simulation: SimulatorRun) -> tuple[tuple[Level, str], ...]:
+    """Levels and sentences, the most severe first."""
     loop, arbiter, trouble = simulation.loop, simulation.commands, simulation.checkpoints.trouble
-    waiting = simulation.waits_for_command
-    if loop.rejected_steps.stopped:
-        return loop.verdict()
-    if waiting and not arbiter.heard and arbiter.last_refusal:
-        return Level.WARN, f"waiting for the first good command; the last one was refused: {arbiter.last_refusal}"
-    if waiting and not arbiter.heard:
-        return Level.OK, "waiting for the first command"
-    if text := (_lockstep if settings.pace == "lockstep" else _silence)(simulation, settings):
-        refused = f"; the last was refused: {arbiter.last_refusal}" if arbiter.last_was_refused else ""
-        return Level.WARN, f"{text}{refused}"
-    if arbiter.refused_recently:
-        return Level.WARN, f"commands were refused; the last: {arbiter.last_refusal}"
-    if trouble:
-        return Level.WARN, f"no checkpoint: {trouble}"
-    if not loop.rejected_steps.last and (late := _real_lag_dropped(simulation)):
-        return Level.WARN, late
-    return loop.verdict()
+    first, last = simulation.waits_for_command and not arbiter.heard, arbiter.last_refusal
+    silence = (_lockstep if settings.pace == "lockstep" else _silence)(simulation, settings)
+    refused = f"; the last was refused: {last}" if arbiter.last_was_refused else ""
+    return (
+        (Level.ERROR, loop.rejected_steps.stopped),
+        (Level.WARN, f"waiting for the first good command; the last one was refused: {last}" if first and last else ""),
+        (Level.OK, "waiting for the first command" if first else ""),
+        (Level.WARN, silence and f"{silence}{refused}"),
+        (Level.WARN, f"commands were refused; the last: {last}" if arbiter.refused_recently else ""),
+        (Level.WARN, trouble and f"no checkpoint: {trouble}"),
+        (Level.WARN, "" if loop.rejected_steps.last else _real_lag_dropped(simulation)),
+        loop.verdict(),
+    )
 
 
 def _lockstep(simulation: SimulatorRun, settings: SimpleNamespace) -> str:

@@ -12,7 +12,7 @@ from collections.abc import Iterable
 from contextlib import suppress
 from pathlib import Path
 from types import SimpleNamespace
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING
 
 from rclpy.context import Context
 
@@ -142,10 +142,10 @@ PARAMETERS = (
 class Simulator(TwinNode):
     """Moves the string of a scene under the commands it receives."""
 
-    NAME: ClassVar = "simulator"
-    PURPOSE: ClassVar = "Moves the drillstring of a scene under the set-points it receives."
-    PARAMETERS: ClassVar = PARAMETERS
-    RIGHTS: ClassVar = Rights(
+    NAME = "simulator"
+    PURPOSE = "Moves the drillstring of a scene under the set-points it receives."
+    PARAMETERS = PARAMETERS
+    RIGHTS = Rights(
         (RIG_COMMAND, RPS_COMMAND, WOB_COMMAND),
         tuple(
             f"~/{name}"

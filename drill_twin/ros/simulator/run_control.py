@@ -8,8 +8,6 @@ control: a stopped run is a paused one at time zero. What is unsupported (spawni
 as such.
 """
 
-from __future__ import annotations
-
 import importlib
 from collections.abc import Callable
 from functools import partial
@@ -20,7 +18,7 @@ from std_srvs.srv import Trigger
 
 from drill_twin.core.errors import CheckpointError, DrillTwinError
 from drill_twin.ros.core.node import TwinNode
-from drill_twin.ros.core.requests import Later
+from drill_twin.ros.core.requests import Answer, Later
 from drill_twin.ros.simulator.simulation import SimulatorRun
 
 # simulation_interfaces/Result and SimulationState, by number: their names have changed between versions.
@@ -30,14 +28,11 @@ STOPPED, PLAYING, PAUSED, QUITTING = 0, 1, 2, 3
 _WHOLE = (0, 255)  # scopes of ResetSimulation: default and all
 _RESET, _PAUSE, _SINGLE, _MULTIPLE = 10, 14, 15, 16  # SimulatorFeatures
 
-SERVICES = {
-    "get_simulation_state": "GetSimulationState",
-    "set_simulation_state": "SetSimulationState",
-    "step_simulation": "StepSimulation",
-    "reset_simulation": "ResetSimulation",
-    "get_simulator_features": "GetSimulatorFeatures",
-}
-"""Names under the node and types."""
+SERVICES = (
+    *("get_simulation_state", "set_simulation_state", "step_simulation", "reset_simulation"),
+    "get_simulator_features",
+)
+"""Names under the node; a type is its name in capitals, as `GetSimulationState`."""
 
 Action = Callable[[], str]
 """Returns a sentence on what it did; raises a DrillTwinError where it cannot."""
@@ -84,12 +79,12 @@ class RunControl:
         # In lockstep a run waits within every frame; it stands still once commands have stopped coming.
         commands = self.simulation.commands
         silent = any(quantity.silent for quantity in commands.quantities) or not commands.heard
-        waits = self.simulation.waits_for_command and silent
-        return "waiting" if waits else "running"
+        return "waiting" if silent and self.simulation.waits_for_command else "running"
 
-    def quit(self) -> None:
+    def quit(self) -> str:
         """End the node."""
         self._node.end()
+        return "ending"
 
     def pause(self) -> str:
         """Stop simulated time."""
@@ -187,45 +182,39 @@ class Answers:
     def __init__(self, run: RunControl) -> None:
         self._run = run
 
-    def get_simulation_state(self, request: Any, response: Any) -> Any:
+    def get_simulation_state(self, _: Any, response: Any) -> Any:
         """Stopped, playing or paused."""
-        del request
         response.state.state = self._run.state
         return _said(response, OK)
 
     def set_simulation_state(self, request: Any, response: Any) -> Any:
         """Play, pause, stop (pause at time zero) or quit."""
-        wanted = request.state.state
-        if wanted == self._run.state:
+        wanted, run = request.state.state, self._run
+        actions = {PLAYING: run.resume, PAUSED: run.pause, STOPPED: self._stop, QUITTING: run.quit}
+        if wanted == run.state:
             return _said(response, ALREADY)
-        if wanted == QUITTING:
-            self._run.quit()
-            return _said(response, OK)
-        actions: dict[int, tuple[Action, ...]] = {
-            PLAYING: (self._run.resume,),
-            PAUSED: (self._run.pause,),
-            STOPPED: (self._run.pause, self._run.reset),
-        }
         if wanted not in actions:
             return _said(response, UNSUPPORTED, f"expected a state from 0 to 3, found {wanted}")
-        return _done(response, *actions[wanted])
+        return _answered(actions[wanted], partial(_done, response))
+
+    def _stop(self) -> str:
+        self._run.pause()
+        return self._run.reset()
 
     def step_simulation(self, request: Any, response: Any) -> Any:
         """Advance by the requested frames; the answer comes when the frames are out."""
         if self._run.state == PLAYING:
             return _said(response, INCORRECT_STATE, "expected a paused run to step, found a run that plays")
-        told = lambda done, text: _said(response, OK if done else FAILED, "" if done else text)  # noqa: E731
-        return _after_step(self._run, int(request.steps), told)
+        return _after_step(self._run, int(request.steps), partial(_done, response))
 
     def reset_simulation(self, request: Any, response: Any) -> Any:
         """Begin again; time and state belong together."""
         if getattr(request, "scope", 0) not in _WHOLE:
             return _said(response, UNSUPPORTED, f"expected scope 0 or 255, all of it, found {request.scope}")
-        return _done(response, self._run.reset)
+        return _answered(self._run.reset, partial(_done, response))
 
-    def get_simulator_features(self, request: Any, response: Any) -> Any:
+    def get_simulator_features(self, _: Any, response: Any) -> Any:
         """Supported features of the package."""
-        del request
         response.features.features = [_RESET, _PAUSE, _SINGLE, _MULTIPLE]
         response.features.custom_info = "drill_twin: a step is one published frame"
         return response
@@ -236,13 +225,16 @@ def _said(response: Any, result: int, text: str = "") -> Any:
     return response
 
 
-def _done(response: Any, *actions: Action) -> Any:
+def _done(response: Any, success: bool, text: str) -> Any:
+    return _said(response, OK) if success else _said(response, FAILED, text)
+
+
+def _answered(action: Action, response_of: Callable[[bool, str], Any]) -> Any:
+    """Response to an action; `response_of` is as `Told`."""
     try:
-        for action in actions:
-            action()
+        return response_of(True, action())
     except DrillTwinError as error:
-        return _said(response, FAILED, str(error))
-    return _said(response, OK)
+        return response_of(False, str(error))
 
 
 def _after_step(run: RunControl, count: int, response_of: Callable[[bool, str], Any]) -> Any:
@@ -258,31 +250,20 @@ def _after_step(run: RunControl, count: int, response_of: Callable[[bool, str], 
 def offer(node: TwinNode, run: RunControl) -> None:
     """Offer the services of a run: one for each action, and `simulation_interfaces`' services where it is installed."""
     for action in (run.pause, run.resume, run.reset, run.save_checkpoint, run.load_checkpoint):
-        node.create_service(Trigger, f"~/{action.__name__}", _answering(node, action))
-
-    def step(request: Trigger.Request, response: Trigger.Response) -> Any:
-        del request
-        return _after_step(run, node.settings.step_frames, partial(_filled, node, response))
-
-    node.create_service(Trigger, "~/step", step)
+        node.create_service(Trigger, f"~/{action.__name__}", _answering(node, partial(_answered, action)))
+    take_frames = lambda told: _after_step(run, node.settings.step_frames, told)  # noqa: E731 - they may change
+    node.create_service(Trigger, "~/step", _answering(node, take_frames))
     try:
         kinds = importlib.import_module("simulation_interfaces.srv")
     except ImportError:
         return
-    answers = Answers(run)
-    for name, kind in SERVICES.items():
-        node.create_service(getattr(kinds, kind), f"~/{name}", getattr(answers, name))
+    for name in SERVICES:
+        kind = getattr(kinds, name.title().replace("_", ""))
+        node.create_service(kind, f"~/{name}", getattr(Answers(run), name))
 
 
-def _answering(node: TwinNode, action: Action) -> Callable[[Trigger.Request, Trigger.Response], Trigger.Response]:
-    def answer(request: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
-        del request
-        try:
-            return _filled(node, response, True, action())
-        except DrillTwinError as error:
-            return _filled(node, response, False, str(error))
-
-    return answer
+def _answering(node: TwinNode, answered: Callable[[Callable[[bool, str], Any]], Any]) -> Answer:
+    return lambda _, response: answered(partial(_filled, node, response))
 
 
 def _filled(node: TwinNode, response: Trigger.Response, success: bool, text: str) -> Trigger.Response:

@@ -4,8 +4,6 @@
 The twin's tf is published where tf2_msgs is installed: in a whole ROS 2, not with the wheels.
 """
 
-from __future__ import annotations
-
 import os
 import threading
 import time
@@ -25,7 +23,7 @@ from drill_twin.ros.core.node import TwinNode
 from drill_twin.ros.core.pacing import Pacer, Tick
 from drill_twin.ros.core.topics import installed
 from drill_twin.ros.simulator.command_arbiter import CommandArbiter
-from drill_twin.ros.simulator.command_stamps import CommandStamps
+from drill_twin.ros.simulator.command_limits import CommandStamps
 from drill_twin.ros.simulator.start_up import CheckpointPlaces
 from drill_twin.runs.loop import RunLoop
 from drill_twin.scene import Scene

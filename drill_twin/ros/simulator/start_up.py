@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Start of a simulator: its scene with compiled kernels, no second simulator, and the places of its checkpoints."""
 
-from __future__ import annotations
-
 import time
 from pathlib import Path
 from types import SimpleNamespace

@@ -5,16 +5,14 @@ With a rig driver in the graph its live parameters are set; without one the sing
 and reset are the services of the simulator.
 """
 
-from __future__ import annotations
-
 import argparse
 import math
-import threading
 import time
+from collections import deque
 from collections.abc import Iterable, Mapping, Sequence
 from contextlib import ExitStack
 from functools import partial
-from typing import Any, ClassVar
+from typing import Any
 
 from rcl_interfaces.srv import SetParameters
 from rclpy.context import Context
@@ -44,17 +42,19 @@ _SEARCH_PERIOD = 0.5  # s; topics of subs and frames appear with a simulator
 _MATCHING = 3.0
 """Most time to wait for a simulator that takes a set-point [s]; not measured."""
 _CONTROLS = ("pause", "resume", "step", "reset")
-_SET_POINTS = {"wob": ("wob", "N", WOB_COMMAND), "rps": ("rpm", "rev/s", RPS_COMMAND)}
-"""Parameter of the rig driver, unit, and topic of each set-point."""
-_NAMES = {"wob": "weight on bit", "rps": "rotation"}
+_SET_POINTS = {
+    "wob": ("wob", "N", WOB_COMMAND, "weight on bit"),
+    "rps": ("rpm", "rev/s", RPS_COMMAND, "rotation"),
+}
+"""Parameter of the rig driver, unit, topic, and words of each set-point."""
 
 
 class LivePage(TwinNode):
     """Feeds the page from the topics."""
 
-    NAME: ClassVar = "watch"
-    PURPOSE: ClassVar = "Shows a running twin in the browser."
-    ON_CHANGE: ClassVar = (TWIN_SCENE,)
+    NAME = "watch"
+    PURPOSE = "Shows a running twin in the browser."
+    ON_CHANGE = (TWIN_SCENE,)
 
     def __init__(self, context: Context, viewers: FoxgloveServer | None = None) -> None:
         """Create the node.
@@ -68,10 +68,8 @@ class LivePage(TwinNode):
         self._sources = Sources()
         self.page_state = PageState(self._sources)
         self._encoder = CommandEncoder()
-        self._requests: dict[str, float] = {}  # the newest value of each slider
-        self._requests_lock = threading.Lock()
+        self._asked: deque[tuple[str, float]] = deque()  # set-points and controls of the run, from the server's thread
         self._pending: list[tuple[str, float, Any]] = []
-        self._asked: list[str] = []  # controls of the run
         self._answers: list[Any] = []
         self._refused = ""
         self._driver = self.create_client(SetParameters, "rig_driver/set_parameters")
@@ -100,11 +98,10 @@ class LivePage(TwinNode):
         self.page_state.update(TWIN_SCENE, raw)
 
     def _on_message(self, topic: str, raw: bytes, info: Mapping[str, Any]) -> None:
-        message = bytes(raw)
         if self._viewers is not None:
-            self._viewers.publish(topic, message, info["received_timestamp"])
+            self._viewers.publish(topic, raw, info["received_timestamp"])
         if topic in INPUTS and topic != TWIN_SCENE:  # scenes pass a gate
-            self.page_state.update(topic, message)
+            self.page_state.update(topic, raw)
 
     def snapshot(self) -> Mapping[str, Any]:
         """State of the page."""
@@ -120,22 +117,17 @@ class LivePage(TwinNode):
             if isinstance(value, bool) != (name in _CONTROLS) or name not in {*_SET_POINTS, *_CONTROLS}:
                 expected = f"{', '.join(_SET_POINTS)} with a number or {', '.join(_CONTROLS)} with true"
                 raise DrillTwinError(f"expected {expected}, found {name}: {value}")
-            with self._requests_lock:
-                if name in _SET_POINTS:
-                    self._requests[name] = float(value)
-                elif value:
-                    self._asked.append(name)
+            if name in _SET_POINTS or value:
+                self._asked.append((name, float(value)))
 
     def step(self) -> None:
         """Process messages, and send the requested set-points."""
         self.spin_once(0.02)
-        with self._requests_lock:
-            requests, self._requests = self._requests, {}
-            asked, self._asked = self._asked, []
-        for name, value in requests.items():
-            self.page_state.note(f"set-point: {_NAMES[name]} {value:.6g} {_SET_POINTS[name][1]}")
+        asked = [self._asked.popleft() for _ in range(len(self._asked))]
+        newest = {name: value for name, value in asked if name in _SET_POINTS}  # of each slider
+        for name, value in newest.items():
             self._command(name, value)
-        for name in asked:
+        for name in (name for name, _ in asked if name in _CONTROLS):
             self._control(name)
         if self._pending or self._answers:
             self._check_answers()
@@ -148,7 +140,8 @@ class LivePage(TwinNode):
             self._refused = f"expected a simulator to {name}, found none"
 
     def _command(self, name: str, value: float) -> None:
-        parameter, unit, _ = _SET_POINTS[name]
+        parameter, unit, _, words = _SET_POINTS[name]
+        self.page_state.note(f"set-point: {words} {value:.6g} {unit}")
         if self._driver_present():
             change = RosParameter(parameter, value=f"{value!r} {unit}").to_parameter_msg()
             answer = self._driver.call_async(SetParameters.Request(parameters=[change]))
@@ -183,10 +176,8 @@ class LivePage(TwinNode):
             publisher, deadline = self.topics.advertise(topic), time.monotonic() + _MATCHING
             while not publisher.get_subscription_count() and time.monotonic() < deadline:
                 self.spin_once(0.02)
-        if topic == WOB_COMMAND:
-            self.topics.publish(topic, self._encoder.wob_command(Command(value, 0.0)))
-        else:
-            self.topics.publish(topic, self._encoder.rps_command(Command(0.0, value * math.tau)))
+        encode = self._encoder.wob_command if topic == WOB_COMMAND else self._encoder.rps_command
+        self.topics.publish(topic, encode(Command(value, value * math.tau)))
 
     def health(self) -> Status:
         """Nodes that are not heard any more, or the number of messages that could not be decoded."""
@@ -194,12 +185,14 @@ class LivePage(TwinNode):
             for topic in {WOB_COMMAND, RPS_COMMAND} & set(self.topics.publishers):
                 self.topics.withdraw(topic)
         self.page_state.check_sources()
-        if missing := self._sources.missing():
-            return Status(self.NAME, Level.WARN, f"no diagnostics for more than {GONE:g} s of {', '.join(missing)}")
-        if skipped := len(self.page_state.skipped):
-            return Status(self.NAME, Level.WARN, f"{skipped} messages could not be read")
-        level, text = self.samples.verdict()
-        return Status(self.NAME, level, text or "showing the twin")
+        missing, skipped = self._sources.missing(), len(self.page_state.skipped)
+        return self.status(
+            {},
+            (Level.WARN, f"no diagnostics for more than {GONE:g} s of {', '.join(missing)}" if missing else ""),
+            (Level.WARN, f"{skipped} messages could not be read" if skipped else ""),
+            self.samples.verdict(),
+            (Level.OK, "showing the twin"),
+        )
 
 
 def run(arguments: Sequence[str], stop: StopRequest) -> None:

@@ -9,18 +9,17 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, Any
 
 from std_srvs.srv import Trigger
 
-from drill_twin.core.errors import MessageError, missing
+from drill_twin.core.errors import MessageError, ParameterError, missing
 from drill_twin.core.loopback import is_loopback
 from drill_twin.io.messages.diagnostics import Level, Status
 from drill_twin.io.messages.topics import DIAGNOSTICS, RIG_STATE, TOPICS, TWIN_SCENE
-from drill_twin.ros.core.given import ParameterError
 from drill_twin.ros.core.node import AUTOSTART, TwinNode
 from drill_twin.ros.core.parameters import Parameter
 from drill_twin.ros.core.policy import Rights
@@ -81,15 +80,16 @@ _DEPTH = 100  # messages; half a second at 200 Hz
 class Gateway(TwinNode):
     """Shows the quantities of the twin on an OPC UA server, and commands it for a client."""
 
-    NAME: ClassVar = "gateway"
-    PURPOSE: ClassVar = "Connects the twin with rig software by OPC UA, with the signals of D-WIS. Needs asyncua."
-    PARAMETERS: ClassVar = PARAMETERS
-    RIGHTS: ClassVar = Rights(
+    NAME = "gateway"
+    PURPOSE = "Connects the twin with rig software by OPC UA, with the signals of D-WIS. Needs asyncua."
+    PARAMETERS = PARAMETERS
+    RIGHTS = Rights(
         (DIAGNOSTICS, TWIN_SCENE, *{quantity.topic for quantity in QUANTITIES.values()}),
         ("~/grant_control", "~/withdraw_control"),
     )
 
-    _server: OpcUaServer | None = None
+    _server: OpcUaServer
+    """Server; made by `configure`."""
     _rig: RigLink | None = None
 
     def configure(self) -> None:
@@ -123,7 +123,7 @@ class Gateway(TwinNode):
         self.topics.subscribe_scenes(self._on_scene)
         self.create_service(Trigger, "~/grant_control", self._desk.grant)
         self.create_service(Trigger, "~/withdraw_control", self._desk.withdraw)
-        self.every(1.0 / self.settings.rate, self._show)
+        self.every(1.0 / self.settings.rate, lambda: self._server.show(self._samples()))
         self.every(_CONTROL_PERIOD, self._work)
         self.get_logger().info(f"{len(self._signals.show)} signals at {self._server.url}; {_security(keys)}")
 
@@ -131,13 +131,12 @@ class Gateway(TwinNode):
         """End server and client."""
         if self._rig is not None:
             self._rig.close()
-        if self._server is not None:
+        if hasattr(self, "_server"):
             self._server.close()
-        self._rig = self._server = None
 
     def _on_message(self, topic: str, raw: bytes, _: Mapping[str, Any]) -> None:
         try:
-            self._quantities.take(topic, bytes(raw))
+            self._quantities.take(topic, raw)
         except MessageError as error:
             self._unread = f"{topic}: {error}"
 
@@ -165,13 +164,8 @@ class Gateway(TwinNode):
         time.sleep(_TURN)
         self.spin_all()
 
-    def _show(self) -> None:
-        if self._server is not None:
-            self._server.show(self._samples())
-
     def _work(self) -> None:
-        if self._server is not None:
-            self._desk.work(self._server)
+        self._desk.work(self._server)
         if self._rig is not None:
             self._rig.work()
 
@@ -192,52 +186,53 @@ class Gateway(TwinNode):
         present = self._samples()
         stale = [name for name, (_, is_stale) in present.items() if is_stale]
         server, command = self._server, self._output.command
-        refused = server.sessions.refused if server else {}
         values = {
-            "url": server.url if server else "",
-            "clients": str(server.clients if server else 0),
+            "url": server.url,
+            "clients": str(server.clients),
             "signals": str(len(self._signals.show)),
             "without_value": " ".join(one.name for one in self._signals.show if one.name not in present),
             "stale": " ".join(stale),
             "permission": self._control.permission.name.lower(),
             "holder": self._control.holder,
             "commands_sent": str(self._output.sent),
-            **{f"refused_{kind}": str(count) for kind, count in refused.items()},
+            **{f"refused_{kind}": str(count) for kind, count in server.sessions.refused.items()},
             **self._quantities.samples.values(),
         }
         if command is not None:
             values |= {"weight_on_bit": f"{command.weight_on_bit:g}", "speed_rev_s": f"{command.rotation / math.tau:g}"}
         if self._rig is not None:
             values |= self._rig.values()
-        level, text = self._verdict(stale, present=bool(present))
-        return Status(self.NAME, level, text, values)
+        unread = f"a message could not be read: {self._unread}" if self._unread else ""
+        shows = Level.OK, "showing the twin" if present else "waiting for the twin"
+        told = self.status(values, *self._faults(), (Level.WARN, unread), self._silence(stale), shows)
+        self._unread = "" if told.text == unread else self._unread
+        return told
 
-    def _verdict(self, stale: Sequence[str], *, present: bool) -> tuple[Level, str]:
-        """Level and sentence: the worst first."""
-        lost = self._control.lost if self._control.permission is Permission.INVALID else ""
+    def _faults(self) -> Iterator[tuple[Level, str]]:
+        """Levels and sentences on rig, control and clients, the worst first; empty ones where all is well."""
+        control, refusal = self._control, self._server.sessions.refusal
+        lost = (self._rig is not None and self._rig.lost) or (
+            control.lost if control.permission is Permission.INVALID else ""
+        )
+        if self._output.command is None and not self._output.others():
+            yield Level.ERROR, lost and f"control lost: {lost}; the simulator does what its on_silence says"
         if self._rig is not None:
-            lost = self._rig.lost or lost
-        if lost and self._output.command is None and not self._output.others():
-            return Level.ERROR, f"control lost: {lost}; the simulator does what its on_silence says"
-        if self._rig is not None and (fault := self._rig.fault()):
-            return Level.WARN, fault
-        if self._control.permission is Permission.PENDING and self._control.user is not None:
-            return Level.WARN, f"{self._control.user.name} requests control: call ~/grant_control"
-        if self._server is not None and (refusal := self._server.sessions.refusal):
-            return Level.WARN, f"refused: {refusal}"
-        if self._desk.denied and self._control.permission is Permission.DENIED:
-            return Level.WARN, self._desk.denied
-        if self._desk.twin_refuses:
-            return Level.WARN, f"the twin refuses the set-point: {self._desk.twin_refuses}"
-        if self._unread:
-            text, self._unread = f"a message could not be read: {self._unread}", ""
-            return Level.WARN, text
+            yield Level.WARN, self._rig.fault()
+        if control.permission is Permission.PENDING and control.user is not None:
+            yield Level.WARN, f"{control.user.name} requests control: call ~/grant_control"
+        yield Level.WARN, refusal and f"refused: {refusal}"
+        yield Level.WARN, self._desk.denied if control.permission is Permission.DENIED else ""
+        refused = self._desk.twin_refuses
+        yield Level.WARN, refused and f"the twin refuses the set-point: {refused}"
+
+    def _silence(self, stale: Sequence[str]) -> tuple[Level, str]:
+        """Level, and a sentence on signals without a value of late; empty where there is none."""
         level, text = self._quantities.samples.verdict()
-        if stale or level is not Level.OK:
-            silent = "the twin is silent" if level in {Level.OK, Level.STALE} else ""
-            said = [part for part in (silent, text, f"{len(stale)} signals are marked uncertain") if part]
-            return max(level, Level.WARN), ": ".join(said)
-        return Level.OK, "showing the twin" if present else "waiting for the twin"
+        if not stale and level is Level.OK:
+            return Level.OK, ""
+        silent = "the twin is silent" if level in {Level.OK, Level.STALE} else ""
+        said = filter(None, (silent, text, f"{len(stale)} signals are marked uncertain"))
+        return max(level, Level.WARN), ": ".join(said)
 
 
 def _security(keys: Keys | None) -> str:

@@ -12,6 +12,7 @@ from urllib.parse import urlsplit
 import numpy as np
 from std_srvs.srv import Trigger
 
+from drill_twin.core.errors import ParameterError
 from drill_twin.core.files.foreign_file import ForeignFile
 from drill_twin.core.loopback import is_loopback
 from drill_twin.core.rig_channels import ARRAYS, RIG_JOINTS
@@ -20,7 +21,6 @@ from drill_twin.io.messages.cdr import JointStateTemplate
 from drill_twin.io.messages.stamps import stamp_ns
 from drill_twin.io.messages.topics import MEASURED as MEASURED_NAMESPACE
 from drill_twin.io.messages.topics import MEASURED_RIG_STATE, summary_topic
-from drill_twin.ros.core.given import ParameterError
 from drill_twin.ros.core.node import TwinNode
 from drill_twin_rig.gateway.control import HOLDER, PERMISSION, REFUSAL, Control, Permission
 from drill_twin_rig.gateway.quantities import MEASURED, downhole
@@ -207,17 +207,15 @@ class ControlDesk:
             self._node.get_logger().info(f"{self.control.holder} has control")
         return reason
 
-    def grant(self, request: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
+    def grant(self, _: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
         """Answer `~/grant_control`: give control to the client that requests it."""
-        del request
         pending = self.control.permission is Permission.PENDING
         response.message = self._decide(granted=True) if pending else "nobody requests control"
         response.success = not response.message
         return response
 
-    def withdraw(self, request: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
+    def withdraw(self, _: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
         """Answer `~/withdraw_control`: take control away; the last set-point holds until another source commands."""
-        del request
         response.success = self.control.deny("withdrawn") or self.output.command is not None
         if self.rig is not None:
             self.rig.stop_following()

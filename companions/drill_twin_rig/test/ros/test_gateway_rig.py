@@ -17,11 +17,11 @@ from ports import free_port
 
 asyncua = pytest.importorskip("asyncua", reason="needs asyncua: pip install 'drill_twin[opcua]'")
 
+from drill_twin.core.errors import ParameterError  # noqa: E402
 from drill_twin.dynamics.sensors.subs import SUMMARY  # noqa: E402
 from drill_twin.io.messages.diagnostics import Level  # noqa: E402
 from drill_twin.io.messages.sensor_messages import read_summary  # noqa: E402
 from drill_twin.io.messages.topics import MEASURED, MEASURED_RIG_STATE, RIG_COMMAND, RIG_STATE, summary_topic  # noqa: E402
-from drill_twin.ros.core.given import ParameterError  # noqa: E402
 from drill_twin_rig.gateway.opc_ua.keys import CERTIFICATE, TRUSTED, make_keys  # noqa: E402
 from drill_twin_rig.ros.rig import check_security  # noqa: E402
 

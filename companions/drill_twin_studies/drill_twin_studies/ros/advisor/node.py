@@ -4,8 +4,6 @@
 Where the node is given no map, `drill-twin map` makes a coarse map of the scene on the topics in a child process.
 """
 
-from __future__ import annotations
-
 import json
 import math
 import os
@@ -14,7 +12,6 @@ import sys
 import tempfile
 from pathlib import Path
 from types import SimpleNamespace
-from typing import ClassVar
 
 from drill_twin.core.errors import DrillTwinError, RunError
 from drill_twin.core.process import child_environment
@@ -115,11 +112,9 @@ _REPEAT = 1.0  # s of wall time
 class Advisor(TwinNode):
     """Compares set-points and motion with a map, and publishes advice."""
 
-    NAME: ClassVar = "advisor"
-    PURPOSE: ClassVar = (
-        "Says where the set-point lies in the operating map, and the nearest calmer set-point; commands nothing."
-    )
-    PARAMETERS: ClassVar = (
+    NAME = "advisor"
+    PURPOSE = "Says where the set-point lies in the operating map, and the nearest calmer set-point; commands nothing."
+    PARAMETERS = (
         Parameter("map", "", 'map.json of `drill-twin map`; "": make a coarse map of the scene on /twin/scene'),
         Parameter("wob_range", "", 'range of a map made here; "": up to 1.1 times the scene\'s', such_as="1..60 N"),
         Parameter("rpm_range", "", 'range of a map made here; "": up to 1.1 times the scene\'s', such_as="30..180 rpm"),
@@ -128,8 +123,8 @@ class Advisor(TwinNode):
         Parameter("margin", 0.05, "share of the ranges that an advised set-point keeps from a boundary", "", 0.0, 0.5),
         AUTOSTART,
     )
-    ON_CHANGE: ClassVar = (TWIN_SCENE,)
-    RIGHTS: ClassVar = Rights((DIAGNOSTICS, RIG_STATE, TWIN_SCENE, TWIN_SUMMARY))
+    ON_CHANGE = (TWIN_SCENE,)
+    RIGHTS = Rights((DIAGNOSTICS, RIG_STATE, TWIN_SCENE, TWIN_SUMMARY))
     _maker: MapMaker | None = None
 
     def configure(self) -> None:
@@ -259,12 +254,8 @@ class Advisor(TwinNode):
 
     def health(self) -> Status:
         """Level and sentence: gaps of its inputs, progress of the map, or the last advice."""
-        values = self.samples.values()
-        if self._trouble:
-            return Status(self.NAME, Level.ERROR, self._trouble, values)
-        level, text = self.samples.verdict()
-        if level is not Level.OK:
-            return Status(self.NAME, level, text, values)
-        if self._maker is not None:
-            return Status(self.NAME, Level.OK, self._maker.progress, values)
-        return Status(self.NAME, self._level, text or self._said or "no advice yet", values)
+        level, silence = self.samples.verdict()
+        progress = self._maker.progress if self._maker is not None and level is Level.OK else ""
+        said = self._level, self._said or "no advice yet"
+        trouble = Level.ERROR, self._trouble
+        return self.status(self.samples.values(), trouble, (Level.OK, progress), (level, silence), said)

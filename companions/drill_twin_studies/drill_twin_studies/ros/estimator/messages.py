@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Messages of the estimator: samples in, estimates and the nearest twin out."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator
 

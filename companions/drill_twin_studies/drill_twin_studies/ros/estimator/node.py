@@ -1,19 +1,17 @@
 # SPDX-License-Identifier: Apache-2.0
 """Estimator node: an ensemble that follows what a rig measures; the node commands nothing."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import asdict
 from functools import partial
 from types import SimpleNamespace
-from typing import ClassVar, TypeVar
+from typing import TypeVar
 
 import numpy as np
 
-from drill_twin.core.errors import RunError, RunStopped
+from drill_twin.core.errors import ParameterError, RunError, RunStopped
 from drill_twin.dynamics.solver.slices import checked
 from drill_twin.io.messages.decode import JointState
 from drill_twin.io.messages.diagnostics import Level, Status
@@ -33,7 +31,6 @@ from drill_twin.io.messages.topics import (
     TWIN_SCENE,
 )
 from drill_twin.io.scene_geometry import readings_topic
-from drill_twin.ros.core.given import ParameterError
 from drill_twin.ros.core.node import AUTOSTART, TwinNode
 from drill_twin.ros.core.parameters import Parameter
 from drill_twin.ros.core.policy import Rights
@@ -106,16 +103,17 @@ Result = TypeVar("Result")
 class Estimator(TwinNode):
     """Feeds an ensemble with what is measured, and publishes what it finds."""
 
-    NAME: ClassVar = "estimator"
-    PURPOSE: ClassVar = "Follows a rig with an ensemble: numbers, virtual sensors, chance of whirl, alarm."
-    PARAMETERS: ClassVar = PARAMETERS
-    RIGHTS: ClassVar = Rights(
+    NAME = "estimator"
+    PURPOSE = "Follows a rig with an ensemble: numbers, virtual sensors, chance of whirl, alarm."
+    PARAMETERS = PARAMETERS
+    RIGHTS = Rights(
         (DIAGNOSTICS, MEASURED_RIG_STATE, RIG_STATE, RIG_COMMAND, "/downhole/*/imu", "/measured/downhole/*/imu"),
         publishes=tuple(ESTIMATE + topic for topic in OF_NEAREST_TWIN),
     )
-    ON_CHANGE: ClassVar = (RIG_COMMAND,)
-    TIMED_BY: ClassVar = MEASURED_RIG_STATE
-    _thread: ThreadPoolExecutor | None = None
+    ON_CHANGE = (RIG_COMMAND,)
+    TIMED_BY = MEASURED_RIG_STATE
+    _thread: ThreadPoolExecutor
+    """Thread of the ensemble; made by `configure`."""
 
     def configure(self) -> None:
         """Create topics, and begin to make the ensemble on a thread of its own.
@@ -150,7 +148,7 @@ class Estimator(TwinNode):
     def complete(self) -> None:
         """End a compilation, or the window that is being computed."""
         self._closing = True
-        if self._thread is not None:
+        if hasattr(self, "_thread"):
             self._thread.shutdown(cancel_futures=True)
 
     def not_ready(self) -> str:
@@ -171,7 +169,7 @@ class Estimator(TwinNode):
         self._let_time_pass(self._following)
         while self._following.intake.waiting > _BEHIND:
             self._following.intake.skip()
-        if self._thread is not None and self._step is None and self._following.intake.waiting:
+        if self._step is None and self._following.intake.waiting:
             self._step = self._thread.submit(self._stoppable, self._following.step)
 
     def _stoppable(self, function: Callable[[], Result]) -> Result:
@@ -269,18 +267,14 @@ class Estimator(TwinNode):
         values |= {**self.samples.values(), **self._channels.values(), "windows_waiting": str(intake.waiting)}
         level, silence = self.samples.verdict()
         lacks = "" if self.samples.rests else self._channels.verdict()[1]
-        if level is not Level.OK:
-            return Status(self.NAME, level, silence, values)
-        level, text = (Level.OK, "") if self._found is None else trust_in(self._found)
-        if text:
-            return Status(self.NAME, level, text, values)
-        if lacks := lacks or self.topics.loss:
-            return Status(self.NAME, Level.WARN, lacks, values)
-        if intake.frozen:
-            return Status(self.NAME, Level.WARN, f"{', '.join(sorted(intake.frozen))}: frozen, left out", values)
-        if intake.troubles["skipped window"]:
-            text = "too slow for real time, windows are left out; take fewer members or a coarser mesh"
-            return Status(self.NAME, Level.WARN, text, values)
-        if self._found is None:
-            return Status(self.NAME, Level.OK, silence or "waiting for the end of the first window", values)
-        return Status(self.NAME, *verdict_of(self._found), values)
+        frozen = f"{', '.join(sorted(intake.frozen))}: frozen, left out" if intake.frozen else ""
+        slow = "too slow for real time, windows are left out; take fewer members or a coarser mesh"
+        return self.status(
+            values,
+            (level, silence if level is not Level.OK else ""),
+            trust_in(self._found) if self._found is not None else (Level.OK, ""),
+            (Level.WARN, lacks or self.topics.loss or frozen),
+            (Level.WARN, slow if intake.troubles["skipped window"] else ""),
+            verdict_of(self._found) if self._found is not None else (Level.OK, silence),
+            (Level.OK, "waiting for the end of the first window"),
+        )
