@@ -41,7 +41,7 @@ def test_less_than_two_windows_has_no_interval():
 
 
 SUMMARY = {
-    "run": 1, "runs": 1,
+    "run": 1, "runs": 1, "start_utc": None,
     "units": "si", "version": None, "acceleration": {}, "rate_of_penetration_m_s": None, "specific_energy_pa": None,
     "stick_slip_level": None, "applied": {"rotation_rad_s": None},
     "whirl_observable": True, "onset_s": 5.0, "onset_mark": "m", "onset_confidence": 1.0, "whirl_end_s": None,
