@@ -73,8 +73,8 @@ FAULTS = (
     Fault(
         "lost message: the first one of each further file of a bag",
         "drill_twin/io/bag/writer.py",
-        "                self._begin_next()\n",
-        "                self._begin_next()\n                return\n",
+        "                self._open_next()\n",
+        "                self._open_next()\n                return\n",
         "test/io/bag/test_bag_writer.py",
         "split_bag",
     ),
