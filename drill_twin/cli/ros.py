@@ -120,15 +120,15 @@ def topic_table(*, optional: bool = True) -> Table:
 def rig_table() -> Table:
     """Table of the topics for rig software: publisher, quality of service, stamp and frame."""
     from drill_twin.io.messages.topic_row import FLOAT64, IMU, STRING
-    from drill_twin.io.messages.topics import CLOCK_TOPIC, FRAME_ID, OF_SUBS, TOPICS
+    from drill_twin.io.messages.topics import CLOCK_TOPIC, FRAME_ID, OF_SUBS, RIG_COMMAND, TOPICS
 
-    unstamped = (FLOAT64, STRING)
+    own = {CLOCK_TOPIC: "simulated time", RIG_COMMAND: "simulated time, the commander's name"}
     rows = []
     for topic in (*TOPICS.values(), *OF_SUBS):
         latched = ", latched" if topic.offered_latched else ""
-        stamp = "none" if topic.type_name in unstamped else f"simulated time, `{FRAME_ID}`"
-        if topic.name == CLOCK_TOPIC:
-            stamp = "simulated time"
+        stamp = own.get(topic.name, f"simulated time, `{FRAME_ID}`")
+        if topic.type_name in (FLOAT64, STRING):
+            stamp = "none"
         elif topic.type_name == IMU:
             stamp = "time of the measurement, name of the sub"
         elif topic.publisher == "all nodes":
