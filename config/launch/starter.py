@@ -123,7 +123,7 @@ class Starter:
             for word, parameter in takes.items()
             if word in self._given
         }
-        values = {parameter: _value(value) for parameter, value in computed.items()}
+        values = {name: _value(value) for name, value in computed.items() if value != ()}  # launch takes no empty list
         parts = (defaults if row.has_parameters else "", values, given["params_file"], arguments)
         return [part for part in parts if part]
 

@@ -55,4 +55,6 @@ class Topic:
         With a single one none was lost at 2000 messages a second, in bursts of five, since DDS sends at once; in a
         flood a latched message waits until every reader has the last.
         """
+        if self.latched and self.type_name == TF_TYPE:  # a bag may hold a message of each broadcaster
+            return 100
         return 1 if self.offered_latched else 1000

@@ -232,6 +232,7 @@ class Replayer(TwinNode):
         """Publish the messages from a place on [s], until the end or until the playhead is to go elsewhere."""
         head, clock_due = self._head, begin
         head.target = None
+        head.arrive(begin)
         for number, (topic, stamp, raw) in enumerate(self._bag.messages(self._topics)):
             if not number % _ACKNOWLEDGE:
                 yield 0.0
@@ -286,6 +287,8 @@ class Replayer(TwinNode):
         left_out, head = len(self._skipped), self._head
         values = {"bag": self.settings.bag, "rate": f"{self.settings.rate:g}", "messages": str(self._sent)}
         values |= {"left_out": str(left_out), "place": f"{head.place:.3f}", "paused": str(head.paused).lower()}
+        if self.active and (head.paused or head.waits):  # silence is then no fault
+            values["state"] = "paused" if head.paused else "waiting"
         trouble = f"{left_out} messages left out" if left_out else ""
         progress = f"{self._sent} of {self._bag.message_count} messages replayed"
         return self.status(values, (Level.WARN, trouble), (Level.OK, progress))

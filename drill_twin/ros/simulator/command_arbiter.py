@@ -198,6 +198,12 @@ class CommandArbiter:
         return weight.good.completed(speed.good)
 
     @property
+    def kept(self) -> Command:
+        """Set-points for a checkpoint: the last good ones, but of a ramp to the safe set-point where the ramp is."""
+        weight, speed = (one.applied if one.ramps else one.good for one in self.quantities)
+        return weight.completed(speed)
+
+    @property
     def applied(self) -> Command:
         """The set-points applied at present: the last good ones, or points of ramps."""
         weight, speed = self.quantities

@@ -208,7 +208,7 @@ class SimulatorRun:
 
     def checkpoint(self) -> Checkpoint:
         """State of the run, with the set-points in force."""
-        return Checkpoint.of(self.loop.twin, self.commands.good)
+        return Checkpoint.of(self.loop.twin, self.commands.kept)
 
     def resume(self, path: Path) -> None:
         """Go on from a checkpoint file.

@@ -176,6 +176,9 @@ class LivePage(TwinNode):
             publisher, deadline = self.topics.advertise(topic), time.monotonic() + _MATCHING
             while not publisher.get_subscription_count() and time.monotonic() < deadline:
                 self.spin_once(0.02)
+                if topic not in self.topics.publishers:  # withdrawn: a rig driver has come
+                    self._command(name, value)
+                    return
         encode = self._encoder.wob_command if topic == WOB_COMMAND else self._encoder.rps_command
         self.topics.publish(topic, encode(Command(value, value * math.tau)))
 

@@ -127,6 +127,13 @@ class Gateway(TwinNode):
         self.every(_CONTROL_PERIOD, self._work)
         self.get_logger().info(f"{len(self._signals.show)} signals at {self._server.url}; {_security(keys)}")
 
+    def deactivate(self) -> None:
+        """Command nothing while at rest."""
+        self._control.deny("the gateway was deactivated")
+        if self._rig is not None:
+            self._rig.stop_following()
+        self._output.end()
+
     def complete(self) -> None:
         """End server and client."""
         if self._rig is not None:
@@ -153,10 +160,12 @@ class Gateway(TwinNode):
                     low, high = map(float, values[f"range_{quantity}"].split())
                     self._limits[quantity] = low, high
                 refused = int(values["commands_refused"])
+                if values.get("commander") == self.get_fully_qualified_name():  # the commands of others were refused
+                    refused -= int(values.get("commands_refused_other_source", 0))
             except (KeyError, ValueError) as error:
                 raise MessageError(f"expected limits in the diagnostics of the simulator, found {error}") from error
             refuses = self._output.command is not None and refused > self._refused_before
-            self._desk.twin_refuses = values["last_refusal"] if refuses else ""
+            self._desk.twin_refuses = values.get("last_refusal", "") if refuses else ""
             self._refused_before = refused
 
     def step(self) -> None:

@@ -181,7 +181,7 @@ class ControlDesk:
         if self.control.permission is Permission.PENDING and self._node.settings.grant != "ask":
             self._decide(granted=self._node.settings.grant == "always")
         held = self.rig is not None and self.rig.follows
-        if self.control.permission is Permission.UNSET and self.output.command is not None and not held:
+        if self.control.permission is not Permission.GRANTED and self.output.command is not None and not held:
             self.output.end()
         now: dict[str, int | str] = {
             PERMISSION: self.control.permission,
@@ -215,7 +215,7 @@ class ControlDesk:
         return response
 
     def withdraw(self, _: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
-        """Answer `~/withdraw_control`: take control away; the last set-point holds until another source commands."""
+        """Answer `~/withdraw_control`: take control away; the simulator does what its `on_silence` says."""
         response.success = self.control.deny("withdrawn") or self.output.command is not None
         if self.rig is not None:
             self.rig.stop_following()
