@@ -251,9 +251,7 @@ class WhirlPipeline:
             return []
         if self._analyzer is not None:
             self._mark_reader.check(state)  # before the rig's state, its partner, comes
-        if self._without_rig:
-            return list(self._analyse(Sample(state.stamp, state)))
-        sample = self._pairing.add_marks(state)
+        sample = Sample(state.stamp, state) if self._without_rig else self._pairing.add_marks(state)
         return [] if sample is None else list(self._analyse(sample))
 
     def _on_rig(self, state: JointState) -> list[Message]:
@@ -274,7 +272,8 @@ class WhirlPipeline:
             self._before_scene.append(sample)
             return
         frame, rig = FRAME_ID, None
-        if self.over:
+        over = self.over or (0 < self._run == self.runs and sample.stamp < self._order.latest)  # or of the next run
+        if over:
             pass
         elif isinstance(sample, Sample) and isinstance(analyzer, Analyzer):
             position, spin, force = self._mark_reader.read(sample.marks)
@@ -286,7 +285,7 @@ class WhirlPipeline:
             frame = sample.frame_id.rpartition(self._sub.rpartition("/")[2])[0] + FRAME_ID  # with its prefix
         if self.findings is None:
             return
-        if not self.over:
+        if not over:
             yield from self._encoder.messages(self.findings, frame, rig)
         if behind := self._order.note(sample):
             yield from self._start_run(self.scene)

@@ -52,7 +52,6 @@ def read_rig(path: str | Path, selection: Selection) -> tuple[RigSeries, str]:
         TableError: The path is a record that cannot be read.
     """
     bag = open_bag(path, selection)
-    bag.origin = 0  # a file keeps dates
     rig, scene = RigSeries(), ""
     for topic, raw, _ in SelectedMessages(bag, selection, set()).read((TWIN_SCENE, RIG_STATE), SkippedMessages()):
         if topic == RIG_STATE:

@@ -14,12 +14,12 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from drill_twin.core.errors import BagError, MessageError
-from drill_twin.io.bag.reader import DATED, Bag
+from drill_twin.io.bag.reader import Bag
 from drill_twin.io.bag.reading.files import bag_path
 from drill_twin.io.bag.skipped import SkippedMessages, stray_stamps
 from drill_twin.io.bag.virtual_bags import RecordBag, is_record
 from drill_twin.io.messages.decode import JointStateReader
-from drill_twin.io.messages.stamps import raw_header_stamp, seconds
+from drill_twin.io.messages.stamps import DATED, raw_header_stamp, seconds
 from drill_twin.io.messages.topics import (
     MARKS_STATE,
     MEASURED,
@@ -88,7 +88,7 @@ class Selection:
         """The selection with times from the start of the record [ns], where they are given as dates."""
         if not origin:
             return self
-        begin, end = (at - seconds(origin) if at >= DATED else at for at in (self.begin, self.end))
+        begin, end = (at - seconds(origin) if at >= seconds(DATED) else at for at in (self.begin, self.end))
         return replace(self, begin=begin, end=end)
 
     def holds(self, stamp: int) -> bool:

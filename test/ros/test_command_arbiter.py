@@ -103,9 +103,10 @@ def test_silence_ramps_every_set_point(make, clock):
     scene = rig({"weight_on_bit": {"at": "block"}, "block": {"value": -0.01}})
     arbiter = make(scene, on_silence="ramp", safe_weight_on_bit=10.0, safe_speed=1.0, safe_ramp_time=4.0)
     arbiter.command(1, Command(50.0, 9.0, -0.008))
-    assert arbiter.set_point(1.0) == arbiter.good
+    assert arbiter.set_point(1.0) == arbiter.good == arbiter.kept
     clock.now += 1.5
     assert arbiter.set_point(1.0).values == pytest.approx((40.0, 7.0, -0.006))
+    assert arbiter.kept == arbiter.applied  # a checkpoint does not take up again what was lost
     assert [arbiter.set_point(1.0) for _ in range(4)][-1] == Command(10.0, 1.0)
 
 

@@ -16,7 +16,7 @@ from drill_twin.io.bag.reading.bag_file import BagFile
 from drill_twin.io.bag.reading.files import open_files
 from drill_twin.io.bag.skipped import stray_stamps
 from drill_twin.io.messages.decode import read_string
-from drill_twin.io.messages.stamps import NANOSECONDS, counted_from, raw_header_stamp
+from drill_twin.io.messages.stamps import DATED, counted_from, raw_header_stamp
 from drill_twin.io.messages.topic_row import DIAGNOSTIC_ARRAY, IMU, JOINT_STATE, POSE_ARRAY
 from drill_twin.io.messages.topics import (
     DIAGNOSTICS,
@@ -34,7 +34,6 @@ _OLD_JOINT = b"bit_torque\0"
 _NAMED = 8  # namespaces in an error
 _STAMPED = frozenset({JOINT_STATE, POSE_ARRAY, IMU})
 _FIRST = 64  # messages that tell whether stamps are dates
-DATED = 1e9  # s; stamps from 2001 on are dates: no run is simulated for 31 years
 
 
 def parse_remappings(pairs: Iterable[str], option: str) -> dict[str, str]:
@@ -213,8 +212,8 @@ class Bag:
         self._stamped = {name for name, topic in self.topics.items() if topic.type_name in _STAMPED}
         first = [raw_header_stamp(raw) for _, _, raw in islice(self.recorded_messages(self._stamped), _FIRST)]
         stray = stray_stamps(first)
-        earliest = min((stamp for k, stamp in enumerate(first) if k not in stray), default=0)
-        self.origin = earliest if earliest >= DATED * NANOSECONDS else 0
+        earliest = min((stamp for k, stamp in enumerate(first) if k not in stray and stamp > 0), default=0)
+        self.origin = earliest if earliest >= DATED else 0
         return bool(first)
 
     def recorded_messages(self, topics: Collection[str] | None = None) -> Iterator[tuple[str, int, bytes]]:

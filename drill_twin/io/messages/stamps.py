@@ -18,6 +18,8 @@ TIME = struct.Struct("<iI")
 """`builtin_interfaces/Time` in CDR: int32 seconds, uint32 nanoseconds."""
 
 _STAMP_AT = 4  # bytes; the encapsulation comes first
+DATED = 10**9 * NANOSECONDS
+"""Stamps [ns] from here on, in 2001, are dates: no run is simulated for 31 years."""
 
 
 def stamp_ns(time: float) -> int:
@@ -53,9 +55,9 @@ def within_range(stamp: int) -> int:
 
 
 def counted_from(raw: bytes, origin: int) -> bytes:
-    """The message with its header stamp counted from a time [ns]; an earlier stamp stays."""
+    """The message with its header stamp counted from a time [ns], of a date; a stamp that is no date stays."""
     stamp = raw_header_stamp(raw)
-    if stamp < origin:
+    if stamp < min(origin, DATED):
         return raw
     counted = bytearray(raw)
     pack_stamp(counted, _STAMP_AT, stamp - origin)

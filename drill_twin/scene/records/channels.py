@@ -83,6 +83,9 @@ def channel_column(text: str, is_name: Callable[[str], bool] = lambda _: False) 
             f'channel: expected NAME=COLUMN:UNIT with one of {", ".join(known)}, found "{text}"'
             + nearest(channel, known)
         )
+    places = [at for at, letter in enumerate(rest) if letter == ":" and is_name(rest[:at].strip())]
+    if places and not is_name(rest):  # a form of dates has colons too
+        return ChannelColumn(channel, rest[: places[0]].strip(), rest[places[0] + 1 :].strip())
     column, colon, unit = rest.rpartition(":")
     return ChannelColumn(channel, column, unit) if colon and not is_name(rest) else ChannelColumn(channel, rest, "")
 

@@ -207,6 +207,8 @@ def _begin(head: list[str]) -> tuple[int, RecordRows, list[str]]:
         block = next((k for k in range(len(head), 0, -1) if len(tables[k - 1]) != len(tables[-1])), 0)
         found = next((k for k in range(block, len(head)) if _is_data(tables[k])), 0)
         if len(tables[-1]) > 1 and found > block and not _is_data(tables[found - 1], strict=True):
+            if any(len(row) == len(tables[-1]) and _is_data(row) for row in tables[:block]):
+                raise RowError("expected one table, found a second header below rows; give each a file of its own")
             place, delimiter = found - 1, other
             break
     else:
@@ -225,7 +227,9 @@ def _begin(head: list[str]) -> tuple[int, RecordRows, list[str]]:
     marks = {one for cell in cells if (told_by := _MARK.fullmatch(cell)) for one in told_by.groups() if one}
     if not marks and delimiter not in ",;" and (odd := next(filter(_GROUPED["."].fullmatch, cells), "")):
         raise RowError(f'expected a comma that is of thousands or of decimals, found "{odd}", which may be either')
-    mark = marks.pop() if len(marks) == 1 else "," if delimiter == ";" else ""
+    if not marks and delimiter == ";" and (odd := next(filter(_GROUPED[","].fullmatch, cells), "")):
+        raise RowError(f'expected a point that is of thousands or of decimals, found "{odd}", which may be either')
+    mark = marks.pop() if len(marks) == 1 else ""
     return place, RecordRows(names, delimiter, "." if delimiter == "," and mark != "," else mark), units
 
 

@@ -73,7 +73,9 @@ class Dates:
 def past_midnight(times: Array) -> Array:
     """Times of a clock that go on after midnight [s]."""
     known = np.flatnonzero(np.isfinite(times))
-    days = np.round(np.diff(times[known], prepend=times[known[:1]]) / _DAY)
+    steps = np.diff(times[known], prepend=times[known[:1]])
+    newest_first = 2 * np.sum(steps > 0) < np.sum(steps < 0)  # midnight is then a step ahead, else back
+    days = np.round(np.where((steps > 0) == newest_first, steps, 0.0) / _DAY)
     times[known] -= _DAY * np.cumsum(days)
     return times
 

@@ -232,3 +232,29 @@ def test_variables_of_a_mat_file_by_plain_names_that_end_in_their_unit(tmp_path,
     assert found.unit(rpm, CHANNELS["rotation"].dimension).lower() == "rpm"
     export = Columns(path, {"WOB": np.arange(2.0), "wob_kN": np.arange(2.0)})
     assert export.named("weight_on_bit") == ["WOB"]  # the name itself before one with an ending
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("Time [s];WOB [N];RPM [rpm]\n0;50.125;8.500\n1;50.250;9.500\n", "a point that is of thousands or of decimals"),
+        (
+            "Well,A\nTime [s],RPM,WOB [N]\n0,1,2\n1,2,3\nWell,B\nTime [s],RPM,WOB [N]\n2,3,4\n3,4,5\n",
+            "a second header below rows",
+        ),
+    ],
+)
+def test_what_may_mean_two_things_is_refused(tmp_path, text, words):
+    with pytest.raises(TableError, match=words):
+        read_columns(written(tmp_path, text, "log.csv"))
+
+
+def test_a_clock_that_stood_for_half_a_day_did_not_pass_midnight_backwards(tmp_path):
+    text = "Time,WOB [kN]\n08:00:00,1\n08:00:01,2\n21:30:00,3\n21:30:01,4\n00:00:01,5\n"
+    assert read_columns(written(tmp_path, text, "log.csv")).channel("time").values.tolist() == [
+        0.0,
+        1.0,
+        48600.0,
+        48601.0,
+        57601.0,
+    ]
