@@ -42,8 +42,9 @@ LATER = ("step", "step_simulation")
 NUMBERED = (0, 1, 50, 10**5, -(2**63))
 RESTS = {"gateway": 0.8}
 """Share of the turns at which a node, whose configuration takes seconds, is activated again and not cleaned up."""
-STOPS_A_RUN = ("max_weight_on_bit", "max_speed", "negative_commands")
-"""Parameters with which commands are followed that no string would bear: a run then ends with exit code 1, rightly."""
+STOPS_A_RUN = ("max_weight_on_bit", "max_speed", "negative_commands", "start_offset")
+"""Parameters with which commands are followed that no string would bear, or a replay begins behind the end of its bag:
+a run then ends with exit code 1, or a node is not configured, rightly."""
 
 
 class Walk:
@@ -146,7 +147,7 @@ class Walk:
     def call(self):
         """One of the services of its own, that it has now."""
         offered = self.known("service")
-        own = [name for name, types in offered if types == ["std_srvs/srv/Trigger"]]
+        own = [name for name, types in offered if types == ["std_srvs/srv/Trigger"] and not name.endswith("/stop")]
         if own and self.state > 1:
             self.ask(self.odd.one_of(sorted(own)), Trigger, Trigger.Request())
 
