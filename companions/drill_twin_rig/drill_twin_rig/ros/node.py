@@ -20,6 +20,7 @@ from drill_twin.core.errors import MessageError, ParameterError, missing
 from drill_twin.core.loopback import is_loopback
 from drill_twin.io.messages.diagnostics import Level, Status
 from drill_twin.io.messages.topics import DIAGNOSTICS, RIG_STATE, TOPICS, TWIN_SCENE
+from drill_twin.ros.core.diagnostics_publisher import hardware_id
 from drill_twin.ros.core.node import AUTOSTART, TwinNode
 from drill_twin.ros.core.parameters import Parameter
 from drill_twin.ros.core.policy import Rights
@@ -152,8 +153,7 @@ class Gateway(TwinNode):
 
     def _on_diagnostics(self, found: tuple[int, Sequence[Status]]) -> None:
         """Take what the simulator of this twin tells: its limits, which may change, and what it refused."""
-        twin = f"drill_twin{self.get_namespace().rstrip('/')}"
-        told = (one.values for one in found[1] if one.hardware_id == twin)
+        told = (one.values for one in found[1] if one.hardware_id == hardware_id(self))
         for values in (one for one in told if "range_weight_on_bit" in one):
             try:
                 for quantity in SET_POINTS:
