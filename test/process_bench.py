@@ -216,6 +216,13 @@ class Bench:
             self._executor.spin_once(timeout_sec=0.05)
             quiet = 0 if self._taken > before else quiet + 1
 
+    def _take_waiting(self) -> None:
+        """Take what came while the test did not listen, which is of before."""
+        taken, end = -1, time.monotonic() + 1.0
+        while taken < self._taken and time.monotonic() < end:
+            taken = self._taken
+            self._executor.spin_once(timeout_sec=0.0)
+
     def spin(self, seconds: float) -> None:
         end = time.monotonic() + seconds
         while time.monotonic() < end:
@@ -262,6 +269,7 @@ class Bench:
 
     def until_status(self, node: str, wanted: Callable[[Status], bool], seconds: float = LONG) -> Status:
         """Wait until the diagnostics of a node fulfil a condition, from now on."""
+        self._take_waiting()
         self.statuses.pop(node, None)
         try:
             self.until(lambda: node in self.statuses and wanted(self.statuses[node]), seconds, f"a status of {node}")

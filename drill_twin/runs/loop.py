@@ -176,7 +176,7 @@ class RunLoop:
         Returns:
             The frames, which hold until the next call, and the error that ended them before the last command.
         """
-        targets = np.array([command.values for command in commands]).reshape(-1, 3)
+        targets = np.array(commands).reshape(-1, 3)
         frames, error = self.twin.fill(self._record if record is None else record, targets, self.period)
         if isinstance(error, RunError):
             self.rejected_steps.stopped = str(error)

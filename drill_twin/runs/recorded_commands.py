@@ -4,7 +4,7 @@
 import math
 from collections.abc import Callable
 from contextlib import suppress
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -102,9 +102,9 @@ class _Reading:
         if topic == RIG_STATE:
             self._on_state(raw)
         elif topic == WOB_COMMAND:
-            self._on_command(replace(self.now, weight_on_bit=read_float64(raw)))
+            self._on_command(self.now._replace(weight_on_bit=read_float64(raw)))
         elif topic == RPS_COMMAND:
-            self._on_command(replace(self.now, rotation=read_float64(raw) * math.tau))
+            self._on_command(self.now._replace(rotation=read_float64(raw) * math.tau))
         else:
             state = self._commands.read(raw)
             self._on_command(read_command(state))
@@ -120,5 +120,5 @@ class _Reading:
         self._last = state.stamp
         if self.is_measured and state.effort.size and state.velocity.size:
             measured = read_command(state)
-            self._on_command(measured if self.block else replace(measured, block=0.0))
+            self._on_command(measured if self.block else measured._replace(block=0.0))
         self.held[state.stamp] = self.now if self._heard else None

@@ -105,7 +105,7 @@ def test_silence_ramps_every_set_point(make, clock):
     arbiter.command(1, Command(50.0, 9.0, -0.008))
     assert arbiter.set_point(1.0) == arbiter.good == arbiter.kept
     clock.now += 1.5
-    assert arbiter.set_point(1.0).values == pytest.approx((40.0, 7.0, -0.006))
+    assert arbiter.set_point(1.0) == pytest.approx((40.0, 7.0, -0.006))
     assert arbiter.kept == arbiter.applied  # a checkpoint does not take up again what was lost
     assert [arbiter.set_point(1.0) for _ in range(4)][-1] == Command(10.0, 1.0)
 

@@ -249,7 +249,7 @@ class EquationsOfMotion(KernelArguments):
             (3, n + 1, k, 3 k), with k unknowns a node; the unknowns of the bit are in its frame (`bit_frame`).
         """
         self.evaluations += 1
-        self._work.command[:] = command.values
+        self._work.command[:] = command
         drive = self.parameters.drive
         drive.memory[LAG] = -u[-1, SPIN]  # the angle that the drive's controller has integrated
         drive.bit.now[WEIGHT] = drive.bit.now[INITIAL] = self._bit_weight(command)

@@ -77,7 +77,7 @@ class Checkpoint:
             "format": _FORMAT,
             "version": __version__,
             "time": self.time,
-            "set_points": self.command.values,
+            "set_points": self.command,
             "scene": self.scene,
         }
         content: dict[str, Any] = {_HEADER: np.frombuffer(json.dumps(head).encode(), np.uint8), **self.arrays}
@@ -115,7 +115,7 @@ class Checkpoint:
                 f"{path}: expected a whole checkpoint of drill_twin, found {_error_text(error)}; start the run afresh"
             ) from error
         if not (math.isfinite(time) and command.is_finite()) or not isinstance(scene, str):
-            found = f"{time:g} s, {command.values}"
+            found = f"{time:g} s, {tuple(command)}"
             raise CheckpointError(f"{path}: expected finite numbers and a scene, found {found}; start the run afresh")
         return cls(scene, time, command, members)
 

@@ -45,7 +45,7 @@ class Dynamics(KernelArguments):
     Attributes:
         parameters: Parameters of drive and effects, and the ledger of an audit.
         step: Nominal time step [s].
-        command: Set-points last reached, as `drill_twin.scene.set_points.Command.values`, shape (3,).
+        command: Set-points last reached, a `drill_twin.scene.set_points.Command`, shape (3,).
         counters: See `drill_twin.dynamics.solver.state`.
         memory_block: Bytes of all arrays of the state, shape (size,).
         progress: Progress of an advance, see `drill_twin.dynamics.solver.state`.
@@ -257,7 +257,7 @@ class Dynamics(KernelArguments):
         """Set the state, node rows and their velocities, shape (n + 1, 7) each, and the set-points in force."""
         self._state.u[:], self._state.v[:] = u, v
         self._state.clock[state.KNOWN] = 0.0
-        self.command[:] = command.values
+        self.command[:] = command
 
     def pseudo_transient_step(self, seconds: float) -> bool:
         """Take a backward Euler step from rest to rest under the last command: the first half of a midpoint step.

@@ -215,7 +215,7 @@ def bind(advance: Any, observe: Any) -> Callable[..., int]:
         Args:
             words: The packed `BoundTwin` (`drill_twin.core.compile.packed_arguments`).
             kind: Type of the `BoundTwin`.
-            commands: Set-points at the end of each frame, as `Command.values`, shape (F, 3).
+            commands: Set-points at the end of each frame, as a `Command`, shape (F, 3).
             seconds: Length of a frame [s].
             nominal: Nominal time step [s].
             table: The record, F rows; without rows one advance, neither judged nor recorded.

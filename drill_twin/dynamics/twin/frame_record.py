@@ -17,7 +17,7 @@ class FrameSeries(NamedTuple):
     """Record of each of F frames, in the order in which `drill_twin.dynamics.twin.frame_kernel` writes it."""
 
     time: Array  # (F,) [s]
-    command: Array  # (F, 3) set-points reached, as `Command.values`
+    command: Array  # (F, 3) set-points reached, as a `Command`
     rig: Array  # (F, 12) fields of `RigState`
     counted: Array  # (F, counters) of the frame
     position: Array  # (F, m, 3) of the marks [m]

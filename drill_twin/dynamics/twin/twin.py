@@ -132,7 +132,7 @@ class Twin:
             StoppedError: Violation in all retries with smaller steps; the twin is back at the last good frame.
         """
         began = time.perf_counter()
-        record, self._single[0] = self._last, command.values
+        record, self._single[0] = self._last, command
         self._follow(record, self._single, seconds)
         row, seconds = record.table[0].copy(), time.perf_counter() - began
         return frame_of(row, record.kind, seconds, record.interventions.get(0), self._energy)
@@ -150,7 +150,7 @@ class Twin:
         """Advance by frames, and record them: the same bits as `advance`.
 
         Args:
-            commands: Set-points at the end of each frame, as `Command.values`, shape (F, 3), contiguous.
+            commands: Set-points at the end of each frame, as a `Command`, shape (F, 3), contiguous.
             seconds: Length of a frame [s].
             record: Takes the F frames.
 

@@ -6,7 +6,7 @@ from __future__ import annotations
 import math
 import time
 from collections import Counter, deque
-from collections.abc import Callable, Collection
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, field
 from statistics import median
 
@@ -31,6 +31,7 @@ class _Input:
     begun: float
     last: float
     good: float | None = None
+    longest: float = 0.0
     intervals: deque[float] = field(default_factory=lambda: deque(maxlen=_INTERVALS))
     bad: Counter[str] = field(default_factory=Counter)
     since: Counter[str] = field(default_factory=Counter)  # bad samples since the last good sample
@@ -39,7 +40,7 @@ class _Input:
     def stale_after(self) -> float:
         if self.good is None:
             return STALE
-        return max(STALE, GONE * median(self.intervals)) if self.intervals else FIRST
+        return max(STALE, GONE * max(self.longest, median(self.intervals))) if self.intervals else FIRST
 
 
 class GoodSamples:
@@ -50,14 +51,21 @@ class GoodSamples:
     long.
     """
 
-    def __init__(self, clock: Callable[[], float] = time.monotonic, *, on_change: Collection[str] = ()) -> None:
+    def __init__(
+        self,
+        clock: Callable[[], float] = time.monotonic,
+        *,
+        on_change: Collection[str] = (),
+        longest: Mapping[str, float] | None = None,
+    ) -> None:
         """Start without samples.
 
         Args:
             clock: Monotonic time [s].
             on_change: Inputs that come on change only, whose silence is no fault.
+            longest: Longest intervals [s] of inputs that come on change and otherwise at this interval.
         """
-        self._clock, self._on_change = clock, frozenset(on_change)
+        self._clock, self._on_change, self._longest = clock, frozenset(on_change), longest or {}
         self._inputs: dict[str, _Input] = {}
         self._expected: dict[tuple[str, ...], float] = {}  # since when
         self._judged_from = -math.inf
@@ -143,7 +151,7 @@ class GoodSamples:
 
     def _heard(self, name: str) -> _Input:
         now = self._clock()
-        found = self._inputs.setdefault(name, _Input(now, now))
+        found = self._inputs.setdefault(name, _Input(now, now, longest=self._longest.get(name, 0.0)))
         found.last = now
         return found
 

@@ -49,7 +49,7 @@ class CommandEncoder:
 
     def commands(self, stamps: Sequence[int], commands: Sequence[Command]) -> list[bytes]:
         """As `command`, at each stamp [ns]."""
-        given = np.array([command.values for command in commands]).reshape(-1, len(COMMAND_JOINTS))
+        given = np.array(commands).reshape(-1, len(COMMAND_JOINTS))
         if not np.isfinite(given).all():
             for name, value in zip(_NAMES, given[~np.isfinite(given).all(axis=1)][0].tolist(), strict=True):
                 finite_number(RIG_COMMAND, name, value)
@@ -78,10 +78,11 @@ def read_command(state: JointState) -> Command:
         raise MessageError(
             f"expected the weight on bit as effort of the joint {BIT_AXIAL!r} of a /rig/command, found a joint 'bit'"
         )
-    if not set(state.names) & set(COMMAND_JOINTS):
+    if not any(name in COMMAND_JOINTS for name in state.names):
         found = ", ".join(state.names) or "none"
         raise MessageError(f"expected a joint of {', '.join(COMMAND_JOINTS)} in a /rig/command, found {found}")
-    velocity, effort = (dict(zip(state.names, part.tolist(), strict=False)) for part in (state.velocity, state.effort))
+    velocity = dict(zip(state.names, state.velocity.tolist(), strict=False))
+    effort = dict(zip(state.names, state.effort.tolist(), strict=False))
     weight, block = effort.get(BIT_AXIAL, math.nan), velocity.get(BLOCK, math.nan)
     rests = math.isnan(block) and not math.isnan(weight)
     return Command(weight, velocity.get(TOP_DRIVE, math.nan), 0.0 if rests else block)

@@ -134,7 +134,8 @@ class CommandArbiter:
             refusal = self._refuse("other_source", self._belongs_to_another(given, mine, what))
         try:
             bases = ["" if source is None else self._base(quantity, source, stamp) for quantity in mine]
-            command = command.part([name for quantity in mine for name in quantity.fields])
+            if len(mine) < len(given):
+                command = command.part([name for quantity in mine for name in quantity.fields])
             if left_out and len(mine) == len(given):
                 refusal = self._refuse("block", left_out)
             self._limits.check(command)
@@ -162,14 +163,14 @@ class CommandArbiter:
         Raises:
             CommandError: The stamp cannot be used.
         """
-        now = self._stamps.now()
-        if quantity.is_before_reset(source, stamp, now, self._stamps.period):
+        if quantity.is_before_reset(source, stamp, self._stamps):
             raise CommandError(
                 "before_reset",
-                f"stamp: expected simulated time ({seconds(now):g} s) since it went back, found {seconds(stamp):g} s, "
-                "of the run before; stamp by /clock",
+                f"stamp: expected simulated time ({seconds(self._stamps.now()):g} s) since it went back, "
+                f"found {seconds(stamp):g} s, of the run before; stamp by /clock",
             )
-        base = self._stamps.base(stamp, quantity.kept_base(source))
+        kept = quantity.kept_base(source)
+        base = self._stamps.base(stamp, kept) or kept
         quantity.hear(source, stamp, base)
         return base
 

@@ -4,7 +4,7 @@
 import math
 import time
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 from drill_twin.core.errors import DrillTwinError
 from drill_twin.io.messages.stamps import NANOSECONDS, seconds
@@ -60,22 +60,24 @@ class CommandLimits:
             ("speed of the block", command.block, self.block, 1.0, "m/s"),
         )
         for name, value, (low, high), unit, symbol in checks:
+            if low <= value <= high or math.isnan(value):
+                continue
             found = f"found {value / unit:g} {symbol}"
             if math.isinf(value):
                 raise CommandError("not_finite", f"{name}: expected a finite number, {found}")
-            if not (math.isnan(value) or low <= value <= high):
-                expected = f"expected {low / unit:g} to {high / unit:g} {symbol}"
-                raise CommandError("out_of_range", f"{name}: {expected}, {found}")
+            expected = f"expected {low / unit:g} to {high / unit:g} {symbol}"
+            raise CommandError("out_of_range", f"{name}: {expected}, {found}")
 
     def without_block(self, command: Command) -> tuple[Command, str]:
         """The command without a speed of the block that is not followed, and a sentence on the speed unless it is 0."""
-        if not self.block_not_followed or math.isnan(command.block):
+        rests = command.block == 0.0 and not math.isnan(command.weight_on_bit)
+        if not self.block_not_followed or math.isnan(command.block) or rests:
             return command, ""
         told = (
             f"speed of the block: expected none, since {self.block_not_followed}, found {command.block:g} m/s; "
             "the other set-points are followed"
         )
-        without = replace(command, block=math.nan if math.isnan(command.weight_on_bit) else 0.0)
+        without = command._replace(block=math.nan if math.isnan(command.weight_on_bit) else 0.0)
         return without, told if command.block else ""
 
 

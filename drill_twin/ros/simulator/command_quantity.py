@@ -6,7 +6,7 @@ from collections import deque
 from collections.abc import Callable
 from types import SimpleNamespace
 
-from drill_twin.ros.simulator.command_limits import SIMULATED
+from drill_twin.ros.simulator.command_limits import SIMULATED, CommandStamps
 from drill_twin.scene.set_points.command import Command
 
 _AT_A_RATE = 3  # commands in a row, from which their source is expected to send on
@@ -61,6 +61,7 @@ class CommandQuantity:
         """Stamp [ns] of the last command of the source, followed or refused; lockstep waits for it."""
         self.good = self.applied = command.part(self.fields)
         """The last good set-point, and the one applied at present, which may be a point of a ramp."""
+        self._followed: Command | None = None  # the last one, which comes again and again
         self._last_time = self._source_time = self._clock()
         self._ramped, self._ramp_left = False, 0.0
         self._number, self._turns = -1, deque[float](maxlen=2)
@@ -69,35 +70,37 @@ class CommandQuantity:
 
     def is_in(self, command: Command) -> bool:
         """True where a command has a set-point of this quantity."""
-        return not all(map(math.isnan, command.part(self.fields).values))
+        return any(not math.isnan(getattr(command, name)) for name in self.fields)
 
     def belongs_to_another(self, source: str | None) -> bool:
         """True while a source has this quantity that is not the given one."""
-        heard = self._clock() - self._source_time <= self._settings.command_timeout
-        return heard and self.source not in {None, source}
+        taken = self.source is not None and self.source != source
+        return taken and self._clock() - self._source_time <= self._settings.command_timeout
 
     def kept_base(self, source: str) -> str:
         """Time base that a source has to keep to; empty where its next stamp sets it."""
         return self.base if source == self.source and not self.silent else ""
 
-    def is_before_reset(self, source: str, stamp: int, now: int, period: int) -> bool:
+    def is_before_reset(self, source: str, stamp: int, stamps: CommandStamps) -> bool:
         """True where a command was under way when time went back: its source has not stamped an earlier time since.
 
         The stamp of the next frame may have been the last one of the run before.
         """
         before, last = self._before
-        return before == source and now < last <= stamp and stamp > now + period
+        return before == source and (now := stamps.now()) < last <= stamp and stamp > now + stamps.period
 
     def hear(self, source: str, stamp: int, base: str) -> None:
         """Note a command of a source that may send, before its set-points are judged."""
         self.last_stamp, self._before = stamp, (None, -1)
         if source == self.source:
-            self.base, self._source_time = base or self.kept_base(source), self._clock()
+            self.base, self._source_time = base, self._clock()
 
     def follow(self, command: Command, source: str | None, base: str = "", number: int = 0) -> None:
         """Follow a good command; `source` is None for a single value."""
-        self.good = command.part(self.fields).completed(self.applied if self.ramps else self.good)
-        follows = not self.silent or self._frames < _FRAMES
+        if command != self._followed or self.ramps:
+            self.good = command.part(self.fields).completed(self.applied if self.ramps else self.good)
+            self._followed = command
+        follows = self._frames < _FRAMES or not self.silent
         self._in_a_row, self._frames = 0 if source is None else self._in_a_row * follows + 1, 0
         self.by_hand, self._last_time = source is None, self._clock()
         if source is None:

@@ -5,8 +5,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Collection
-from dataclasses import dataclass, replace
-from typing import Self
+from typing import NamedTuple, Self
 
 import numpy as np
 
@@ -16,8 +15,7 @@ QUANTITIES = {"weight on bit": ("weight_on_bit", "block"), "top-drive speed": ("
 """Quantities that may have a commander each, with the set-points that belong together."""
 
 
-@dataclass(frozen=True, slots=True)
-class Command:
+class Command(NamedTuple):
     """Set-points of the rig; NaN where a command has none.
 
     A command that is made from other commands is made by a method of this class. Code elsewhere that names single
@@ -31,30 +29,25 @@ class Command:
     block: float = 0.0
     """Speed of the travelling block [m/s], positive upwards; of a scene with `rig.block`."""
 
-    @property
-    def values(self) -> tuple[float, float, float]:
-        """All set-points in the order of the fields, which arrays of set-points have too, shape (3,) or (F, 3)."""
-        return self.weight_on_bit, self.rotation, self.block
-
     def is_finite(self) -> bool:
         """Check that all set-points are finite numbers."""
-        return all(map(math.isfinite, self.values))
+        return all(map(math.isfinite, self))
 
     def array(self) -> Array:
         """The set-points as the time loop takes them, shape (3,)."""
-        return np.array(self.values)
+        return np.array(self)
 
     def completed(self, other: Self) -> Self:
         """This command, with the set-points of another command where its own are not finite: NaN is no set-point."""
-        pairs = zip(self.values, other.values, strict=True)
-        return type(self)(*(own if math.isfinite(own) else spare for own, spare in pairs))
+        pairs = zip(self, other, strict=True)
+        return self._make([own if math.isfinite(own) else spare for own, spare in pairs])
 
     def mixed(self, other: Self, share: float) -> Self:
         """The command at a share of the way from this command to another."""
-        pairs = zip(self.values, other.values, strict=True)
-        return type(self)(*(own + share * (wanted - own) for own, wanted in pairs))
+        pairs = zip(self, other, strict=True)
+        return self._make([own + share * (wanted - own) for own, wanted in pairs])
 
     def part(self, names: Collection[str]) -> Self:
         """The set-points of these names alone."""
-        none = type(self)(math.nan, math.nan, math.nan)
-        return replace(none, **{name: getattr(self, name) for name in names})
+        named = zip(self._fields, self, strict=True)
+        return self._make([value if name in names else math.nan for name, value in named])

@@ -125,8 +125,8 @@ class Schedule:
         return Command(self.weight_on_bit(time), self.rotation(time), self.block(time) if self.block else 0.0)
 
     def over(self, times: Iterable[float]) -> Array:
-        """Set-points at times [s] from the start of the run, as `Command.values`, shape (F, 3)."""
-        return np.array([self.at(time).values for time in times]).reshape(-1, 3)
+        """Set-points at times [s] from the start of the run, as a `Command`, shape (F, 3)."""
+        return np.array([self.at(time) for time in times]).reshape(-1, 3)
 
 
 def record_of(scene: Scene) -> Table:

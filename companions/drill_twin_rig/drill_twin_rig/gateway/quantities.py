@@ -139,7 +139,7 @@ class TwinQuantities:
         self._bit_motion = StickSlip()
         self.values: dict[str, float] = {}
         """Values by name [SI]; a quantity that does not exist in this run is missing."""
-        self.samples = GoodSamples(clock, on_change=(WHIRL_ONSET, ADVICE_MAP))
+        self.samples = GoodSamples(clock, on_change=(WHIRL_ONSET, ADVICE_MAP), longest={ADVICE_STATE: 1.0})
         """Good and bad samples by topic."""
         self.stamp = 0
         """Stamp of the last `/rig/state` [ns]."""

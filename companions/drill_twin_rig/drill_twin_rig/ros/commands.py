@@ -3,7 +3,6 @@
 
 import threading
 from collections.abc import Mapping
-from dataclasses import replace
 
 from drill_twin.io.messages.rig_messages import CommandEncoder
 from drill_twin.io.messages.topics import RIG_COMMAND
@@ -45,8 +44,7 @@ class CommandOutput:
         with self._lock:
             if self.command is None:
                 return
-            self.command = replace(
-                self.command,
+            self.command = self.command._replace(
                 weight_on_bit=wanted.get("weight_on_bit", self.command.weight_on_bit),
                 rotation=wanted.get("surface_rotation", self.command.rotation),
             )

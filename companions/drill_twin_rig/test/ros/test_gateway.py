@@ -176,7 +176,8 @@ def test_node_opcua_reads_the_same(twin):
 def test_a_twin_that_falls_silent_leaves_uncertain_values_and_comes_back(twin):
     twin.simulator.send(signal.SIGSTOP)
     try:
-        twin.until_status("gateway", lambda status: "silent" in status.text)
+        status = twin.until_status("gateway", lambda status: "WOB" in status.values["stale"].split())
+        assert "the twin is silent" in status.text
         time.sleep(0.3)
         read = client("read", twin.url)
         assert read["WOB"]["status"] == UNCERTAIN

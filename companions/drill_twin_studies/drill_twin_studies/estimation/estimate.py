@@ -197,7 +197,7 @@ class FilterWindow:
     """Set-points and measured samples of a window of time.
 
     Attributes:
-        commands: Set-points at the end of each frame, as `Command.values`, shape (F, 3).
+        commands: Set-points at the end of each frame, as a `Command`, shape (F, 3).
         measured: Samples by channel, shape (S,) each; NaN where there is none.
         weights: Share of each frame in the time of a sample, of the C channels, shape (C, `WindowTiming.tail` + F, S):
             the frames of a member times the weights are compared with the samples; 0 where there is no sample.

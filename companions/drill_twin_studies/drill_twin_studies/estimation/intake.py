@@ -4,7 +4,6 @@
 import math
 from collections import Counter, deque
 from collections.abc import Collection, Mapping, Sequence
-from dataclasses import fields
 
 import numpy as np
 
@@ -15,7 +14,7 @@ from drill_twin.scene.set_points import Command, Schedule
 from drill_twin_studies.estimation.estimate import REACH, FilterWindow, WindowTiming
 from drill_twin_studies.estimation.subs import SubIntake
 
-SET_POINTS = tuple(field.name for field in fields(Command))
+SET_POINTS = Command._fields
 """Names of the set-points among the values of a sample [N], [rad/s], [m/s]: the fields of `Command`."""
 _GAP = 5.0
 """Time without a sample [s] that is followed without measurement; a longer time is a jump of the clock; not

@@ -4,7 +4,6 @@
 import math
 from collections.abc import Callable
 from concurrent.futures import Future, ThreadPoolExecutor
-from dataclasses import asdict
 from functools import partial
 from types import SimpleNamespace
 from typing import TypeVar
@@ -202,7 +201,7 @@ class Estimator(TwinNode):
         self.get_logger().info(f"{len(following.filter.members)} members of {following.scene.name} follow the rig")
 
     def _on_command(self, state: JointState) -> None:
-        known = {name: value for name, value in asdict(read_command(state)).items() if math.isfinite(value)}
+        known = {name: value for name, value in read_command(state)._asdict().items() if math.isfinite(value)}
         self.samples.take(RIG_COMMAND, finite=bool(known))
         self._set_points |= known
 
