@@ -12,7 +12,6 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
-from scipy.interpolate import CubicHermiteSpline
 
 from drill_twin.core.arrays import Array
 from drill_twin.dynamics.twin.frame import Frame
@@ -102,6 +101,9 @@ class StringTransforms:
     """Poses of the bit, of the marks and of the sensors of the subs of one string, in the hole."""
 
     def __init__(self, geometry: StringGeometry) -> None:
+        from scipy.interpolate import CubicHermiteSpline  # 30 MB, which a node without transforms does not need
+
+        self._spline = CubicHermiteSpline
         self._hole = geometry.frame_id
         fixed = (BIT, *geometry.mark_names)
         subs = [sub for sub in geometry.subs if sub.name not in {FRAME_ID, RIG_FRAME, *fixed}]  # a frame has one parent
@@ -126,7 +128,7 @@ class StringTransforms:
         at = len(spin) - self._subs.size
         x, y, z, w = turns[at:].T
         outwards = np.stack((1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y + z * w), 2.0 * (x * z - y * w)), axis=1)
-        sensors = CubicHermiteSpline(self._nodes, frame.positions, frame.tangents)(self._subs)
+        sensors = self._spline(self._nodes, frame.positions, frame.tangents)(self._subs)
         sensors += self._radius[:, None] * outwards
         places = np.concatenate((frame.positions[:1], self._true.marks(frame.marks.position), sensors))
         return [Transform(self._hole, *row) for row in zip(self._names, places, turns, strict=True)]
