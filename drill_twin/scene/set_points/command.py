@@ -39,13 +39,11 @@ class Command(NamedTuple):
 
     def completed(self, other: Self) -> Self:
         """This command, with the set-points of another command where its own are not finite: NaN is no set-point."""
-        pairs = zip(self, other, strict=True)
-        return self._make([own if math.isfinite(own) else spare for own, spare in pairs])
+        return self._make([own if math.isfinite(own) else spare for own, spare in zip(self, other, strict=True)])
 
     def mixed(self, other: Self, share: float) -> Self:
         """The command at a share of the way from this command to another."""
-        pairs = zip(self, other, strict=True)
-        return self._make([own + share * (wanted - own) for own, wanted in pairs])
+        return self._make([own + share * (wanted - own) for own, wanted in zip(self, other, strict=True)])
 
     def part(self, names: Collection[str]) -> Self:
         """The set-points of these names alone."""
