@@ -5,7 +5,7 @@ import pytest
 from lifecycle_msgs.msg import Transition
 from lifecycle_msgs.srv import ChangeState, GetState
 
-from drill_twin.io.messages.topics import CLOCK_TOPIC, DIAGNOSTICS, STRING_POSES
+from drill_twin.io.messages.topics import CLOCK_TOPIC, DIAGNOSTICS, RIG_COMMAND, STRING_POSES
 from drill_twin.ros.entry_points import node_names
 
 
@@ -50,6 +50,21 @@ def test_a_manager_configures_activates_deactivates_cleans_up_and_ends_it(bench)
     assert _set(bench, Transition.TRANSITION_ACTIVE_SHUTDOWN)
     assert process.wait() == 0, process.text
     assert "Traceback" not in process.text
+
+
+def test_a_driver_at_rest_commands_nothing_although_the_clock_goes_on(bench):
+    commands = bench.collect(RIG_COMMAND)
+    bench.start("simulator")
+    bench.start("rig_driver")
+    bench.until(lambda: len(commands) > 20, what="set-points")
+    assert _set(bench, Transition.TRANSITION_DEACTIVATE, "rig_driver")
+    clocks = bench.collect(CLOCK_TOPIC)
+    bench.until(lambda: len(clocks) > 20, what="time to run on, with the last set-point")
+    still = len(commands)
+    bench.until(lambda: len(clocks) > 120, what="a second of the run")
+    assert len(commands) == still
+    assert _set(bench, Transition.TRANSITION_ACTIVATE, "rig_driver")
+    bench.until(lambda: len(commands) > still + 20, what="set-points again")
 
 
 def test_a_scene_that_cannot_be_built_leaves_it_unconfigured(bench):

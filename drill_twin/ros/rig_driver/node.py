@@ -146,7 +146,7 @@ class RigDriver(TwinNode):
         if not self._holds:
             self._holds = True
             self.publish_diagnostics()
-        if self._last is not None:
+        if self._last is not None and self.active:
             self._publish(0, self._last)
 
     def _repeat(self) -> None:
@@ -163,7 +163,7 @@ class RigDriver(TwinNode):
 
     def _send(self, clock: int) -> None:
         """Send the set-points for the end of the frame that begins at this time [ns]."""
-        if not self._drives:
+        if not self._drives or not self.active:  # the clock is latched, so it comes at rest too
             return
         end = within_range(clock + self._plan.period)
         by_clock = self.settings.follow == "clock"
