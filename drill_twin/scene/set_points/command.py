@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Collection
-from typing import NamedTuple, Self
+from typing import NamedTuple
 
 import numpy as np
 
@@ -37,15 +37,15 @@ class Command(NamedTuple):
         """The set-points as the time loop takes them, shape (3,)."""
         return np.array(self)
 
-    def completed(self, other: Self) -> Self:
+    def completed(self, other: Command) -> Command:
         """This command, with the set-points of another command where its own are not finite: NaN is no set-point."""
-        return self._make([own if math.isfinite(own) else spare for own, spare in zip(self, other, strict=True)])
+        return Command._make([own if math.isfinite(own) else spare for own, spare in zip(self, other, strict=True)])
 
-    def mixed(self, other: Self, share: float) -> Self:
+    def mixed(self, other: Command, share: float) -> Command:
         """The command at a share of the way from this command to another."""
-        return self._make([own + share * (wanted - own) for own, wanted in zip(self, other, strict=True)])
+        return Command._make([own + share * (wanted - own) for own, wanted in zip(self, other, strict=True)])
 
-    def part(self, names: Collection[str]) -> Self:
+    def part(self, names: Collection[str]) -> Command:
         """The set-points of these names alone."""
         named = zip(self._fields, self, strict=True)
-        return self._make([value if name in names else math.nan for name, value in named])
+        return Command._make([value if name in names else math.nan for name, value in named])

@@ -18,7 +18,7 @@ import sys
 from collections import Counter
 from collections.abc import Iterator, Sequence
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from pydantic import ValidationError
@@ -47,6 +47,8 @@ TOLERANCES = ("auto", 1e-7, 1e-9)
 HALVINGS = 3
 """A scene whose energy balance does not close to a tenth of the energy in motion, or to which a dissipative effect adds
 energy, runs again with these tolerances of Newton's method, and then with the step halved, at most so often."""
+FINER = (0, 2, 4, 6, 8)
+"""Halvings of the step with which `--look` runs a scene."""
 ROUND = 1000
 """Scenes of a round: all sets take their turn in each, so that a part of the campaign holds every set."""
 REASONS = {
@@ -77,8 +79,7 @@ class Result(NamedTuple):
 
 def result_of(number: int) -> Result:
     """Run a scene of the campaign; where its energy is not accounted for, again with a finer iteration and step."""
-    data = drawn(Tape(np.random.default_rng(number).bytes(BYTES)).draw, SETS[number % len(SETS)])
-    data["numerics"]["audit"] = "energy"
+    data = scene_data(number)
     try:
         scene = Scene.model_validate(data)
     except ValidationError as error:
@@ -96,6 +97,28 @@ def result_of(number: int) -> Result:
         if result.reason != NOT_BALANCED and not result.reason.endswith(GAINED):
             break
     return result
+
+
+def scene_data(number: int) -> dict[str, Any]:
+    """Scene of a number, with the energy audit, as plain data."""
+    data: dict[str, Any] = drawn(Tape(np.random.default_rng(number).bytes(BYTES)).draw, SETS[number % len(SETS)])
+    data["numerics"]["audit"] = "energy"
+    return data
+
+
+def look(number: int) -> str:
+    """The error of a scene's energy at ever finer steps: it falls with the step, or it has another cause."""
+    data, lines = scene_data(number), []
+    step = Twin(Scene.model_validate(data)).step_size
+    data["numerics"]["tolerance"] = TOLERANCES[-1]
+    for halvings in FINER:
+        data["numerics"]["step"] = min(step * 0.5**halvings, 0.1) if halvings else "auto"
+        found = run_scene(number, Scene.model_validate(data), 0)
+        lines.append(
+            f"scene {number}, step / {2**halvings}: {found.outcome} {found.reason}, {found.steps} steps, energy error "
+            f"{found.energy:.2g}"
+        )
+    return "\n".join(lines)
 
 
 def run_scene(number: int, scene: Scene, refined: int) -> Result:
@@ -200,7 +223,11 @@ def main(words: Sequence[str] | None = None) -> int:
     parser = argparse.ArgumentParser(description=str(__doc__).partition("\n")[0])
     parser.add_argument("--scenes", type=int, default=10_000, help="number of scenes")
     parser.add_argument("--results", type=Path, default=Path("out/random_scenes.jsonl"), help="file of results")
+    parser.add_argument("--look", type=int, nargs="+", help="numbers of scenes to run at ever finer steps instead")
     given = parser.parse_args(words)
+    if given.look:
+        print(*map(look, given.look), sep="\n")
+        return 0
     results = run(given.scenes, given.results)
     print(report(results))
     count = Counter(result.outcome for result in results)
