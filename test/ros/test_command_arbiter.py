@@ -6,6 +6,7 @@ from types import SimpleNamespace
 
 import pytest
 
+from drill_twin.core.errors import ParameterError
 from drill_twin.ros.simulator.command_arbiter import CommandArbiter
 from drill_twin.ros.simulator.command_limits import CommandError, CommandStamps, limits_for
 from drill_twin.scene import load_scene
@@ -358,3 +359,10 @@ def test_what_is_applied_during_a_ramp_is_not_the_last_command(make, clock):
     arbiter.set_point(1.0)
     assert arbiter.applied == Command(30.0, 9.0)
     assert arbiter.good == Command(40.0, 12.0)
+
+
+def test_a_safe_set_point_beyond_the_limits_is_refused(make):
+    for beyond in ({"safe_weight_on_bit": 500.0}, {"safe_weight_on_bit": -50.0}, {"safe_speed": 30.0 * TURN}):
+        with pytest.raises(ParameterError, match=r"safe_weight_on_bit, safe_speed: .* expected 0 to"):
+            make(**beyond)
+    make(safe_weight_on_bit=-50.0, negative_commands=True)

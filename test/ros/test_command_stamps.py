@@ -10,9 +10,9 @@ from rclpy.qos import DurabilityPolicy, QoSProfile
 from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import JointState
 
-from drill_twin.io.messages.decode import read_string
+from drill_twin.io.messages.decode import read_clock, read_string
 from drill_twin.io.messages.diagnostics import Level
-from drill_twin.io.messages.topics import COMMANDER, RIG_STATE
+from drill_twin.io.messages.topics import CLOCK_TOPIC, COMMANDER, RIG_STATE
 
 FRAME = 10_000_000  # ns
 
@@ -126,6 +126,21 @@ def test_a_command_under_way_from_before_a_reset_does_not_begin_the_new_run(benc
     assert status.values["frames"] == "0"
     stamp[0] = FRAME
     bench.until_status("simulator", lambda status: status.values["frames"] == "1")
+    assert simulator.end() == 0, simulator.text
+
+
+def test_a_commander_may_change_to_the_wall_clock_when_time_goes_back(bench):
+    clocks = bench.collect(CLOCK_TOPIC)
+    simulator = bench.start("simulator")
+    stamp = [lambda: read_clock(clocks[-1]) + FRAME if clocks else FRAME]
+    commander = Commander(bench, "/own", stamp=lambda: stamp[0]())  # noqa: PLW0108 - it changes
+    until_applied(bench, 20.0, 6.0 / math.tau)
+    bench.until_status("simulator", lambda status: number(status, "simulated_time") > 2.0)
+    stamp[0] = time.time_ns
+    assert bench.call("/simulator/reset").success
+    commander.weight = 10.0
+    status = until_applied(bench, 10.0, 6.0 / math.tau)
+    assert number(status, "simulated_time") < 2.0  # no need to pass the time of before
     assert simulator.end() == 0, simulator.text
 
 

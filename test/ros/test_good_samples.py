@@ -197,16 +197,19 @@ def test_each_node_says_that_the_simulator_is_silent(bench):
 
 
 def test_each_node_says_that_its_input_has_never_come_unless_it_is_inactive(bench):
+    pytest.importorskip("asyncua")
     asked = "is a simulator running in this namespace and domain?"
     told = {
         "advisor": f"no message on {TWIN_SCENE} for 6 s: {asked}",
         "analyzer": f"no message on {TWIN_SCENE} for 6 s: {asked}",
         "estimator": f"no message on {MEASURED_RIG_STATE} for 6 s: is a gateway running in this namespace and domain?",
+        "gateway": "any of 9 topics for 6 s: is a twin running in this namespace and domain?",
         "recorder": "any of 14 topics for 6 s: is a twin running in this namespace and domain?",
         "rig_driver": f"no message on {CLOCK_TOPIC} for 6 s: {asked}",
         "watch": f"no message on {TWIN_SCENE} for 6 s: {asked}",
     }
-    given = {"estimator": {"members": 4, "overrides": COARSE, "show": False}, "recorder": {"bag": "bag_0"}}
+    given = {"estimator": {"members": 4, "overrides": COARSE, "show": False}, "recorder": {"bag": "bag_0"},
+        "gateway": {"port": free_port()}}  # fmt: skip
     nodes = [bench.start(name, **given.get(name, {})) for name in told if name != "watch"]
     nodes.append(bench.start_with(["--no-browser", "--port", "0"], "watch"))
     idle = bench.start("analyzer", "-r", "__node:=idle", autostart=False)
@@ -216,7 +219,7 @@ def test_each_node_says_that_its_input_has_never_come_unless_it_is_inactive(benc
     for name, text in told.items():
         status = bench.until_status(name, lambda status: status.level == Level.WARN)
         assert re.sub(r" for \d+ s", " for 6 s", status.text).endswith(text), status
-        assert name in {"recorder", "watch"} or any(
+        assert name in {"recorder", "watch", "gateway"} or any(
             "waiting for" in one.text for one in bench.history if one.name == name
         )
     row = TOPICS[TWIN_SCENE]
@@ -232,9 +235,11 @@ def test_each_node_says_that_its_input_has_never_come_unless_it_is_inactive(benc
 
 
 def test_a_pause_is_no_fault_and_the_end_of_a_paused_simulator_is_one(bench):
+    pytest.importorskip("asyncua")
     nodes = {
         "analyzer": bench.start("analyzer"),
         "recorder": bench.start("recorder", bag=str(bench.folder / "bag_0")),
+        "gateway": bench.start("gateway", port=free_port(), use_sim_time=True),
         "estimator": bench.start("estimator", "-r", f"measured/rig/state:={RIG_STATE[1:]}", members=4, show=False,
             horizon=0.0, overrides=COARSE,
         ),

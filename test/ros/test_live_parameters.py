@@ -85,7 +85,8 @@ def test_limits_of_the_simulator_are_live_and_described(bench):
     command.publish(encoder.command(0, Command(60.0, 6.0)))
     bench.until_status("simulator", lambda status: status.values["weight_on_bit"] == "60")
     for name, value in (("command_timeout", -1.0), ("on_silence", "explode"), ("pace", "fast"), ("step_frames", 0),
-                        ("max_speed", 12.0), ("max_speed", "700 rev/s")):  # fmt: skip
+                        ("max_speed", 12.0), ("max_speed", "700 rev/s"), ("safe_weight_on_bit", "80 N"),
+                        ("safe_speed", "130 rpm")):  # fmt: skip
         assert not bench.set_parameter("simulator", name, value).successful, name
     # Silence counts by the new limit, and the ramp ends at the new safe set-point.
     for name, value in (("safe_ramp_time", 0.2), ("on_silence", "ramp"), ("command_timeout", "300 ms")):

@@ -6,7 +6,7 @@ from __future__ import annotations
 import math
 import time
 from collections import Counter, deque
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Callable, Collection
 from dataclasses import dataclass, field
 from statistics import median
 
@@ -51,21 +51,16 @@ class GoodSamples:
     long.
     """
 
-    def __init__(
-        self,
-        clock: Callable[[], float] = time.monotonic,
-        *,
-        on_change: Collection[str] = (),
-        longest: Mapping[str, float] | None = None,
-    ) -> None:
+    def __init__(self, clock: Callable[[], float] = time.monotonic, *, on_change: Collection[str] = ()) -> None:
         """Start without samples.
 
         Args:
             clock: Monotonic time [s].
             on_change: Inputs that come on change only, whose silence is no fault.
-            longest: Longest intervals [s] of inputs that come on change and otherwise at this interval.
         """
-        self._clock, self._on_change, self._longest = clock, frozenset(on_change), longest or {}
+        self._clock, self._on_change = clock, frozenset(on_change)
+        self.longest: dict[str, float] = {}
+        """Longest intervals [s] of inputs that come on change and otherwise at this interval."""
         self._inputs: dict[str, _Input] = {}
         self._expected: dict[tuple[str, ...], float] = {}  # since when
         self._judged_from = -math.inf
@@ -151,7 +146,7 @@ class GoodSamples:
 
     def _heard(self, name: str) -> _Input:
         now = self._clock()
-        found = self._inputs.setdefault(name, _Input(now, now, longest=self._longest.get(name, 0.0)))
+        found = self._inputs.setdefault(name, _Input(now, now, longest=self.longest.get(name, 0.0)))
         found.last = now
         return found
 

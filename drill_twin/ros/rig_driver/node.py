@@ -208,5 +208,5 @@ class RigDriver(TwinNode):
             **self.samples.values(),
         }
         rivals = f"more than one driver: {', '.join(drivers)}" if len(drivers) > 1 else ""
-        state = "the schedule is over; holding" if over else "driving"
+        state = self.not_ready() or ("the schedule is over; holding" if over else "driving")
         return self.status(values, (Level.WARN, rivals), self.samples.verdict(), (Level.OK, state))

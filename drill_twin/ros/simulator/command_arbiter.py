@@ -14,7 +14,7 @@ from collections.abc import Callable, Mapping
 from types import SimpleNamespace
 from typing import Any
 
-from drill_twin.core.errors import MessageError, shortened
+from drill_twin.core.errors import MessageError, ParameterError, shortened
 from drill_twin.io.messages.decode import JointStateReader
 from drill_twin.io.messages.rig_messages import read_command
 from drill_twin.io.messages.stamps import seconds
@@ -76,12 +76,25 @@ class CommandArbiter:
 
     def set_limits(self) -> None:
         """Apply the limits of the settings."""
-        self._limits = limits_for(
+        self._limits = self.limits_of(self._settings)
+
+    def limits_of(self, settings: SimpleNamespace) -> CommandLimits:
+        """Limits of settings.
+
+        Raises:
+            ParameterError: The safe set-point is outside them.
+        """
+        limits = limits_for(
             self._scene,
-            max_weight_on_bit=self._settings.max_weight_on_bit,
-            max_speed=self._settings.max_speed,
-            negative=self._settings.negative_commands,
+            max_weight_on_bit=settings.max_weight_on_bit,
+            max_speed=settings.max_speed,
+            negative=settings.negative_commands,
         )
+        try:
+            limits.check(Command(settings.safe_weight_on_bit, settings.safe_speed))
+        except CommandError as error:
+            raise ParameterError(f"parameters safe_weight_on_bit, safe_speed: {error}, beyond the limits") from error
+        return limits
 
     @property
     def limits(self) -> CommandLimits:

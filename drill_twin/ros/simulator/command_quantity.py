@@ -6,6 +6,7 @@ from collections import deque
 from collections.abc import Callable
 from types import SimpleNamespace
 
+from drill_twin.io.messages.stamps import NANOSECONDS
 from drill_twin.ros.simulator.command_limits import SIMULATED, CommandStamps
 from drill_twin.scene.set_points.command import Command
 
@@ -87,7 +88,8 @@ class CommandQuantity:
         The stamp of the next frame may have been the last one of the run before.
         """
         before, last = self._before
-        return before == source and (now := stamps.now()) < last <= stamp and stamp > now + stamps.period
+        under_way = before == source and last <= stamp <= last + NANOSECONDS  # later ones are of another clock
+        return under_way and (now := stamps.now()) < last and stamp > now + stamps.period
 
     def hear(self, source: str, stamp: int, base: str) -> None:
         """Note a command of a source that may send, before its set-points are judged."""

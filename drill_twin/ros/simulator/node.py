@@ -253,7 +253,9 @@ class Simulator(TwinNode):
         return self._control.simulation.complete
 
     def check_change(self, settings: SimpleNamespace) -> None:
-        """Refuse the file of a checkpoint outside the folders that were named at the start."""
+        """Refuse a checkpoint outside the folders named at the start, and a safe set-point beyond the limits."""
+        if self._is_built:
+            self._control.simulation.commands.limits_of(settings)
         for path in filter(None, (settings.checkpoint, settings.saved_checkpoint)):
             self._places.file(path)
 

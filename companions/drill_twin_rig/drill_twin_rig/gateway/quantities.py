@@ -128,18 +128,15 @@ def measured_dimension(quantity: str) -> Dimension:
 class TwinQuantities:
     """Latest value of each quantity [SI], and the age of the last good sample of its topic."""
 
-    def __init__(self, clock: Callable[[], float]) -> None:
-        """Start without values.
-
-        Args:
-            clock: Monotonic time [s].
-        """
+    def __init__(self, samples: GoodSamples) -> None:
+        """Start without values; what comes is noted in samples by topic."""
         self._marks: JointState | None = None
         self._bit: tuple[float, float] | None = None
         self._bit_motion = StickSlip()
         self.values: dict[str, float] = {}
         """Values by name [SI]; a quantity that does not exist in this run is missing."""
-        self.samples = GoodSamples(clock, on_change=(WHIRL_ONSET, ADVICE_MAP), longest={ADVICE_STATE: 1.0})
+        self.samples = samples
+        samples.longest[ADVICE_STATE] = 1.0
         """Good and bad samples by topic."""
         self.stamp = 0
         """Stamp of the last `/rig/state` [ns]."""

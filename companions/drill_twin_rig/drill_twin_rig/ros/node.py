@@ -19,7 +19,7 @@ from std_srvs.srv import Trigger
 from drill_twin.core.errors import MessageError, ParameterError, missing
 from drill_twin.core.loopback import is_loopback
 from drill_twin.io.messages.diagnostics import Level, Status
-from drill_twin.io.messages.topics import DIAGNOSTICS, RIG_STATE, TOPICS, TWIN_SCENE
+from drill_twin.io.messages.topics import ADVICE_MAP, DIAGNOSTICS, RIG_STATE, TOPICS, TWIN_SCENE, WHIRL_ONSET
 from drill_twin.ros.core.diagnostics_publisher import hardware_id
 from drill_twin.ros.core.node import AUTOSTART, TwinNode
 from drill_twin.ros.core.parameters import Parameter
@@ -89,6 +89,9 @@ class Gateway(TwinNode):
         ("~/grant_control", "~/withdraw_control"),
     )
 
+    ON_CHANGE = (WHIRL_ONSET, ADVICE_MAP, TWIN_SCENE)
+    TIMED_BY = RIG_STATE
+
     _server: OpcUaServer
     """Server; made by `configure`."""
     _rig: RigLink | None = None
@@ -101,7 +104,7 @@ class Gateway(TwinNode):
                 f"{self.settings.host}; make keys with drill-twin ros keys"
             )
         self._signals = read_signals(signals_path(self.settings.signals))
-        self._quantities = TwinQuantities(time.monotonic)
+        self._quantities = TwinQuantities(self.samples)
         self._output = CommandOutput(self, self._quantities)
         self._limits: Limits = {}
         self._refused_before = 0
@@ -120,6 +123,7 @@ class Gateway(TwinNode):
         for topic in topics | ({RIG_STATE} if self._signals.command or self._rig else set()):
             depth = 1 if TOPICS[topic].latched else _DEPTH
             self.topics.subscribe_raw(topic, partial(self._on_message, topic), depth=depth)
+        self.samples.expect(*topics)
         self.topics.subscribe(DIAGNOSTICS, self._on_diagnostics)
         self.topics.subscribe_scenes(self._on_scene)
         self.create_service(Trigger, "~/grant_control", self._desk.grant)
@@ -182,11 +186,11 @@ class Gateway(TwinNode):
 
     def _samples(self) -> dict[str, tuple[float, bool]]:
         """Value of each signal in its unit, where it has one, and whether its source is silent."""
-        values, samples, found = self._quantities.values, self._quantities.samples, {}
+        values, samples, found = self._quantities.values, self.samples, {}
         for signal in self._signals.show:
             if signal.quantity in values:
                 topic = QUANTITIES[signal.quantity].topic
-                is_stale = not TOPICS[topic].latched and samples.age(topic) > samples.patience(topic)
+                is_stale = not (TOPICS[topic].latched or samples.rests) and samples.age(topic) > samples.patience(topic)
                 found[signal.name] = values[signal.quantity] / signal.factor, is_stale
         return found
 
@@ -205,7 +209,7 @@ class Gateway(TwinNode):
             "holder": self._control.holder,
             "commands_sent": str(self._output.sent),
             **{f"refused_{kind}": str(count) for kind, count in server.sessions.refused.items()},
-            **self._quantities.samples.values(),
+            **self.samples.values(),
         }
         if command is not None:
             values |= {"weight_on_bit": f"{command.weight_on_bit:g}", "speed_rev_s": f"{command.rotation / math.tau:g}"}
@@ -236,11 +240,11 @@ class Gateway(TwinNode):
 
     def _silence(self, stale: Sequence[str]) -> tuple[Level, str]:
         """Level, and a sentence on signals without a value of late; empty where there is none."""
-        level, text = self._quantities.samples.verdict()
+        level, text = self.samples.verdict()
         if not stale and level is Level.OK:
             return Level.OK, ""
         silent = "the twin is silent" if level in {Level.OK, Level.STALE} else ""
-        said = filter(None, (silent, text, f"{len(stale)} signals are marked uncertain"))
+        said = filter(None, (silent, text, f"{len(stale)} signals are marked uncertain" if stale else ""))
         return max(level, Level.WARN), ": ".join(said)
 
 

@@ -3,13 +3,14 @@
 
 from drill_twin.io.messages.cdr import JointStateTemplate
 from drill_twin.io.messages.diagnostics import Level
+from drill_twin.io.messages.good_samples import GoodSamples
 from drill_twin.io.messages.topics import ADVICE_STATE
 from drill_twin_rig.gateway.quantities import TwinQuantities
 
 
 def test_advice_that_changed_often_and_then_stays_is_not_silent():
     now = [0.0]
-    twin = TwinQuantities(lambda: now[0])
+    twin = TwinQuantities(GoodSamples(lambda: now[0]))
     names = ("target", "target/weight_on_bit", "target/rotation")
     advice = JointStateTemplate(names, velocity=False, effort=False).fill(0, [1.0, 40.0, 2.0])
     for _ in range(12):  # on change, ten times a second
