@@ -12,7 +12,7 @@ from drill_twin.core.errors import SceneError
 from drill_twin.core.units import parse
 from drill_twin.core.units.dimension import DENSITY as SOLID
 from drill_twin.core.units.dimension import LENGTH
-from drill_twin.physics.model.steel import COLLAR, GRADES, HEAVY_WEIGHT, LARGE_COLLAR, Steel
+from drill_twin.physics.model.steel import COLLAR, DEFAULT_GRADE, GRADES, HEAVY_WEIGHT, LARGE_COLLAR, Steel
 from drill_twin.scene.well_plan.catalogue import (
     ALUMINIUM,
     DENSITY,
@@ -175,7 +175,7 @@ def _jointed(row: Row, kind: str) -> dict[str, Any]:
             f"{row.place}: expected pipe of the catalogue, {named_sizes(kind, outer)}, found {_found(row)}; give "
             "another pipe as `tube`, with joints"
         )
-    grade = _one_of(row, "grade", NAMED) if kind == "pipe" else HEAVY_WEIGHT
+    grade = HEAVY_WEIGHT if kind == "heavy" else _one_of(row, "grade", NAMED) or GRADES[DEFAULT_GRADE]
     return _tube(outer, pipe.inner_diameter if math.isnan(inner) else inner, grade) | {
         "adjusted_mass": f"{pipe.adjusted_mass:.6g} kg/m", "blade_diameter": f"{pipe.joint_diameter:.10g} m",
         "make_up_torque": f"{pipe.make_up_torque:.6g} N m",
