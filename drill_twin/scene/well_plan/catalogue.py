@@ -9,6 +9,7 @@ size, good enough for a plan.
 from __future__ import annotations
 
 import math
+from operator import itemgetter
 from typing import Any, NamedTuple
 
 from drill_twin.core.units import parse
@@ -74,8 +75,8 @@ _CASING = (
     "18 5/8", "20",
 )  # fmt: skip
 """Outer diameters of API 5CT casing [in]; no bore of such casing is an outer diameter within `SAME`."""
-SAME = 1e-3
-"""Relative difference up to which a size of a tally counts as a size of the catalogue."""
+SAME, NEAR = 1e-3, 1e-2
+"""Relative differences up to which a size and a weight of a tally count as one of the catalogue."""
 ROUNDED = 0.05
 """Relative difference up to which weights of a tube are the same, rounded; with joints twice that."""
 
@@ -94,16 +95,20 @@ def find_pipe(kind: str, outer: float, inner: float, mass: float) -> Pipe | None
         inner: Bore [m]; NaN: not known.
         mass: Mass per length [kg/m], the nominal one or the one with joints, which is then kept; NaN: not known.
     """
-    sizes = [pipe for pipe in PIPES[kind] if same(pipe.outer_diameter, outer, SAME)]
-    if known := not math.isnan(inner):
-        tube = area(outer, inner)
+    sizes, sure = [pipe for pipe in PIPES[kind] if same(pipe.outer_diameter, outer, SAME)], kind == "heavy"
+    if not math.isnan(inner):
+        tube, sure = area(outer, inner), True
         sizes = [pipe for pipe in sizes if same(area(pipe.outer_diameter, pipe.inner_diameter), tube, ROUNDED)]
     if math.isnan(mass):
-        return sizes[0] if len(sizes) == 1 and (known or kind == "heavy") else None
-    share = 2.0 * ROUNDED if known else 10.0 * SAME
-    named = [pipe for pipe in sizes if kind == "pipe" and same(pipe.nominal_mass, mass, 10.0 * SAME)]
-    weighed = [pipe._replace(adjusted_mass=mass) for pipe in sizes if same(pipe.adjusted_mass, mass, share)]
-    return next(iter(named + weighed), None)
+        return sizes[0] if len(sizes) == 1 and sure else None
+    share = 2.0 * ROUNDED if sure else NEAR
+    fitting = [
+        (abs(own - mass), pipe._replace(adjusted_mass=kept))
+        for pipe in sizes
+        for own, kept, near in ((pipe.adjusted_mass, mass, share), (pipe.nominal_mass, pipe.adjusted_mass, NEAR))
+        if same(own, mass, near)
+    ]
+    return min(fitting, key=itemgetter(0), default=(0.0, None))[1]  # 24.8 lb/ft is no rounded 24.7 lb/ft
 
 
 def casing_size(diameter: float) -> str:

@@ -143,8 +143,7 @@ def _positive(row: Row, column: str, kind: str) -> float:
 def _kind(row: Row) -> str:
     """Kind of a row by the last words of what it is called: `6 1/2 in non-mag collars` is a collar."""
     words = row.text("kind").lower().replace("-", " ").split()
-    ends = ("_".join(words[at:]) for at in range(len(words)))
-    kind = next((KINDS[end] for end in ends if end in KINDS), None)
+    kind = next((KINDS[end] for at in range(len(words)) if (end := "_".join(words[at:])) in KINDS), None)
     if kind is None:
         known = ", ".join(word for word in KINDS if word[:-1] not in KINDS).replace("_", " ")
         raise SceneError(f'{row.place}, kind: expected one of {known}, found "{row.text("kind")[:40]}"')
@@ -156,8 +155,7 @@ def _piece(row: Row, length: float) -> TallyPiece:
     section: dict[str, Any] = {"name": row.text("name") or row.text("kind"), "length": f"{length:.10g} m"}
     section |= _jointed(row, kind) if kind in PIPES and not material else _made(row, kind, material)
     if kind == "stabiliser" or row.text("gauge"):
-        outer, gauge = parse(section["outer_diameter"], LENGTH), _positive(row, "gauge", "diameter")
-        if gauge < outer:
+        if (gauge := _positive(row, "gauge", "diameter")) < parse(section["outer_diameter"], LENGTH):
             raise SceneError(
                 f"{row.place}: expected a gauge, the diameter over the blades, of at least the od, found {_found(row)}"
             )

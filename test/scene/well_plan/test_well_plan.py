@@ -114,9 +114,26 @@ def test_a_contradiction_of_more_than_5_percent_is_a_sentence_with_both_numbers(
 
 
 def test_weights_that_differ_by_less_than_5_percent_are_no_contradiction(tmp_path: Path) -> None:
-    for row in ("tube,rest,5,4.276,17.2", "collar,rest,6.5,2.8125,95", "hwdp,rest,5,3,51", "dp,rest,5,4.276,22.6"):
+    for row in (
+        "tube,rest,5,4.276,17.2",
+        "collar,rest,6.5,2.8125,95",
+        "hwdp,rest,5,3,51",
+        "hwdp,rest,5,,50.5",
+        "dp,rest,5,4.276,22.6",
+    ):
         (section,) = made(tmp_path, tally=f"{HEADING}{row}\n").string.sections
         assert section.mass_per_length == pytest.approx(float(row.rpartition(",")[2]) * 0.45359237 / FOOT, rel=1e-6)
+
+
+@pytest.mark.parametrize(("row", "weight", "bore"), [
+    ("5.5,,24.7", 27.74, 4.67), ("5.5,,24.8", 24.8, 4.778), ("5.5,,21.9", 24.8, 4.778), ("5.5,4.778,24.7", 24.7, 4.778),
+    ("5.5,4.67,24.7", 27.74, 4.67), ("3.5,2.764,13.3", 14.06, 2.764), ("3.5,2.602,", 16.54, 2.602),
+])  # fmt: skip
+def test_weight_of_drill_pipe_is_nominal_or_with_joints(tmp_path: Path, row: str, weight: float, bore: float) -> None:
+    """Whichever is nearer; a bore tells the pipe."""
+    (section,) = made(tmp_path, tally=f"{HEADING}drill pipe,rest,{row}\n").string.sections
+    assert section.mass_per_length == pytest.approx(weight * 0.45359237 / FOOT, rel=1e-5)
+    assert section.inner_diameter == pytest.approx(bore * INCH)
 
 
 SIX = {
@@ -235,6 +252,7 @@ MISTAKES = {
     "wide pipe": ({"hole": "7 in"}, r'tally.csv, line 2 \("bit sub"\): .*take a smaller od, or correct hole'),
     "wide blades": ({"hole": "12 in"}, r'tally.csv, line 3 \("near-bit"\): .*take a smaller gauge, or correct hole'),
     "no gauge": ({"tally": TALLY.replace("12 1/8", "")}, r"tally.csv, line 3, gauge: .*found nothing"),
+    "small gauge": ({"tally": TALLY.replace("12 1/8", "7")}, r"line 3: .* at least the od, found .*, gauge 7 in"),
     "grade": ({"tally": TALLY.replace("S-135", "19.5")}, r'tally.csv, line 6, grade: .*S135.* found "19.5"; weights'),
     "size": ({"tally": TALLY.replace("19.5", "18.0")}, r"tally.csv, line 6: .*5 in 19.5 lb/ft.*weight 18.0 lb/ft"),
     "kind": ({"tally": TALLY.replace("hwdp", "wire")}, r'tally.csv, line 5, kind: .*found "wire"'),
