@@ -199,6 +199,8 @@ def new(
     """Make a scene from a well plan. In a terminal it asks for survey, tally and hole if they are not given."""
     from drill_twin.scene.lines import yaml_text
     from drill_twin.scene.well_plan.plan import WellPlan
+    from drill_twin.scene.well_plan.table import read_table
+    from drill_twin.scene.well_plan.tally import NAMES
 
     check_new(out, replace=replace)
     given = {"--survey": survey, "--tally": tally, "--hole": hole}
@@ -212,6 +214,8 @@ def new(
     )  # fmt: skip
     scene, data = plan.scene()
     write_file(out, "# SPDX-License-Identifier: Apache-2.0\n" + yaml_text(data))
+    if unread := read_table(plan.tally, NAMES, (), units)[0].unread:
+        remark(f"{tally}: not used: {', '.join(unread)}")
     long, sections = scene.unit_system.text(scene.length, "length"), len(scene.string.sections)
     remark(
         f"{out}: {long}, {sections} sections, {len(scene.hole.survey)} stations. "

@@ -160,7 +160,7 @@ _OTHERS = {
     ("rev/s", 1.0): "c/s rps r/s", ("ft", 1.0): "f feet foot", ("m", 1.0): "meter meters metre metres",
     ("s", 1.0): "secs second seconds", ("min", 1.0): "mins minute minutes", ("h", 1.0): "hrs hour hours",
     ("h", 24.0): "d day days", ("ms", 1.0): "msec millisecond milliseconds", ("ms", 1e-3): "us usec",
-    ("ms", 1e-6): "ns nsec",
+    ("ms", 1e-6): "ns nsec", ("in", 1.0): 'in "', ("lb/ft", 1.0): "ppf #/ft lbs/ft lbm/ft lbf/ft lb/foot lbs/foot",
 }  # fmt: skip
 """Unit of this package, how many -> other spellings of it."""
 _SPELLINGS: dict[str, tuple[str, float]] = {unit.lower().translate(_PRODUCT): (unit, 1.0) for unit in _AS_HERE} | {
@@ -182,6 +182,12 @@ def record_factor(unit: str, dimension: Dimension) -> float:
         if not known:
             raise
         return count * factor_of(known, dimension)
+
+
+def unit_here(spelling: str) -> str:
+    """Unit as this package writes it, where a spelling of the trade is another name of it; else the spelling."""
+    unit, count = _SPELLINGS.get(spelling.lower().translate(_PRODUCT), ("", 0.0))
+    return unit if count == 1.0 else spelling
 
 
 AMBIGUOUS = {

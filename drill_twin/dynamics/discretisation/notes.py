@@ -143,7 +143,8 @@ def _rolling(scene: Scene) -> Iterator[str]:
     radius, middle = np.array([(0.5 * piece.contact_diameter, piece.length) for piece in scene.string.pieces]).T
     middle = np.cumsum(middle) - 0.5 * middle
     hole = np.array([scene.hole.radius_at(scene.length - float(place)) for place in middle])
-    ratio = radius / np.maximum(hole - radius, 1e-12)
+    held = (middle < 2.0 * hole) & (scene.string.bit_end == "pinned")
+    ratio = np.where(held, 0.0, radius / np.maximum(hole - radius, 1e-12))
     fastest, turns = int(np.argmax(ratio)), extremes(scene).rotation / math.tau
     frames = scene.numerics.frame_rate
     steps = 1.0 / resolution_of(scene)[1] if scene.numerics.accuracy is None else math.inf

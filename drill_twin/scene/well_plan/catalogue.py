@@ -8,6 +8,8 @@ size, good enough for a plan.
 
 from __future__ import annotations
 
+import math
+from operator import itemgetter
 from typing import Any, NamedTuple
 
 from drill_twin.core.units import parse
@@ -19,7 +21,9 @@ LARGEST_COLLAR = 7.0 * INCH
 DENSITY = 7850.0
 """Density of steel, the default of a scene [kg/m^3]."""
 ALUMINIUM = {"youngs_modulus": "69 GPa", "poisson_ratio": 0.33, "density": "2700 kg/m^3"}
-MATERIALS: dict[str, dict[str, Any]] = {"": {}, "steel": {}, "aluminium": ALUMINIUM, "aluminum": ALUMINIUM}
+MATERIALS: dict[str, dict[str, Any]] = {
+    "STEEL": {}, "NONMAG": {}, "ALUMINIUM": ALUMINIUM, "ALUMINUM": ALUMINIUM, "AL": ALUMINIUM,
+}  # fmt: skip
 """Keys of a section by material; steel is the default of a scene."""
 
 
@@ -34,66 +38,93 @@ class Pipe(NamedTuple):
     """Outer diameter of the tool joints [m]."""
     make_up_torque: float
     """[N m]."""
+    nominal_mass: float
+    """The name of drill pipe; of heavy-weight pipe the adjusted mass [kg/m]."""
 
 
-def _pipe(outer: float, inner: float, weight: float, joint: float, torque: float) -> Pipe:
-    return Pipe(outer * INCH, inner * INCH, weight * POUND_PER_FOOT, joint * INCH, torque * FOOT_POUND)
+def _pipe(outer: float, inner: float, weight: float, joint: float, torque: float, nominal: float = 0.0) -> Pipe:
+    mass, nominal = weight * POUND_PER_FOOT, (nominal or weight) * POUND_PER_FOOT
+    return Pipe(outer * INCH, inner * INCH, mass, joint * INCH, torque * FOOT_POUND, nominal)
 
 
-DRILL_PIPE = {  # (outer diameter [in], nominal weight [lb/ft])
-    (2.875, 10.40): _pipe(2.875, 2.151, 10.87, 4.125, 7_000.0),
-    (3.5, 13.30): _pipe(3.5, 2.764, 14.06, 4.75, 10_800.0),
-    (3.5, 15.50): _pipe(3.5, 2.602, 16.54, 5.0, 12_400.0),
-    (4.0, 14.00): _pipe(4.0, 3.340, 15.85, 5.25, 14_000.0),
-    (4.5, 16.60): _pipe(4.5, 3.826, 18.37, 6.25, 20_400.0),
-    (4.5, 20.00): _pipe(4.5, 3.640, 22.09, 6.25, 22_800.0),
-    (5.0, 19.50): _pipe(5.0, 4.276, 21.92, 6.625, 27_000.0),
-    (5.0, 25.60): _pipe(5.0, 4.000, 28.32, 6.625, 30_700.0),
-    (5.5, 21.90): _pipe(5.5, 4.778, 24.80, 7.0, 33_400.0),
-    (5.5, 24.70): _pipe(5.5, 4.670, 27.74, 7.0, 33_400.0),
-    (6.625, 25.20): _pipe(6.625, 5.965, 28.38, 8.0, 43_900.0),
+PIPES = {
+    "pipe": (
+        _pipe(2.875, 2.151, 10.87, 4.125, 7_000.0, 10.40),
+        _pipe(3.5, 2.764, 14.06, 4.75, 10_800.0, 13.30),
+        _pipe(3.5, 2.602, 16.54, 5.0, 12_400.0, 15.50),
+        _pipe(4.0, 3.340, 15.85, 5.25, 14_000.0, 14.00),
+        _pipe(4.5, 3.826, 18.37, 6.25, 20_400.0, 16.60),
+        _pipe(4.5, 3.640, 22.09, 6.25, 22_800.0, 20.00),
+        _pipe(5.0, 4.276, 21.92, 6.625, 27_000.0, 19.50),
+        _pipe(5.0, 4.000, 28.32, 6.625, 30_700.0, 25.60),
+        _pipe(5.5, 4.778, 24.80, 7.0, 33_400.0, 21.90),
+        _pipe(5.5, 4.670, 27.74, 7.0, 33_400.0, 24.70),
+        _pipe(6.625, 5.965, 28.38, 8.0, 43_900.0, 25.20),
+    ),
+    "heavy": (  # with its joints and central upset, after makers' tables
+        _pipe(3.5, 2.0625, 25.3, 4.75, 9_900.0),
+        _pipe(4.0, 2.5625, 29.7, 5.25, 14_100.0),
+        _pipe(4.5, 2.75, 41.0, 6.25, 21_800.0),
+        _pipe(5.0, 3.0, 49.3, 6.625, 29_400.0),
+        _pipe(5.5, 3.375, 57.0, 7.0, 33_200.0),
+        _pipe(6.625, 4.5, 71.3, 8.0, 46_900.0),
+    ),
 }
-HEAVY_WEIGHT = {  # outer diameter [in]
-    3.5: _pipe(3.5, 2.0625, 25.3, 4.75, 9_900.0),
-    4.0: _pipe(4.0, 2.5625, 29.7, 5.25, 14_100.0),
-    4.5: _pipe(4.5, 2.75, 41.0, 6.25, 21_800.0),
-    5.0: _pipe(5.0, 3.0, 49.3, 6.625, 29_400.0),
-    5.5: _pipe(5.5, 3.375, 57.0, 7.0, 33_200.0),
-    6.625: _pipe(6.625, 4.5, 71.3, 8.0, 46_900.0),
-}
-"""Heavy-weight drill pipe with its joints and central upset, after makers' tables."""
 _CASING = (
     "4 1/2", "5", "5 1/2", "6 5/8", "7", "7 5/8", "7 3/4", "8 5/8", "9 5/8", "10 3/4", "11 3/4", "13 3/8", "16",
     "18 5/8", "20",
 )  # fmt: skip
 """Outer diameters of API 5CT casing [in]; no bore of such casing is an outer diameter within `SAME`."""
-SAME = 1e-3
-"""Relative difference up to which a size of a tally counts as a size of the catalogue."""
+SAME, NEAR = 1e-3, 1e-2
+"""Relative differences up to which a size and a weight of a tally count as one of the catalogue."""
+ROUNDED = 0.05
+"""Relative difference up to which weights of a tube are the same, rounded; with joints twice that."""
 
 
-def drill_pipe(outer_diameter: float, mass: float) -> Pipe | None:
-    """Drill pipe of an outer diameter [m] and a nominal mass per length [kg/m]; None if there is no such pipe."""
-    for (outer, weight), pipe in DRILL_PIPE.items():
-        if _same(outer * INCH, outer_diameter, SAME) and _same(weight * POUND_PER_FOOT, mass, 10.0 * SAME):
-            return pipe
-    return None
+def area(outer: float, inner: float) -> float:
+    """Cross-section of a tube [m^2] by its diameters [m]."""
+    return 0.25 * math.pi * (outer**2 - inner**2)
 
 
-def heavy_weight(outer_diameter: float) -> Pipe | None:
-    """Heavy-weight drill pipe of an outer diameter [m]; None if there is no such pipe."""
-    return next((pipe for size, pipe in HEAVY_WEIGHT.items() if _same(size * INCH, outer_diameter, SAME)), None)
+def find_pipe(kind: str, outer: float, inner: float, mass: float) -> Pipe | None:
+    """Pipe of the catalogue that has the numbers of a row; None if there is no such pipe, or more than one.
+
+    Args:
+        kind: `pipe` or `heavy`.
+        outer: Outer diameter [m].
+        inner: Bore [m]; NaN: not known.
+        mass: Mass per length [kg/m], the nominal one or the one with joints, which is then kept; NaN: not known.
+    """
+    sizes, sure = [pipe for pipe in PIPES[kind] if same(pipe.outer_diameter, outer, SAME)], kind == "heavy"
+    if not math.isnan(inner):
+        tube, sure = area(outer, inner), True
+        sizes = [pipe for pipe in sizes if same(area(pipe.outer_diameter, pipe.inner_diameter), tube, ROUNDED)]
+    if math.isnan(mass):
+        return sizes[0] if len(sizes) == 1 and sure else None
+    share = 2.0 * ROUNDED if sure else NEAR
+    fitting = [
+        (abs(own - mass), pipe._replace(adjusted_mass=kept))
+        for pipe in sizes
+        for own, kept, near in ((pipe.adjusted_mass, mass, share), (pipe.nominal_mass, pipe.adjusted_mass, NEAR))
+        if same(own, mass, near)
+    ]
+    return min(fitting, key=itemgetter(0), default=(0.0, None))[1]  # 24.8 lb/ft is no rounded 24.7 lb/ft
 
 
 def casing_size(diameter: float) -> str:
     """Size of API 5CT casing with an outer diameter [m], as `9 5/8`; empty if no size has it."""
-    sizes = (size for size in _CASING if _same(parse(f"{size} in", LENGTH), diameter, SAME))
-    return next(sizes, "")
+    return next((size for size in _CASING if same(parse(f"{size} in", LENGTH), diameter, SAME)), "")
 
 
-def named_sizes() -> str:
-    """Drill pipe as text, for messages."""
-    return ", ".join(f"{outer:g} in {weight:g} lb/ft" for outer, weight in DRILL_PIPE)
+def named_sizes(kind: str, outer: float) -> str:
+    """The three pipes whose outer diameter [m] is nearest, as text for messages."""
+    return ", ".join(
+        f"{size / INCH:.4g} in {nominal / POUND_PER_FOOT:.4g} lb/ft (bore {inner / INCH:.4g}, with joints "
+        f"{mass / POUND_PER_FOOT:.4g})"
+        for size, inner, mass, _, _, nominal in sorted(PIPES[kind], key=lambda pipe: abs(pipe[0] - outer))[:3]
+    )
 
 
-def _same(one: float, other: float, share: float) -> bool:
+def same(one: float, other: float, share: float) -> bool:
+    """True for numbers that differ by at most a share of the first; False for NaN."""
     return abs(one - other) <= share * one

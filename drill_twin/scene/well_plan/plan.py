@@ -49,7 +49,7 @@ def read_survey(file: Path, system: str) -> list[dict[str, float]]:
         if first["inclination"] > math.radians(1.0):
             raise SceneError(
                 f"{rows[0].place}: expected a first station at 0, the rotary table, found "
-                f"{rows[0].length_text('md', first['depth'])} at {math.degrees(first['inclination']):.4g} deg; "
+                f"{rows[0].in_unit('md', first['depth'])} at {math.degrees(first['inclination']):.4g} deg; "
                 "add the stations above it"
             )
         stations.insert(0, first | {"depth": 0.0})
@@ -75,18 +75,18 @@ def _station(row: Row) -> dict[str, float]:
         )
     if found["depth"] < 0.0:
         raise SceneError(
-            f"{row.place}: expected a depth from 0, found {row.length_text('md', found['depth'])}; take the row out"
+            f"{row.place}: expected a depth from 0, found {row.in_unit('md', found['depth'])}; take the row out"
         )
     return found
 
 
 def _follows(row: Row, above: dict[str, float], here: dict[str, float]) -> None:
-    run, depth = here["depth"] - above["depth"], row.length_text("md", here["depth"])
+    run, depth = here["depth"] - above["depth"], row.in_unit("md", here["depth"])
     if run == 0.0:
         raise SceneError(f"{row.place}: expected a depth below the row above, found {depth} again; take either row out")
     if run < 0.0:
         raise SceneError(
-            f"{row.place}: expected a depth below the row above ({row.length_text('md', above['depth'])}), "
+            f"{row.place}: expected a depth below the row above ({row.in_unit('md', above['depth'])}), "
             f"found {depth}: the survey goes back; sort the rows, or correct this row"
         )
     pair = np.array([[above["inclination"], above["azimuth"]], [here["inclination"], here["azimuth"]]])
@@ -94,7 +94,7 @@ def _follows(row: Row, above: dict[str, float], here: dict[str, float]) -> None:
     if turn > JUMP * run:
         raise SceneError(
             f"{row.place}: expected at most 20 deg/30 m, found a jump of {math.degrees(turn):.4g} deg in "
-            f"{row.length_text('md', run)}; correct inclination and azimuth, or add the stations between"
+            f"{row.in_unit('md', run)}; correct inclination and azimuth, or add the stations between"
         )
 
 
@@ -113,6 +113,8 @@ def as_block(stations: list[dict[str, float]]) -> list[dict[str, Any]]:
 BIT_TORQUE = {"sliding": 0.4, "sticking": 0.5, "decay": "0.9 s/rad", "specific_energy": "170 MPa"}
 """Friction of the bit on rock, at a third of its diameter, and specific energy of the rock (25 ksi): stand-ins, to be
 replaced by measured values."""
+BIT = 0.99
+"""Largest diameter of the section of a bit over the diameter of its hole [-]."""
 LONG = 200.0
 """Length from which wall, eccentricity and frame rate are chosen for a well and not for a test bench [m]."""
 
@@ -250,19 +252,25 @@ class WellPlan(NamedTuple):
 
 
 def _check_fit(pieces: list[TallyPiece], hole: float, casing: list[tuple[float, float, float]]) -> None:
-    """Refuse pipe wider than the hole: a piece passes every diameter above its lower end."""
+    """Refuse pipe wider than the hole: a piece passes every diameter above its lower end.
+
+    A bit may fill the hole that it drills; its section is then `BIT` of it, as a scene needs a clearance.
+    """
     shoe = casing[-1][1] if casing else 0.0
     depth = math.fsum(piece.length for piece in pieces)
     for piece in pieces:
         passed = [inner for top, _, inner in casing if top <= depth] + [hole] * (depth >= shoe)
         narrow = min(passed)
-        if piece.widest >= narrow:
+        if piece.kind == "bit" and piece.widest <= narrow * (1.0 + 1e-9):
+            for key in {"outer_diameter", "blade_diameter"} & piece.section.keys():
+                piece.section[key] = f"{min(parse(piece.section[key], LENGTH), BIT * narrow):.10g} m"
+        elif piece.widest >= narrow:
             what, column = ("blades or tool joints", "gauge") if "blade_diameter" in piece.section else ("pipe", "od")
             raise SceneError(
                 f'{piece.row.place} ("{piece.section["name"]}"): expected {what} of less than the narrowest hole that '
                 f"it passes ({narrow / INCH:.4g} in, {narrow * 1e3:.4g} mm), found {piece.widest / INCH:.4g} in "
                 f"({piece.widest * 1e3:.4g} mm); take a smaller {column}, or correct hole "
-                "and casing; a bit may be 1/16 in less than the hole that it drills"
+                "and casing"
             )
         depth -= piece.length
 

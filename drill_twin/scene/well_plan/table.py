@@ -13,7 +13,7 @@ from drill_twin.core.errors import SceneError
 from drill_twin.core.files.foreign_file import ForeignFile
 from drill_twin.core.units import UnitError, factor_of, parse
 from drill_twin.core.units.dimension import ANGLE, LENGTH, LINEAR_MASS, Dimension
-from drill_twin.core.units.parse import name_and_unit
+from drill_twin.core.units.parse import name_and_unit, split, unit_here
 from drill_twin.scene.records.rows import delimiter_of, used_lines
 
 MOST_ROWS = 10_000
@@ -39,15 +39,18 @@ class Row(NamedTuple):
     """Unit of a column from its heading."""
     system: str
     """`si`, `field`, or empty: not stated."""
+    unread: tuple[str, ...] = ()
+    """Headings that name none of the columns, or a column a second time."""
 
     def text(self, column: str) -> str:
-        """Cell without spaces around; empty if the row has none."""
-        return self.cells.get(column, "").strip()
+        """Cell without spaces around; empty if the row has none, or a sign for none such as `-`."""
+        text = self.cells.get(column, "").strip()
+        return "" if text.lower() in {"-", "--", "n/a"} else text
 
-    def length_text(self, column: str, value: float) -> str:
-        """Length [m] as text in the unit of a column of lengths along the hole, for messages."""
-        unit = self.units.get(column) or UNITS[self.system].get("depth", "m")
-        return f"{value / factor_of(unit, LENGTH):.6g} {unit}"
+    def in_unit(self, column: str, value: float, kind: str = "depth") -> str:
+        """SI value as text in the unit of its column, for messages."""
+        unit = self.units.get(column) or UNITS[self.system or "si"][kind]
+        return f"{value / factor_of(unit, DIMENSIONS[kind]):.6g} {unit}"
 
     def number(self, column: str, kind: str) -> float:
         """Number of a cell in SI; NaN if it is empty.
@@ -63,19 +66,21 @@ class Row(NamedTuple):
         if not text:
             return math.nan
         unit = self.units.get(column) or UNITS[self.system].get(kind)
-        if unit is None:
+        bare = _BARE.fullmatch(text) is not None
+        if unit is None and bare:
             raise SceneError(
                 f'{self.place}, {column}: expected its unit, found none for "{text[:40]}"; name it in the heading, as '
                 f"{column} [{UNITS['field'][kind]}], or give --units si ({UNITS['si'][kind]}) or --units field "
                 f"({UNITS['field'][kind]})"
             )
-        bare = _BARE.fullmatch(text) is not None
         try:
-            factor_of(unit, DIMENSIONS[kind])
-            value = parse(f"{text} {unit}" if bare else text, DIMENSIONS[kind])
+            number, own = split(text, DIMENSIONS[kind])
+            own = unit if bare and unit else unit_here(own)
+            factor_of(own, DIMENSIONS[kind])
+            value = parse(f"{number!r} {own}", DIMENSIONS[kind])
         except UnitError as error:
             raise SceneError(f"{self.place}, {column}: {error}") from None
-        if not bare and text.lstrip("+-0123456789./ ") != unit:
+        if unit and own != unit:
             raise SceneError(
                 f'{self.place}, {column}: expected a number in {unit} as in the rest of the column, found "{text}"; '
                 "convert it, or name the unit of the whole column in its heading"
@@ -101,13 +106,14 @@ def read_table(file: Path, names: dict[str, tuple[str, ...]], needed: tuple[str,
         raise SceneError(f"{file}: expected a heading and at most {MOST_ROWS} rows, found {len(lines)} lines")
     heading = lines[0][1]
     separator = delimiter_of(heading)
-    columns, units = [], {}
+    columns, units, unread = list[str](), dict[str, str](), list[str]()
     for cell in next(csv.reader([heading], delimiter=separator)):
         word, unit = name_and_unit(cell.lower())
-        column = next((name for name, known in names.items() if word in known), "")
-        columns.append(column)
-        if unit and column:
-            units[column] = unit
+        column = next((name for name, known in names.items() if word.replace(".", "") in known), "")
+        unread += [word] if word and (not column or column in columns) else []
+        columns.append("" if column in columns else column)
+        if unit and columns[-1]:
+            units[column] = unit_here(unit)
     missing = [name for name in needed if name not in columns]
     if missing:
         raise SceneError(
@@ -124,5 +130,5 @@ def read_table(file: Path, names: dict[str, tuple[str, ...]], needed: tuple[str,
             )
         if separator == ";":
             cells = [re.sub(_DECIMAL_COMMA, r"\1.\2", cell) for cell in cells]
-        rows.append(Row(place, dict(zip(columns, cells, strict=False)), units, system))
+        rows.append(Row(place, dict(zip(columns, cells, strict=False)), units, system, tuple(unread)))
     return rows

@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -12,44 +12,53 @@ from drill_twin.core.errors import SceneError
 from drill_twin.core.units import parse
 from drill_twin.core.units.dimension import DENSITY as SOLID
 from drill_twin.core.units.dimension import LENGTH
-from drill_twin.physics.model.steel import COLLAR, GRADES, HEAVY_WEIGHT, LARGE_COLLAR, Steel
+from drill_twin.physics.model.steel import COLLAR, DEFAULT_GRADE, GRADES, HEAVY_WEIGHT, LARGE_COLLAR, Steel
 from drill_twin.scene.well_plan.catalogue import (
+    ALUMINIUM,
     DENSITY,
-    INCH,
     LARGEST_COLLAR,
     MATERIALS,
-    Pipe,
-    drill_pipe,
-    heavy_weight,
+    PIPES,
+    ROUNDED,
+    SAME,
+    area,
+    find_pipe,
     named_sizes,
+    same,
 )
 from drill_twin.scene.well_plan.table import Row, read_table
 
 NAMES = {
-    "kind": ("kind", "item", "type", "component"),
-    "length": ("length", "len"),
-    "od": ("od", "outer diameter"),
-    "id": ("id", "inner diameter"),
-    "weight": ("weight", "nominal weight", "mass", "mass per length"),
+    "kind": ("kind", "item", "type", "component", "element", "tool"),
+    "length": ("length", "len", "total length", "section length"),
+    "od": ("od", "outer diameter", "outside diameter"),
+    "id": ("id", "inner diameter", "inside diameter", "bore"),
+    "weight": (
+        "weight", "wt", "nominal weight", "adjusted weight", "linear weight", "unit weight", "mass", "mass per length",
+    ),
     "grade": ("grade",),
     "material": ("material",),
     "gauge": ("gauge", "blades", "blade diameter"),
     "name": ("name",),
-}
-KINDS = {
-    "dp": "pipe", "drill pipe": "pipe", "pipe": "pipe", "hwdp": "heavy", "heavy-weight": "heavy", "heavy": "heavy",
-    "collar": "collar", "dc": "collar", "drill collar": "collar", "bit": "collar", "mwd": "collar", "sub": "collar",
-    "motor": "collar", "stabiliser": "stabiliser", "stabilizer": "stabiliser", "stab": "stabiliser",
-    "tube": "tube",
 }  # fmt: skip
-"""Words for the kinds of pipe."""
-ROUNDED = 0.05
-"""Difference of a weight from the weight of the tube up to which both are the same, rounded [-]."""
+KINDS = {word: kind for kind, words in {
+    "pipe": "dp drill_pipe drillpipe pipe", "heavy": "hwdp heavy heavy_weight heavy_weight_drill_pipe",
+    "collar": "collar dc nmdc", "stabiliser": "stabiliser stabilizer stab", "bit": "bit", "mwd": "mwd", "lwd": "lwd",
+    "rss": "rss rotary_steerable rotary_steerable_system", "motor": "motor pdm", "jar": "jar accelerator",
+    "sub": "sub crossover xo", "tube": "tube",
+}.items() for word in words.split() for word in (word, f"{word}s")}  # fmt: skip
+"""Last words of what a row is called -> kind of the row."""
+NAMED = GRADES | {name[0]: steel for name, steel in GRADES.items()}
+"""Steel by its grade, S135 or S."""
+SIZES = {"od": "diameter", "id": "diameter", "weight": "mass"}
 REST = "rest"
 """Length of a row that takes what is left of the well."""
 
 
-MARKED = ("stabiliser", "stabilizer", "stab", "mwd", "motor", "sub")
+MOST = {"collar": 1.0 + ROUNDED} | dict.fromkeys(("tube", *PIPES), 1.5)
+"""Largest weight of a kind over the weight of its tube [-]: of a collar, rounded, and of pipe with joints; other tools
+weigh at most what a bar weighs."""
+MARKED = ("stabiliser", "mwd", "lwd", "rss", "motor", "jar", "sub")
 """Kinds with a mark at their middle."""
 
 
@@ -61,7 +70,7 @@ class TallyPiece(NamedTuple):
     section: dict[str, Any]
     """As a scene file has it, with units."""
     kind: str
-    """Word of the tally, one of `KINDS`."""
+    """One of the values of `KINDS`."""
     length: float
     """[m]."""
     widest: float
@@ -80,6 +89,8 @@ def read_tally(file: Path, system: str, bottom: float) -> list[TallyPiece]:
         SceneError: A row that cannot be read, or a tally longer than the well; with file, line and remedy.
     """
     rows = read_table(file, NAMES, ("kind", "length", "od"), system)
+    if [_kind(row) for row in rows[-1:]] == ["bit"]:
+        rows.reverse()
     lengths = [math.nan if row.text("length").lower() == REST else _positive(row, "length", "depth") for row in rows]
     open_rows = [row for row, length in zip(rows, lengths, strict=True) if math.isnan(length)]
     total = math.fsum(length for length in lengths if not math.isnan(length))
@@ -92,7 +103,7 @@ def read_tally(file: Path, system: str, bottom: float) -> list[TallyPiece]:
         last = (open_rows or rows)[-1]
         raise SceneError(
             f"{last.place}: expected a tally of at most the measured depth of the bit "
-            f"({last.length_text('length', bottom)}), found {last.length_text('length', total)}; "
+            f"({last.in_unit('length', bottom)}), found {last.in_unit('length', total)}; "
             f'shorten the drill pipe or give its length as "{REST}"'
         )
     return [
@@ -107,12 +118,11 @@ def marks(pieces: Sequence[TallyPiece]) -> list[dict[str, Any]]:
     """
     length = math.fsum(piece.length for piece in pieces)
     found = {"bit": min(1.0, 0.02 * length)}
-    collars = [piece.length for piece in pieces if KINDS[piece.kind] == "collar" and piece.kind not in MARKED]
+    collars = [piece.length for piece in pieces if piece.kind in {"collar", "bit"}]
     place = 0.0
     for piece in pieces:
-        middle = place + 0.5 * piece.length
-        if piece.kind in MARKED:
-            word = KINDS[piece.kind] if KINDS[piece.kind] == "stabiliser" else piece.kind
+        middle, word = place + 0.5 * piece.length, piece.kind
+        if word in MARKED:
             same = sum(name.rstrip("0123456789_") == word for name in found)
             found[f"{word}_{same + 1}" if same else word] = middle
         elif piece.length == max(collars, default=0.0):
@@ -130,119 +140,124 @@ def _positive(row: Row, column: str, kind: str) -> float:
     return value
 
 
+def _kind(row: Row) -> str:
+    """Kind of a row by the last words of what it is called: `6 1/2 in non-mag collars` is a collar."""
+    words = row.text("kind").lower().replace("-", " ").split()
+    kind = next((KINDS[end] for at in range(len(words)) if (end := "_".join(words[at:])) in KINDS), None)
+    if kind is None:
+        known = ", ".join(word for word in KINDS if word[:-1] not in KINDS).replace("_", " ")
+        raise SceneError(f'{row.place}, kind: expected one of {known}, found "{row.text("kind")[:40]}"')
+    return kind
+
+
 def _piece(row: Row, length: float) -> TallyPiece:
-    word = row.text("kind").lower()
-    if word not in KINDS:
-        raise SceneError(f'{row.place}, kind: expected one of {", ".join(KINDS)}, found "{row.text("kind")}"')
-    kind, outer = KINDS[word], _positive(row, "od", "diameter")
+    kind, material = _kind(row), _one_of(row, "material", MATERIALS) or {}
     section: dict[str, Any] = {"name": row.text("name") or row.text("kind"), "length": f"{length:.10g} m"}
-    section |= {"pipe": _drill_pipe, "heavy": _heavy, "tube": _plain}.get(kind, _collar)(row, outer)
-    if kind == "stabiliser":
-        gauge = _positive(row, "gauge", "diameter")
-        if gauge < outer:
+    section |= _jointed(row, kind) if kind in PIPES and not material else _made(row, kind, material)
+    if kind == "stabiliser" or row.text("gauge"):
+        if (gauge := _positive(row, "gauge", "diameter")) < parse(section["outer_diameter"], LENGTH):
             raise SceneError(
-                f"{row.place}, gauge: expected at least the od ({row.text('od')}), found {row.text('gauge')}; the "
-                "gauge is the diameter over the blades"
+                f"{row.place}: expected a gauge, the diameter over the blades, of at least the od, found {_found(row)}"
             )
         section["blade_diameter"] = f"{gauge:.10g} m"
-    section |= _material(row)
-    if row.text("id") and row.text("weight") and KINDS[word] not in {"pipe", "heavy"}:
-        section |= _joints(row, outer, parse(section["inner_diameter"], LENGTH))
     widest = section.get("blade_diameter", section["outer_diameter"])
-    return TallyPiece(row, section, word, length, parse(widest, LENGTH))
+    return TallyPiece(row, section, kind, length, parse(widest, LENGTH))
 
 
-def _drill_pipe(row: Row, outer: float) -> dict[str, Any]:
-    mass = _positive(row, "weight", "mass")
-    pipe = drill_pipe(outer, mass)
-    if pipe is None:
+def _jointed(row: Row, kind: str) -> dict[str, Any]:
+    """Pipe of the catalogue, with its tool joints: of its nominal weight, or of the weight and bore of the row."""
+    outer, inner, mass = _sizes(row)
+    pipe = find_pipe(kind, outer, inner, mass)
+    if pipe is None or inner < 0.0:
         raise SceneError(
-            f"{row.place}: expected drill pipe of API 5DP ({named_sizes()}), found od {row.text('od')}, weight "
-            f"{row.text('weight')}; the weight is the nominal one. For another pipe edit the scene"
+            f"{row.place}: expected pipe of the catalogue, {named_sizes(kind, outer)}, found {_found(row)}; give "
+            "another pipe as `tube`, with joints"
         )
-    return _jointed(outer, pipe, _grade(row))
-
-
-def _heavy(row: Row, outer: float) -> dict[str, Any]:
-    pipe = heavy_weight(outer)
-    if pipe is None:
-        raise SceneError(
-            f"{row.place}, od: expected heavy-weight pipe of 3 1/2 to 6 5/8 in, found {outer / INCH:.4g} in"
-        )
-    return _jointed(outer, pipe, HEAVY_WEIGHT)
-
-
-def _jointed(outer: float, pipe: Pipe, steel: Steel) -> dict[str, Any]:
-    """Pipe of the catalogue, with its tool joints."""
-    return _tube(outer, pipe.inner_diameter, steel) | {
+    grade = HEAVY_WEIGHT if kind == "heavy" else _one_of(row, "grade", NAMED) or GRADES[DEFAULT_GRADE]
+    return _tube(outer, pipe.inner_diameter if math.isnan(inner) else inner, grade) | {
         "adjusted_mass": f"{pipe.adjusted_mass:.6g} kg/m", "blade_diameter": f"{pipe.joint_diameter:.10g} m",
         "make_up_torque": f"{pipe.make_up_torque:.6g} N m",
     }  # fmt: skip
 
 
-def _collar(row: Row, outer: float) -> dict[str, Any]:
-    return _tube(outer, _bore(row, outer), LARGE_COLLAR if outer > LARGEST_COLLAR else COLLAR)
-
-
-def _plain(row: Row, outer: float) -> dict[str, Any]:
-    """Tube of any size, without tool joints."""
-    return _tube(outer, _bore(row, outer), _grade(row) if row.text("grade") else None)
-
-
-def _bore(row: Row, outer: float) -> float:
-    """Bore of a row; without one the bore of a tube of its weight and material (motors seldom have it)."""
-    if not row.text("id"):
-        if not row.text("weight"):
-            raise SceneError(f"{row.place}, id: expected the bore, or a `weight` from which it follows, found neither")
-        square = outer**2 - _positive(row, "weight", "mass") / (0.25 * math.pi * _density(row))
-        if not square > 0.0:
-            raise SceneError(
-                f"{row.place}, weight: expected less than the weight of a bar of that od, found {row.text('weight')}"
-            )
-        return math.sqrt(square)
-    inner = _positive(row, "id", "diameter")
-    if inner >= outer:
-        raise SceneError(f"{row.place}, id: expected less than the od ({row.text('od')}), found {row.text('id')}")
-    return inner
-
-
-def _material(row: Row) -> dict[str, Any]:
-    word = row.text("material").lower()
-    if word not in MATERIALS:
-        raise SceneError(
-            f"{row.place}, material: expected one of {', '.join(name for name in MATERIALS if name)}, or nothing for "
-            f'steel, found "{row.text("material")}"'
-        )
-    return MATERIALS[word]
-
-
-def _density(row: Row) -> float:
-    return parse(_material(row).get("density", f"{DENSITY} kg/m^3"), SOLID)
-
-
-def _joints(row: Row, outer: float, inner: float) -> dict[str, str]:
-    """Adjusted mass of a row whose weight is more than the weight of its tube: of tool joints and upsets.
+def _made(row: Row, kind: str, material: dict[str, Any]) -> dict[str, Any]:
+    """Section of od, bore, weight and material: the fourth follows from three, and a weight beside a bore is kept.
 
     Raises:
-        SceneError: The weight is less than the weight of the tube.
+        SceneError: Two of the four are missing, or they contradict one another; the message has both weights.
     """
-    mass, tube = _positive(row, "weight", "mass"), 0.25 * math.pi * (outer**2 - inner**2) * _density(row)
-    if mass < (1.0 - ROUNDED) * tube:
+    outer, inner, mass = _sizes(row)
+    square = mass / (area(1.0, 0.0) * _density(material))
+    if math.isnan(outer):
+        outer = math.sqrt(inner**2 + square)
+    if math.isnan(inner) and not math.isnan(mass):
+        inner = math.sqrt(max(outer**2 - square, 0.0))
+    elif math.isnan(inner) and kind == "bit":
+        inner = 0.0
+    if not 0.0 <= inner < outer:
         raise SceneError(
-            f"{row.place}, weight: expected at least the weight of a tube of that od, id and material "
-            f"({tube:.4g} kg/m), found {row.text('weight')} ({mass:.4g} kg/m); correct one of the four"
+            f"{row.place}: expected two or three of od, id and `weight`, the id less than the od, found {_found(row)}"
         )
-    return {"adjusted_mass": f"{mass:.6g} kg/m"} if mass > (1.0 + ROUNDED) * tube else {}
+    if not row.text("material") and same(area(outer, inner) * _density(ALUMINIUM), mass, ROUNDED):
+        material = ALUMINIUM
+    collar = LARGE_COLLAR if outer > LARGEST_COLLAR else COLLAR
+    steel = None if material else _one_of(row, "grade", NAMED) if kind in {"tube", *PIPES} else collar
+    weight = _weighed(row, kind, area(outer, inner), area(outer, inner) * _density(material), mass)
+    return _tube(outer, inner, steel) | material | weight
 
 
-def _grade(row: Row) -> Steel:
-    grade = row.text("grade").upper().replace("-", "").replace(" ", "")
-    if grade not in GRADES:
+def _weighed(row: Row, kind: str, section: float, tube: float, mass: float) -> dict[str, str]:
+    """Key by which a section has the weight of its row: more than its tube's for joints, less for grooves.
+
+    Args:
+        row: Where it stands.
+        kind: One of the values of `KINDS`.
+        section: Cross-section of the tube [m^2].
+        tube: Mass per length of the tube [kg/m].
+        mass: Mass per length of the row [kg/m]; NaN: not given.
+
+    Raises:
+        SceneError: The weight is more than 5 % below the tube's, or above what a collar or a bar has.
+    """
+    if math.isnan(mass) or same(tube, mass, SAME):
+        return {}
+    widest = max(row.number(name, "diameter") for name in ("od", "gauge") if row.text(name))
+    most = tube * MOST[kind] if kind in MOST else max(tube * area(widest, 0.0) / section, tube)
+    if not (kind == "bit" or (1.0 - ROUNDED) * tube <= mass) or mass > most:
+        known, highest, found = (row.in_unit("weight", value, "mass") for value in (tube, most, mass))
         raise SceneError(
-            f'{row.place}, grade: expected one of {", ".join(GRADES)}, found "{row.text("grade")}"; the weight has a '
-            "column of its own"
+            f"{row.place}, weight: expected {known} by od, id and material, at most {highest}, found {found}"
         )
-    return GRADES[grade]
+    if mass < tube or kind in {"stabiliser", "bit"}:
+        return {"density": f"{mass / section:.10g} kg/m^3"}
+    return {"adjusted_mass": f"{mass:.10g} kg/m"}
+
+
+def _sizes(row: Row) -> Iterator[float]:
+    """Outer diameter and bore [m] and weight [kg/m] of a row; NaN where it has none."""
+    for name, kind in SIZES.items():
+        yield _positive(row, name, kind) if row.text(name) and name != "id" else row.number(name, kind)
+
+
+def _density(material: dict[str, Any]) -> float:
+    return parse(material.get("density", f"{DENSITY} kg/m^3"), SOLID)
+
+
+def _found(row: Row) -> str:
+    return ", ".join(
+        f"{name} {row.text(name)} {row.units.get(name, '')}".rstrip() for name in (*SIZES, "gauge") if row.text(name)
+    )
+
+
+def _one_of(row: Row, column: str, known: Mapping[str, Any]) -> Any:
+    """Value of a cell's word, such as S-135 or aluminium; None for an empty cell."""
+    word = row.text(column).upper().replace("-", "").replace(" ", "")
+    if word and word not in known:
+        raise SceneError(
+            f'{row.place}, {column}: expected one of {", ".join(known)}, or nothing, found "{row.text(column)[:40]}"; '
+            "weights and diameters have columns of their own"
+        )
+    return known.get(word)
 
 
 def _tube(outer: float, inner: float, steel: Steel | None) -> dict[str, Any]:

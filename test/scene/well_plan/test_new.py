@@ -82,6 +82,17 @@ def test_new_replaces_no_file_and_asks_for_what_is_missing(tmp_path: Path) -> No
     assert survey.read_text() == "mine"
 
 
+def test_columns_of_a_tally_that_are_not_used_are_named(tmp_path: Path) -> None:
+    """And a second column of the same kind: the first one counts."""
+    tally, file = tmp_path / "tally.csv", tmp_path / "mine.yaml"
+    tally.write_text("kind,length [m],od [in],id [in],joints,weight [lb/ft],wt (ppf)\ncollar,rest,8,3,9,148,22\n")
+    said = CliRunner().invoke(app, ["scene", "new", str(file), *OPTIONS, "--tally", str(tally)])
+    assert said.exit_code == 0, said.output
+    assert "tally.csv: not used: joints, wt\n" in said.stderr
+    (section,) = load_scene(file).string.sections
+    assert section.mass_per_length == pytest.approx(148 * 0.45359237 / 0.3048)
+
+
 @pytest.mark.long
 @pytest.mark.parametrize("name", well_scenes())
 def test_a_shipped_well_runs(tmp_path: Path, name: str) -> None:

@@ -10,6 +10,7 @@ import pytest
 from drill_twin.core.errors import SceneError
 from drill_twin.core.units import parse
 from drill_twin.core.units.dimension import LENGTH
+from drill_twin.dynamics.discretisation.notes import notes_on
 from drill_twin.scene import Scene, config_dir, load_scene, well_scenes
 from drill_twin.scene.lines import yaml_text
 from drill_twin.scene.well_plan.catalogue import casing_size
@@ -78,17 +79,126 @@ def test_a_motor_has_the_bore_that_follows_from_its_weight(tmp_path: Path) -> No
 
 
 def test_a_weight_beside_a_bore_counts_or_is_contradicted(tmp_path: Path) -> None:
-    """A tube with tool joints weighs what the table says; three numbers give the fourth, for aluminium as well."""
+    """A row weighs what the table says, with tool joints and with grooves; three numbers give the fourth."""
     body = 0.25 * math.pi * ((5.5 * INCH) ** 2 - (4.778 * INCH) ** 2)
-    tally = "kind,length [m],od [in],id [in],weight [kg/m],material,name\ncollar,120,7,3,164.5,,collars\n"
+    tally = "kind,length [m],od [in],id [in],weight [kg/m],material,name\ncollar,120,7,3,155,,spiral collars\n"
     jointed = made(tmp_path, tally=f"{tally}tube,rest,5.5,4.778,38.2,,pipe\n").string.sections
-    assert [section.mass_per_length for section in jointed] == pytest.approx(
-        [7850.0 * 0.25 * math.pi * 40.0 * INCH**2, 38.2]
-    )
-    (light,) = made(tmp_path, tally=f"{tally}tube,rest,5.5,,{2700.0 * body:.9g},aluminium,pipe\n").string.sections[1:]
-    assert light.inner_diameter == pytest.approx(4.778 * INCH)
-    with pytest.raises(SceneError, match=r"at least the weight of a tube .* \(29.*kg/m\), found 20 \(20 kg/m\)"):
-        made(tmp_path, tally=f"{tally}tube,rest,5.5,4.778,20,,pipe\n")
+    assert [section.mass_per_length for section in jointed] == pytest.approx([155.0, 38.2])
+    mass = f"{2700.0 * body:.9g}"
+    for row in (f"5.5,,{mass},aluminium", "5.5,4.778,,Al", f",4.778,{mass},aluminium", f"5.5,4.778,{mass},"):
+        (light,) = made(tmp_path, tally=f"{tally}tube,rest,{row},pipe\n").string.sections[1:]
+        found = (light.outer_diameter, light.inner_diameter, light.mass_per_length, light.youngs_modulus)
+        assert found == pytest.approx((5.5 * INCH, 4.778 * INCH, 2700.0 * body, 69e9))
+
+
+CONTRADICTIONS = {
+    "light pipe": ("tube,rest,5,4.276,12,", r"weight: expected 17.95.* at most 26.92.* lb/ft, found 12 lb/ft"),
+    "more than a bar": ("motor,rest,6.75,3,150,", r"weight: expected 97.* at most 121.* lb/ft, found 150 lb/ft$"),
+    "a collar in kg/m": ("collar,rest,6.5,2.8125,136.6,", r"weight: expected 91.\d+ lb/ft .*, found 136.6 lb/ft"),
+    "a collar 6 % light": ("collar,rest,6.5,2.8125,86.2,", r"weight: expected 91.\d+ lb/ft .*, found 86.2 lb/ft"),
+    "steel called aluminium": ("tube,rest,5,4.276,19.5,Al", r"expected 6.17.* at most 9.2.*, found 19.5 lb/ft"),
+    "aluminium called steel": ("tube,rest,5,4.276,6.2,steel", r"weight: expected 17.95.*, found 6.2 lb/ft"),
+    "bore of another pipe": ("drill pipe,rest,5,3,19.5,", r"5 in 19.5 lb/ft \(bore 4.276.*found od 5 in, id 3 in"),
+    "weight of another pipe": ("drill pipe,rest,5,4.276,25.6,", r"with joints 21.92.*, weight 25.6 lb/ft"),
+    "weight in kg/m": ("drill pipe,rest,5,,29.02,", r"5 in 25.6 lb/ft .*found od 5 in, weight 29.02 lb/ft"),
+    "heavy-weight": ("hwdp,rest,5,3,60,", r"with joints 49.3.*found .*, weight 60 lb/ft; .*as `tube`"),
+}  # fmt: skip
+HEADING = "kind,length [ft],od [in],id [in],weight [lb/ft],material,grade,gauge [in]\n"
+
+
+@pytest.mark.parametrize("row", CONTRADICTIONS)
+def test_a_contradiction_of_more_than_5_percent_is_a_sentence_with_both_numbers(tmp_path: Path, row: str) -> None:
+    text, message = CONTRADICTIONS[row]
+    with pytest.raises(SceneError, match=rf"tally.csv, line 2.*{message}"):
+        made(tmp_path, tally=f"{HEADING}{text}\n")
+
+
+def test_weights_that_differ_by_less_than_5_percent_are_no_contradiction(tmp_path: Path) -> None:
+    for row in (
+        "tube,rest,5,4.276,17.2",
+        "collar,rest,6.5,2.8125,95",
+        "hwdp,rest,5,3,51",
+        "hwdp,rest,5,,50.5",
+        "dp,rest,5,4.276,22.6",
+    ):
+        (section,) = made(tmp_path, tally=f"{HEADING}{row}\n").string.sections
+        assert section.mass_per_length == pytest.approx(float(row.rpartition(",")[2]) * 0.45359237 / FOOT, rel=1e-6)
+
+
+@pytest.mark.parametrize(("row", "weight", "bore"), [
+    ("5.5,,24.7", 27.74, 4.67), ("5.5,,24.8", 24.8, 4.778), ("5.5,,21.9", 24.8, 4.778), ("5.5,4.778,24.7", 24.7, 4.778),
+    ("5.5,4.67,24.7", 27.74, 4.67), ("3.5,2.764,13.3", 14.06, 2.764), ("3.5,2.602,", 16.54, 2.602),
+])  # fmt: skip
+def test_weight_of_drill_pipe_is_nominal_or_with_joints(tmp_path: Path, row: str, weight: float, bore: float) -> None:
+    """Whichever is nearer; a bore tells the pipe."""
+    (section,) = made(tmp_path, tally=f"{HEADING}drill pipe,rest,{row}\n").string.sections
+    assert section.mass_per_length == pytest.approx(weight * 0.45359237 / FOOT, rel=1e-5)
+    assert section.inner_diameter == pytest.approx(bore * INCH)
+
+
+SIX = {
+    "od and bore": """kind,length [ft],od [in],id [in],weight [lb/ft],grade
+bit,1,8.5,2.25,,\nrss,20,6.75,2.5,,\nmotor,30,6.75,4.0,,\ncollar,300,6.5,2 13/16,,
+jar,30,6.5,2.75,,\ncollar,60,6.5,2 13/16,,
+hwdp,500,5,3,,\ndrill pipe,rest,5,4.276,,S-135
+""",
+    "od and weight": """kind,length [ft],od [in],weight [lb/ft],grade
+bit,1,8.5,179.42,\nrss,20,6.75,105.078,\nmotor,30,6.75,78.961,\ncollar,300,6.5,91.79,\njar,30,6.5,92.71,\ncollar,60,6.5,91.79,
+hwdp,500,5,49.3,\ndrill pipe,rest,5,19.5,S-135
+""",
+    "all in SI, without grade": """kind,length [m],od [mm],id [mm],weight [kg/m]
+bit,0.3048,215.9,57.15,267.0\nrss,6.096,171.45,63.5,156.37\nmotor,9.144,171.45,101.6,117.51\ncollar,91.44,165.1,71.4375,136.6
+jar,9.144,165.1,69.85,137.97\ncollar,18.288,165.1,71.4375,136.6\nhwdp,152.4,127,76.2,73.37\ndp,rest,127,108.61,32.62
+""",
+    "decimal commas": """Komponente;kind;length [m];o.d. [mm];bore [mm];wt [kg/m];grade
+1;Bit;0,3048;215,9;57,15;;-\n2;RSS;6,096;171,45;63,5;-;n/a\n3;PDM;9,144;171,45;101,6;;\n4;DC;91,44;165,1;71,4375;;
+5;Jars;9,144;165,1;69,85;;\n6;DC;18,288;165,1;71,4375;;\n7;HWDP;152,4;127;;;\n8;DP;rest;127;;29,02;S
+""",
+    "names of the trade, each joint, from the top": """Component,Length (ft),OD (in.),ID (in.),Weight (ppf),Material
+Drill Pipe,rest,5.000,,21.92,\n5 in spiral HWDP,250,5,,49.3,\nHeavy-Weight Drill Pipe,250,5,3,,steel
+Drill collars,60,6 1/2,,91.79,\nHydraulic jar,30,6.5,2.75,92.71,\n"""
+    + "Non-mag drill collar,30,6.5,2 13/16,91.79,non-mag\n" * 10
+    + """Mud motor,30,6.75,4,,\nRotary steerable system,20,6.75,2.5,105.08,\nPDC bit,1,8.5,2.25,179.42,
+""",
+    "units in the cells, weights with joints, as tubes": """kind,length,od,id,weight,serial number
+bit,1 ft,8 1/2",2 1/4",,A1\nsub,20 ft,6 3/4 in,2.5 in,,\ntube,9.144 m,171.45 mm,,117.51 kg/m,
+collar,300 ft,,2 13/16 in,91.79 ppf,
+tube,30 ft,6.5 in,2.75 in,92.71 lbs/ft,\ncollar,60 ft,6.5 in,2 13/16 in,91.79 lb/ft,\ntube,500 ft,5 in,3 in,49.3 lb/ft,
+tube,rest,5 in,4.276 in,21.92 lbm/ft,
+""",
+}  # fmt: skip
+
+
+def test_one_string_described_in_six_ways_weighs_the_same(tmp_path: Path) -> None:
+    """Within 0.1 %: of 3559 ft of drill pipe of 21.92 lb/ft and 941 ft below it, each from maker's numbers."""
+    survey = f"md [m],inc [deg],azi [deg]\n0,0,0\n{4500 * FOOT!r},0,0\n"
+    below = 179.42 + 20 * 105.08 + 30 * 78.96 + 360 * 91.79 + 30 * 92.71 + 500 * 49.3
+    for way, tally in SIX.items():
+        scene = made(tmp_path, survey, tally, hole="8 1/2 in")
+        weight = sum(section.mass_per_length * section.length for section in scene.string.sections) / 0.45359237
+        assert weight == pytest.approx(3559 * 21.92 + below, rel=1e-3), way
+        assert scene.string.sections[0].length == pytest.approx(FOOT), way
+
+
+def test_a_bit_as_wide_as_the_hole_is_held_in_it(tmp_path: Path) -> None:
+    """Solid where it has no bore; a wider one is refused, as is a collar as wide as the hole."""
+    scene = made(tmp_path, tally=f"{HEADING}bit,1,12.25,,,,,\nstabiliser,5,8,3,160,,,12\ncollar,rest,8,3,,,,\n")
+    bit, stabiliser, _ = scene.string.sections
+    assert bit.inner_diameter == 0.0
+    assert 0.98 * 12.25 * INCH < bit.contact_diameter < 12.25 * INCH
+    assert stabiliser.mass_per_length == pytest.approx(160.0 * 0.45359237 / FOOT)
+    assert not [note for note in notes_on(scene) if "wall, bit," in note]
+    for row in ("bit,1,12.3,,,,,", "collar,1,12.25,3,,,,"):
+        with pytest.raises(SceneError, match=r"tally.csv, line 2 .*narrowest hole that it passes \(12.25 in"):
+            made(tmp_path, tally=f"{HEADING}{row}\ncollar,rest,8,3,,,,\n")
+
+
+def test_tools_have_marks_and_drill_pipe_without_grade_is_of_the_weakest(tmp_path: Path) -> None:
+    rows = "rss,20,6.75,2.5,,,,8\nLWD,30,6.75,3,,,,\njar,30,6.5,2.75,,,,\nhwdp,200,5,,,,4145H,\ndp,rest,5,,19.5,,,\n"
+    string = made(tmp_path, tally=HEADING + rows).string
+    assert [mark.name for mark in string.marks] == ["bit", "rss", "lwd", "jar", "middle"]
+    assert string.sections[0].contact_diameter == pytest.approx(8.0 * INCH)
+    assert string.sections[-1].yield_strength == pytest.approx(75.0 * 6.894757e6, rel=1e-5)
 
 
 def test_field_and_si_tables_give_one_scene(tmp_path: Path) -> None:
@@ -142,12 +252,13 @@ MISTAKES = {
     "wide pipe": ({"hole": "7 in"}, r'tally.csv, line 2 \("bit sub"\): .*take a smaller od, or correct hole'),
     "wide blades": ({"hole": "12 in"}, r'tally.csv, line 3 \("near-bit"\): .*take a smaller gauge, or correct hole'),
     "no gauge": ({"tally": TALLY.replace("12 1/8", "")}, r"tally.csv, line 3, gauge: .*found nothing"),
-    "grade": ({"tally": TALLY.replace("S-135", "19.5")}, r'tally.csv, line 6, grade: .*S135, found "19.5"; the weight'),
-    "size": ({"tally": TALLY.replace("19.5", "18.0")}, r"tally.csv, line 6: .*5 in 19.5 lb/ft.*weight 18.0"),
+    "small gauge": ({"tally": TALLY.replace("12 1/8", "7")}, r"line 3: .* at least the od, found .*, gauge 7 in"),
+    "grade": ({"tally": TALLY.replace("S-135", "19.5")}, r'tally.csv, line 6, grade: .*S135.* found "19.5"; weights'),
+    "size": ({"tally": TALLY.replace("19.5", "18.0")}, r"tally.csv, line 6: .*5 in 19.5 lb/ft.*weight 18.0 lb/ft"),
     "kind": ({"tally": TALLY.replace("hwdp", "wire")}, r'tally.csv, line 5, kind: .*found "wire"'),
-    "bore": ({"tally": TALLY.replace("97.5,8,2 13/16", "97.5,8,9")}, r"tally.csv, line 4, id: .*less than the od"),
-    "no bore": ({"tally": TALLY.replace("97.5,8,2 13/16", "97.5,8,")}, r"line 4, id: .*the bore, or a `weight`"),
-    "a bar": ({"tally": TALLY.replace("97.5,8,2 13/16,", "97.5,8,,200")}, r"line 4, weight: .*weight of a bar"),
+    "bore": ({"tally": TALLY.replace("97.5,8,2 13/16", "97.5,8,9")}, r"line 4: .*less than the od, found .*, id 9 in"),
+    "no bore": ({"tally": TALLY.replace("97.5,8,2 13/16", "97.5,8,")}, r"line 4: expected two .*, found od 8 in$"),
+    "a bar": ({"tally": TALLY.replace("97.5,8,2 13/16,", "97.5,8,,200")}, r"line 4, weight: expected 171.*, found 200"),
     "depth": ({"depth": "1600 m"}, r"--depth: .*within the survey \(1500 m\), found 1600 m"),
     "bit": ({"bit": "13 in"}, r"--bit: expected at most the hole"),
     "casing": ({"casing": ("13 in to 500 m", "13 in to 400 m")}, r"--casing .*expected a shoe below 500 m"),
@@ -155,7 +266,7 @@ MISTAKES = {
     "hole": ({"hole": "-12 in"}, r'--hole: expected a length above 0, found "-12 in"'),
     "above the rotary table": ({"depth": "-5 m"}, r"--depth: expected a length above 0"),
     "thousands": ({"survey": SURVEY.replace("900,40", "1,900,40")}, r"survey.csv, line 4: .*at most 3 cells"),
-    "heavy in mm": ({"tally": TALLY.replace("hwdp,100,5", "hwdp,100,8")}, r"line 5, od: .*found 8 in"),
+    "heavy in mm": ({"tally": TALLY.replace("hwdp,100,5", "hwdp,100,8")}, r"line 5: .*5 in 49.3 lb/ft .*found od 8 in"),
     "no unit": ({"survey": SURVEY.replace("md [m]", "md")}, r"line 2, md: expected its unit, .* as md \[ft\], or give"),
     "no unit of a size": ({"tally": TALLY.replace("od [in]", "od")}, r'line 2, od: expected its unit, .* "8"'),
     "size of casing": ({"casing": ("9 5/8 in to 900 m",)}, r'the inner diameter .*found 9 5/8 in, .*"ID 9 5/8 in to'),
