@@ -62,7 +62,7 @@ def answers(summary: Summary) -> Iterator[Row]:
         told += f"; the torque swings by {last}{period}, {swing['last']:.2f} of its mean, at most by {largest}"
     yield "how much", told
     shown = "".join(f"{start:.1f} to {end:.1f} s, " for start, end in spans[:_STRETCHES])
-    total = f"{shown}{sum(end - start for start, end in spans):.0f} s in {len(spans)} stretches"
+    total = f"{shown}{sum(end - start for start, end in spans):.0f} s in all"
     yield "when", total if spans else "unknown" if found["unknown"] else "never"
     yield "at which weight and speed", applied({**summary, **found})
 

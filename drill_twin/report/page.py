@@ -82,7 +82,7 @@ def build_page(
         _timeline(summary) if recording.places else "",
         "<h2>Orbits, spectrum and shapes</h2>" if figures.keys() & CAPTIONS.keys() else "",
         *(_figure(name, figures) for name in CAPTIONS if name in figures),
-        _scene(scene) if scene else "",
+        _scene(scene) if scene and not isinstance(recording.bag, RecordBag) else "",
         f"<footer>drawn by drill_twin {escape(__version__)} from {escape(recording.path.name)}</footer>",
     ]  # fmt: skip
     return html_page(f"{name}: drill_twin report", "".join(body), _scripts(charts, recording))

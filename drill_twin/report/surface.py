@@ -104,9 +104,9 @@ def gaps(time: Array, known: Array, interval: float) -> list[tuple[float, float]
 
 
 def _torque_swing(time: Array, torque: Array, speed: Array | None) -> tuple[dict[str, Any], float, Mask] | None:
-    """Swing over the windows of 20 s in which the top drive turns steadily, its speed in the last [rad/s], samples.
+    """Swing over the windows of 20 s in which the top drive turns steadily, its speed in the last [rad/s], and `stuck`.
 
-    All windows, and no speed (NaN), where that is not recorded; the samples, shape (T,), are those of stick-slip.
+    All windows, and no speed (NaN), where that is not recorded; `stuck`, shape (T,), has the samples of stick-slip.
     """
     swings, strong, stuck = [], [], np.zeros(time.size, bool)
     for end in np.arange(time[0] + TIME_BASE, time[-1] + 1.0):
