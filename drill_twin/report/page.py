@@ -17,7 +17,7 @@ from drill_twin.io.bag.virtual_bags import RecordBag
 from drill_twin.io.messages.drawing.geometry import default_exaggeration
 from drill_twin.report.charts import plotly_packed, view_data
 from drill_twin.report.figures import CAPTIONS, OVER_TIME, left_out
-from drill_twin.report.load_text import answers, applied, load_rows, units_of
+from drill_twin.report.load_text import answers, applied, units_of
 from drill_twin.report.recording import Recording
 from drill_twin.report.severity import level_text
 from drill_twin.report.string_curve import FLAT, deviated
@@ -151,9 +151,7 @@ def _first_cards(summary: Mapping[str, Any]) -> str:
 
 def _cards(summary: Mapping[str, Any]) -> str:
     if not summary["whirl_observable"]:
-        known = {name: value for name, value in load_rows(summary) if name != "drag"}
-        means = (card(value.partition(" on average")[0], "{}", f"{name}, mean") for name, value in known.items())
-        return _row(*means)
+        return ""
     radii = {mark: radius for mark, radius in summary["max_radius_m"].items() if radius is not None}
     widest = max(radii, key=lambda mark: radii[mark], default=None)
     return _row(

@@ -115,7 +115,8 @@ class Recording:
                 if topic not in taken:
                     self._take_message(topic, raw, time)
             if taken:
-                self._latest, self._behind = batch[-1][2], []
+                self._latest = batch[-1][2]
+                self._behind.clear()
         self.runs = max(1, self._pipeline.runs)
         self.run = self.selection.run or self.runs
         if self.run > self.runs:
@@ -135,7 +136,8 @@ class Recording:
         self.poses = PoseSeries(every=max(1, -(-self._messages.poses // SHAPES)))
         self.whirl, self.stress = WhirlSeries(), StressSeries()
         self.live = LiveFindings()
-        self._latest, self._behind = -math.inf, list[Message]()  # messages that may be of the next run
+        self._latest = -math.inf
+        self._behind: list[Message] = []  # they may be of the next run
         self.log = RunLog(self.log.info)
         self._readers: dict[str, Callable[[bytes], None]] = {
             **({self._sub_topic: self._add_place} if self.sub else {MARKS_STATE: self.marks.add_message}),
