@@ -17,6 +17,7 @@ from drill_twin.cli.show import findings_shown, marks_shown, remark, shown_progr
 from drill_twin.core.companions import entry_of, not_installed
 from drill_twin.core.errors import ArgumentError, BagError
 from drill_twin.core.files.output import make_folder
+from drill_twin.core.table import Table
 
 if TYPE_CHECKING:
     from drill_twin.report import Recording, ReportFiles
@@ -146,7 +147,7 @@ def report(
     files = draw(recording, folder, states=states)
     figures = {name: str(path) for name, path in files.figures.items()}
     data = {"report": str(files.page), "summary": str(files.summary), "figures": figures}
-    emit(data, [str(files.page)], json=json)
+    emit(data, [*([Table((), files.answers)] if files.answers else []), str(files.page)], json=json)
 
 
 def draw(recording: Recording, folder: Path, *, states: bool = False) -> ReportFiles:

@@ -60,9 +60,10 @@ def remark(text: str, style: str = "") -> None:
 
 def findings_shown(summary: Mapping[str, Any]) -> Iterator[Table]:
     """Tables of a summary: findings, marks and timeline; what limits the findings goes to stderr."""
+    from drill_twin.report.load_text import answers
     from drill_twin.report.text import column_rows, findings, limitations, provenance, timeline_rows
 
-    rows = [row for row in findings(summary) if not row[0].startswith("largest radius")]
+    rows = [row for row in (*answers(summary), *findings(summary)) if not row[0].startswith("largest radius")]
     yield Table((), [*rows, *provenance(summary)])
     if marks := list(_marks(summary)):
         yield Table(("mark", "largest radius", "over the threshold", "motion at the end"), marks, right=(2,))

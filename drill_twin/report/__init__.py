@@ -16,6 +16,7 @@ from drill_twin.core.errors import BagError
 from drill_twin.core.files.output import write_whole
 from drill_twin.core.files.plain_json import json_text
 from drill_twin.report.figures import FIGURES, drawing, left_out
+from drill_twin.report.load_text import answers
 from drill_twin.report.recording import Recording, read_recording
 from drill_twin.report.summary import summarise
 
@@ -35,6 +36,8 @@ class ReportFiles:
     """`summary.json`."""
     figures: dict[str, Path]
     """PNG files by name; a figure that the recording cannot fill has none."""
+    answers: list[tuple[str, str]]
+    """Names and texts of what a recording without marks is good for (`drill_twin.report.load_text.answers`)."""
 
 
 def build_report(
@@ -68,6 +71,7 @@ def build_report(
         folder / "report.html",
         folder / "summary.json",
         {name: folder / f"{name}.png" for name in FIGURES if name not in left_out(recording)},
+        list(answers(summary)),
     )
     try:
         folder.mkdir(parents=True, exist_ok=True)

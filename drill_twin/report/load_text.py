@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Rows of a summary on loads, fatigue, bit and downhole sub, and the text of numbers with units."""
+"""Rows of a summary on what a record tells, loads, fatigue, bit and downhole sub; the text of numbers with units."""
 
 from __future__ import annotations
 
@@ -8,13 +8,63 @@ from typing import Any
 
 from drill_twin.core.units.system import UnitSystem, unit_system
 from drill_twin.report.severity import level_text
-from drill_twin.whirl.motion.stick_slip_index import TIME_BASE
+from drill_twin.whirl.motion.stick_slip_index import FULL, TIME_BASE
 
 Summary = Mapping[str, Any]
 Row = tuple[str, str]
 
 _STRETCHES = 5
-"""Most periods of stick-slip with a row of their own."""
+"""Most periods of stick-slip that are listed."""
+_VARIES = 0.05
+"""Range of a set-point, over its mean, from which a sentence gives the range."""
+
+
+def applied(summary: Summary) -> str:
+    """Sentence on weight on bit and rotation as they were applied."""
+    found = summary["applied"]
+    weight, speed = found["weight_on_bit_n"], found["rotation_rad_s"]
+    parts = []
+    if weight is not None:
+        top = " (load applied at the top: the weight of the string adds to it)" if summary["load_at"] == "top" else ""
+        parts.append(f"weight on bit {_over_time(summary, weight, 'force')}{top}")
+    if speed is not None:
+        parts.append(f"top drive at {_over_time(summary, speed, 'rotation')}")
+    return f"From {summary['settled_s']:.1f} s on: {', '.join(parts) or 'no weight and no speed were recorded'}."
+
+
+def _over_time(summary: Summary, found: Mapping[str, float], quantity: str) -> str:
+    """Mean with its unit, and the range where it is wider than a twentieth."""
+    units = units_of(summary)
+    varies = found["max"] - found["min"] > _VARIES * abs(found["mean"])
+    over = f" on average, {units.span(found['min'], found['max'], quantity)}" if varies else ""
+    return units.text(found["mean"], quantity) + over
+
+
+def answers(summary: Summary) -> Iterator[Row]:
+    """Five rows on a recording without marks: did it stick, did it whirl, how much, when, at which weight and speed."""
+    if not (found := summary.get("surface")):
+        return
+    index, most, spans = found["stick_slip_index_by_torque"], summary["largest_stick_slip_index"], found["spans"]
+    by, sure = "torque and string", "no, but the bit swings" if index is not None and index < FULL else "likely"
+    if most is not None:
+        by, sure = "the speed of the bit", "yes"
+    elif index is None:
+        by = "the torque; the speed of the bit, or the string (--scene), tells more"
+    yield "did it stick", f"unknown: {found['unknown']}" if found["unknown"] else f"{sure if spans else 'no'}, by {by}"
+    yield "did it whirl", "not observable: no channel of the surface shows sideways motion; a downhole sub does"
+    told = number_text(
+        index, "index up to about {:.2f} (less with friction along the string)", "stick-slip index unknown"
+    )
+    told = number_text(most, "index {:.2f} at most", told)
+    if swing := found["torque_swing"]:
+        last, largest = (units_of(summary).text(swing[key], "torque") for key in ("last_nm", "largest_nm"))
+        period = f" every {swing['period_s']:.2f} s" if swing["period_s"] and spans else ""
+        told += f"; the torque swings by {last}{period}, {swing['last']:.2f} of its mean, at most by {largest}"
+    yield "how much", told
+    shown = "".join(f"{start:.1f} to {end:.1f} s, " for start, end in spans[:_STRETCHES])
+    total = f"{shown}{sum(end - start for start, end in spans):.0f} s in all"
+    yield "when", total if spans else "unknown" if found["unknown"] else "never"
+    yield "at which weight and speed", applied({**summary, **found})
 
 
 def load_rows(summary: Summary) -> Iterator[Row]:
@@ -56,20 +106,15 @@ def severity_rows(summary: Summary) -> Iterator[Row]:
 
 
 def surface_rows(summary: Summary) -> Iterator[Row]:
-    """Rows on what the surface channels tell: swing of the torque, gaps and spikes."""
+    """Rows on the weight of the block, gaps and spikes of the surface channels."""
     if not (found := summary.get("surface")):
         return
-    if swing := found["torque_swing"]:
-        last, largest = (units_of(summary).text(swing[key], "torque") for key in ("last_nm", "largest_nm"))
-        period = "" if swing["period_s"] is None else f", period {swing['period_s']:.2f} s"
-        words = f"{last} over the last {TIME_BASE} s at a steady speed, {swing['last']:.2f} of the mean{period}"
-        yield "swing of the torque", f"{words}; at most {largest}"
-        if summary["largest_stick_slip_index"] is None:
-            index = found["stick_slip_index_by_torque"]
-            told = "unknown: no speed of the bit is recorded; with the string (--scene) the torque tells"
-            if index is not None:
-                told = f"up to about {index:.2f}, by the torque and the string; friction along it makes this too large"
-            yield "stick-slip index", told
+    if block := summary.get("block"):
+        told = 'unknown, as the record shows no time in slips; drag needs it, as --channel "block_weight=32 klbf"'
+        if (weight := block["weight_n"]) is not None:
+            at = "given" if block["at_s"] is None else f"lowest steady one at rest, as in slips, {block['at_s']:.1f} s"
+            told = f"{units_of(summary).text(weight, 'force')} of the hookload ({at})"
+        yield "block and top drive", told
     for name, channel in found["channels"].items():
         lost, odd = channel["gaps"], channel["spikes"]
         if lost or odd:

@@ -17,13 +17,12 @@ from drill_twin.io.bag.virtual_bags import RecordBag
 from drill_twin.io.messages.drawing.geometry import default_exaggeration
 from drill_twin.report.charts import plotly_packed, view_data
 from drill_twin.report.figures import CAPTIONS, OVER_TIME, left_out
-from drill_twin.report.load_text import load_rows, units_of
+from drill_twin.report.load_text import answers, applied, units_of
 from drill_twin.report.recording import Recording
 from drill_twin.report.severity import level_text
 from drill_twin.report.string_curve import FLAT, deviated
 from drill_twin.report.text import (
     NOT_VALIDATED,
-    applied,
     column_rows,
     findings,
     interval,
@@ -66,7 +65,7 @@ def build_page(
         f"<h1>{escape(name)}</h1>",
         f'<p class="lead">{escape(scene.description)}</p>' if scene else "",
         f'<p class="lead">{escape(applied(summary))}</p>',
-        _first_cards(summary) if recording.places else "",
+        _first_cards(summary) if recording.places else f"<section>{Table((), list(answers(summary))).html()}</section>",
         _view(scene) if scene and len(recording.poses) else "",
         _warning([*limitations(summary), *_not_drawn(recording)]),
         _cards(summary),
@@ -83,7 +82,7 @@ def build_page(
         _timeline(summary) if recording.places else "",
         "<h2>Orbits, spectrum and shapes</h2>" if figures.keys() & CAPTIONS.keys() else "",
         *(_figure(name, figures) for name in CAPTIONS if name in figures),
-        _scene(scene) if scene else "",
+        _scene(scene) if scene and not isinstance(recording.bag, RecordBag) else "",
         f"<footer>drawn by drill_twin {escape(__version__)} from {escape(recording.path.name)}</footer>",
     ]  # fmt: skip
     return html_page(f"{name}: drill_twin report", "".join(body), _scripts(charts, recording))
@@ -151,16 +150,8 @@ def _first_cards(summary: Mapping[str, Any]) -> str:
 
 
 def _cards(summary: Mapping[str, Any]) -> str:
-    index = card(summary["largest_stick_slip_index"], "{:.2f}", "largest stick-slip index of the bit", "unknown")
     if not summary["whirl_observable"]:
-        known = {name: value for name, value in load_rows(summary) if name != "drag"}
-        means = (card(value.partition(" on average")[0], "{}", f"{name}, mean") for name, value in known.items())
-        found = summary["surface"] or {}
-        swing = found.get("torque_swing") or {}
-        swings = card(swing.get("last"), "{:.2f}", "swing of the torque over its mean, last 20 s", "unknown")
-        if (by_torque := found.get("stick_slip_index_by_torque")) is not None:
-            index = card(by_torque, "{:.2f}", "stick-slip index by the torque, at most")
-        return _row(*means, swings, index)
+        return ""
     radii = {mark: radius for mark, radius in summary["max_radius_m"].items() if radius is not None}
     widest = max(radii, key=lambda mark: radii[mark], default=None)
     return _row(

@@ -18,12 +18,14 @@ from drill_twin.dynamics.discretisation.joint import joint_of
 from drill_twin.dynamics.discretisation.resolution import MOST
 from drill_twin.dynamics.twin import state_judge
 from drill_twin.dynamics.twin.binding import bounds_of
+from drill_twin.io.bag.virtual_bags import RecordBag
 from drill_twin.physics.effects.wall import parameters as wall_parameters
 from drill_twin.physics.model.mesh import build_rod
 from drill_twin.report.recording import Recording
 from drill_twin.report.string_curve import along_hole, arc_of, refined
 from drill_twin.scene import Scene
 from drill_twin.scene.set_points import extremes
+from drill_twin.whirl.motion.stick_slip_index import REST
 from drill_twin.whirl.spectrum import WINDOW, centre_line, precession_record
 
 
@@ -72,17 +74,42 @@ def fatigue(bag: Recording) -> dict[str, dict[str, float | None]] | None:
     return rows
 
 
+SLIPS, FEWEST, SHARES, HELD = 10.0, 4, (0.02, 0.5), 0.02
+"""Least time [s] and samples in slips; hookload then, and its variation, over the largest of the record."""
+
+
+def block_weight(bag: Recording, kept: Mapping[str, Array]) -> dict[str, Any] | None:
+    """Weight of block and top drive, which the hookload of a record holds; None where no hookload is recorded.
+
+    Keys: `weight_n`, given as `block_weight`, or the lowest hookload that is steady while the top drive rests, as in
+    slips, since `at_s` (None where given); NaN where neither is known.
+    """
+    if not isinstance(bag.bag, RecordBag) or (hookload := kept.get("hookload")) is None:
+        return None
+    time, largest, weight, at = bag.rig.time, float(np.nanmax(hookload)), bag.bag.block, None
+    wide = max(SLIPS, 5.0 * float(np.median(np.diff(time))))
+    held = np.where(np.abs(bag.rig.top_drive_speed) >= REST, 2.0 * largest, hookload)  # too much where it turns
+    for start in np.arange(time[0], time[-1] - wide, 0.5 * wide) if math.isnan(weight) else ():
+        values = held[slice(*np.searchsorted(time, (start, start + wide)))]
+        values = values[np.isfinite(values)]
+        steady = values.size >= FEWEST and np.ptp(values) <= HELD * largest
+        if steady and SHARES[0] * largest <= np.median(values) <= min(SHARES[1] * largest, weight):
+            weight, at = float(np.median(values)), float(start)
+    return {"weight_n": weight, "at_s": at}
+
+
 KEYS = ("weight_on_bit_n", "hookload_n", "top_drive_torque_nm", "bit_torque_nm", "drag_n")
 
 
-def loads(bag: Recording, kept: Mapping[str, Array]) -> dict[str, dict[str, float] | None]:
+def loads(bag: Recording, kept: Mapping[str, Array], block: float = 0.0) -> dict[str, dict[str, float] | None]:
     """Mean from `settled_from` on, least and largest of the whole recording; None for what the bag does not hold.
 
-    Channels of `kept` (`surface.without_spikes`) take the place of the recorded ones.
+    Channels of `kept` (`surface.without_spikes`) take the place of the recorded ones; `block` is the weight of the
+    block in the hookload [N].
 
     Keys: `weight_on_bit_n`, `hookload_n`, `top_drive_torque_nm`, `bit_torque_nm` (of the rock on the bit, negative with
     right-handed rotation), as on `/rig/state`, and `drag_n`: hookload plus weight on bit less the weight of the string
-    along the hole, which is the axial friction and inertia; positive = against motion upwards.
+    along the hole and the block's, which is the axial friction and inertia; positive = against motion upwards.
     """
     if not len(bag.rig):
         return dict.fromkeys(KEYS)
@@ -90,14 +117,17 @@ def loads(bag: Recording, kept: Mapping[str, Array]) -> dict[str, dict[str, floa
     weight = string_weight(bag.scene) if bag.scene_known else np.nan
     names = ("bit_force", "hookload", "top_drive_torque", "bit_torque")
     series, late = [kept.get(name, getattr(rig, name)) for name in names], rig.time >= settled_from(bag)
-    series.append(series[0] + series[1] - weight)
+    drag = series[0] + series[1] - weight - block
+    series.append(
+        np.where((block > 0.0) & (series[1] - block < 0.5 * weight), np.nan, drag)
+    )  # the string hangs in slips
     return {key: _statistics(values, late) for key, values in zip(KEYS, series, strict=True)}
 
 
-def applied(bag: Recording, kept: Mapping[str, Array]) -> dict[str, dict[str, float] | None]:
-    """Statistics of weight on bit [N] and rotation of the top drive [rad/s] from `settled_from` on."""
+def applied(bag: Recording, kept: Mapping[str, Array], at: Mask | None = None) -> dict[str, dict[str, float] | None]:
+    """Statistics of weight on bit [N] and rotation of the top drive [rad/s] at samples, or `settled_from` on."""
     rig = bag.rig
-    late = rig.time >= settled_from(bag)
+    late = rig.time >= settled_from(bag) if at is None else at
     series = (kept.get(name, getattr(rig, name)) for name in ("bit_force", "top_drive_speed"))
     weight, speed = (_statistics(values[late]) for values in series)
     return {"weight_on_bit_n": weight, "rotation_rad_s": speed}

@@ -7,6 +7,7 @@ compared byte for byte.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Collection
 from contextlib import suppress
 from itertools import islice
@@ -24,7 +25,7 @@ from drill_twin.io.bag.skipped import SkippedMessages
 from drill_twin.io.bag.time_series import Rows
 from drill_twin.io.bag.virtual_bags import RecordBag
 from drill_twin.io.messages.encode import MARK_AXES
-from drill_twin.io.messages.stamps import seconds
+from drill_twin.io.messages.stamps import raw_header_stamp, seconds
 from drill_twin.io.messages.topics import (
     DIAGNOSTICS,
     MARKS_STATE,
@@ -67,13 +68,10 @@ class Recording:
         bag, path: The bag, and its path.
         rotation_from_spin: Whether the rotation was taken from the spin of the marks, since the bag has no rig states.
         selection: The part of it that is analysed.
-        marks: Positions and spins of the marks.
-        rig: State of the rig.
-        commands: Set-points as commanded.
+        marks, rig, commands: Positions and spins of the marks, state of the rig, set-points as commanded.
         stress: Stress and damage of the sections of `fatigue`.
         poses: Poses of the string's nodes, at most `SHAPES` of them.
-        whirl: Findings of the analysis over time.
-        live: Findings that the analyzer recorded while the twin ran.
+        whirl, live: Findings of the analysis over time, and findings recorded while the twin ran.
         log: `run` block and diagnostics.
         skipped: Messages that could not be used.
         sub: Downhole sub whose readings are analysed instead of marks; empty without.
@@ -116,6 +114,9 @@ class Recording:
             for topic, raw, time in batch:
                 if topic not in taken:
                     self._take_message(topic, raw, time)
+            if taken:
+                self._latest = batch[-1][2]
+                self._behind.clear()
         self.runs = max(1, self._pipeline.runs)
         self.run = self.selection.run or self.runs
         if self.run > self.runs:
@@ -135,6 +136,8 @@ class Recording:
         self.poses = PoseSeries(every=max(1, -(-self._messages.poses // SHAPES)))
         self.whirl, self.stress = WhirlSeries(), StressSeries()
         self.live = LiveFindings()
+        self._latest = -math.inf
+        self._behind: list[Message] = []  # they may be of the next run
         self.log = RunLog(self.log.info)
         self._readers: dict[str, Callable[[bytes], None]] = {
             **({self._sub_topic: self._add_place} if self.sub else {MARKS_STATE: self.marks.add_message}),
@@ -182,15 +185,24 @@ class Recording:
         messages = self._pipeline.take(topic, raw)
         if self._pipeline.over:
             return
+        if time >= self._latest:
+            self._latest, self._behind = time, []
+        elif topic != TWIN_SCENE:
+            self._behind.append((topic, raw, time))
         if self._pipeline.runs > max(runs, 1):
-            self._poses_before += self.poses.seen
+            first = [one for one in self._behind[:-1] if topic != TWIN_SCENE and one[2] <= time]
+            self._poses_before += self.poses.seen - sum(one[0] == STRING_POSES for one in first)
             self._reset()
+            for name, behind, _ in first:
+                with suppress(MessageError):  # counted already
+                    self._readers[name](behind)
         if self._pipeline.malformed > malformed:
             reason = self._pipeline.trouble
         for name, message in messages:
             if name == WHIRL_STATE:
                 self.live.on_analysed(message)
-                self.whirl.add_message(message)
+                if seconds(raw_header_stamp(message)) <= time:  # a later one is of the run before
+                    self.whirl.add_message(message)
         try:
             self._readers[topic](raw)
         except MessageError as error:
@@ -222,11 +234,7 @@ class Recording:
 
     @property
     def scene(self) -> Scene:
-        """Scene of the run.
-
-        Raises:
-            BagError: The scene is not known.
-        """
+        """Scene of the run; raises BagError where it is not known."""
         if self._pipeline.scene is None:
             raise BagError(no_scene(self.path, self._pipeline.trouble, of_sub=bool(self.sub)))
         return self._pipeline.scene
@@ -243,11 +251,7 @@ class Recording:
 
     @property
     def findings(self) -> Findings:
-        """Findings at the last sample.
-
-        Raises:
-            BagError: Whirl is not observable in this bag.
-        """
+        """Findings at the last sample; raises BagError where whirl is not observable."""
         if self._pipeline.findings is None:
             raise BagError(f"{self.path}: expected positions of marks on {MARKS_STATE}, found none; {NOT_OBSERVABLE}")
         return self._pipeline.findings

@@ -14,7 +14,16 @@ from drill_twin.core.files.plain_json import plain
 from drill_twin.dynamics.twin.frame import COUNTS
 from drill_twin.io.bag.reader import Bag
 from drill_twin.io.messages.stamps import seconds
-from drill_twin.report.quantities import applied, fatigue, loads, precession, settled_from, soft_wall, wall_depth
+from drill_twin.report.quantities import (
+    applied,
+    block_weight,
+    fatigue,
+    loads,
+    precession,
+    settled_from,
+    soft_wall,
+    wall_depth,
+)
 from drill_twin.report.recording import Recording, read_recording
 from drill_twin.report.severity import severity
 from drill_twin.report.surface import highest_line, surface, without_spikes
@@ -61,7 +70,8 @@ def summarise(bag: Recording | Bag | str | Path) -> dict[str, Any]:
           `applied`: `mean`, `min` and `max` from then on of weight on bit [N] and rotation of the top drive [rad/s];
           `load_at`: where the scene has the weight applied, `bit`, `top` or `block`.
         * `loads`: `mean` from `settled_s` on, `min` and `max` in all, of weight on bit, hookload and drag [N] and of
-          the torques of top drive and bit [N m] (`drill_twin.report.quantities`).
+          the torques of top drive and bit [N m] (`drill_twin.report.quantities`); `block`: of the record of a rig,
+          the weight of block and top drive in its hookload, and the time of the slips that show it.
         * `acceleration`, `acceleration_rate_hz`, `stick_slip_level`, `rate_of_penetration_m_s`, `specific_energy_pa`:
           `drill_twin.report.severity`.
         * `surface`: of a recording without marks, gaps and spikes of the channels of the rig, swing of the torque, and
@@ -94,6 +104,7 @@ def summarise(bag: Recording | Bag | str | Path) -> dict[str, Any]:
         bag = Recording(bag)
     found, run, log = bag.summary, bag.log.info, bag.log
     onset, wall, kept = found.onset, wall_depth(bag), without_spikes(bag)
+    block = block_weight(bag, kept)
     summary = {
         "run": bag.run,
         "runs": bag.runs,
@@ -117,7 +128,8 @@ def summarise(bag: Recording | Bag | str | Path) -> dict[str, Any]:
         "settled_s": settled_from(bag),
         "applied": applied(bag, kept),
         "load_at": bag.scene.rig.weight_on_bit.at if bag.scene_known else None,
-        "loads": loads(bag, kept),
+        "loads": loads(bag, kept, block["weight_n"] if block else 0.0),
+        "block": block,
         **severity(bag),
         "surface": surface(bag, kept),
         "fatigue": fatigue(bag),

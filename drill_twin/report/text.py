@@ -30,8 +30,6 @@ LAB = "lab"
 """System of units of a bench, for which the levels of downhole tools are not meant."""
 ON_THE_WALL = 1.005
 """Radius over the clearance from which a row tells how deep in the wall a mark was; not measured."""
-_VARIES = 0.05
-"""Range of a set-point, over its mean, from which a sentence gives the range."""
 NOT_VALIDATED = """\
 No measurement of a whirling string stands behind this run: onset, whirl frequency and radii are what the model gives \
 for this scene. The scene's provenance says which of its numbers are measured, published or estimated; the estimated \
@@ -46,27 +44,6 @@ the errors of instruments.
 """Limits of validity, below the figures of the page."""
 
 
-def applied(summary: Summary) -> str:
-    """Sentence on weight on bit and rotation as they were applied."""
-    found = summary["applied"]
-    weight, speed = found["weight_on_bit_n"], found["rotation_rad_s"]
-    parts = []
-    if weight is not None:
-        top = " (load applied at the top: the weight of the string adds to it)" if summary["load_at"] == "top" else ""
-        parts.append(f"weight on bit {_over_time(summary, weight, 'force')}{top}")
-    if speed is not None:
-        parts.append(f"top drive at {_over_time(summary, speed, 'rotation')}")
-    return f"From {summary['settled_s']:.1f} s on: {', '.join(parts) or 'no weight and no speed were recorded'}."
-
-
-def _over_time(summary: Summary, found: Mapping[str, float], quantity: str) -> str:
-    """Mean with its unit, and the range where it is wider than a twentieth."""
-    units = units_of(summary)
-    varies = found["max"] - found["min"] > _VARIES * abs(found["mean"])
-    over = f" on average, {units.span(found['min'], found['max'], quantity)}" if varies else ""
-    return units.text(found["mean"], quantity) + over
-
-
 def findings(summary: Summary) -> Iterator[Row]:
     """Rows of the findings, most important first, after what run and which time they are of."""
     if summary["runs"] > 1:
@@ -75,7 +52,6 @@ def findings(summary: Summary) -> Iterator[Row]:
     if summary["start_utc"]:
         yield "times", f"in seconds from {summary['start_utc']} UTC"
     if not summary["whirl_observable"]:
-        yield "whirl", "not observable: no positions of marks"
         yield "rotation", rotation(summary, units_of(summary))
         for rows in (load_rows, surface_rows, severity_rows, fatigue_rows, bit_rows):
             yield from rows(summary)

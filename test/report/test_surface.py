@@ -7,8 +7,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from drill_twin.core.errors import TableError
 from drill_twin.dynamics.discretisation.discretise import tubes_of
+from drill_twin.report import build_report, draw
 from drill_twin.report.figures.style import unbridged
+from drill_twin.report.load_text import answers
 from drill_twin.report.recording import read_recording
 from drill_twin.report.selection import Selection
 from drill_twin.report.summary import summarise
@@ -39,8 +42,9 @@ def test_a_record_tells_weight_swing_index_gaps_and_spikes(tmp_path):
     assert swing["last_nm"] == pytest.approx(8000.0, rel=0.02)
     assert swing["last"] == pytest.approx(0.4, rel=0.02)
     assert swing["period_s"] == pytest.approx(4.0, rel=0.03)
-    rows = dict(findings(found))
-    assert rows["stick-slip index"].startswith("unknown: no speed of the bit is recorded")
+    rows = dict([*answers(found), *findings(found)])
+    assert rows["did it stick"].startswith("no, by the torque; the speed of the bit, or the string (--scene), tells")
+    assert rows["how much"].startswith("stick-slip index unknown; the torque swings by 8 kN m, 0.40 of its mean")
     assert "the longest from 19.90 to 26.00 s" in rows["gaps, torque"]
     assert rows["weight on bit"].startswith("100")
     assert found["loads"]["top_drive_torque_nm"]["max"] == pytest.approx(24_000.0, rel=1e-3)
@@ -56,6 +60,111 @@ def test_a_record_in_pounds_is_told_in_pounds(tmp_path):
     assert dict(findings(summarise(read_recording(file))))["weight on bit"].startswith("20 klbf")
     chosen = summarise(read_recording(file, selection=Selection(units="si")))
     assert dict(findings(chosen))["weight on bit"].startswith("88.96 kN")
+
+
+KLBF = 4448.2216
+
+
+def rig_record(path, *, swing=12.0, mean=15.0, steps=0.1, slips=True, bit=False):
+    """A connection in slips from 1000 s on, then 100 rpm; from 1100 s the torque swings every 5 s; one spike each."""
+    time = np.arange(0.0, 200.0, steps)
+    turns = time >= 40.0
+    torque = np.where(turns, mean + np.where(time >= 100.0, 0.5 * swing * np.sin(math.tau * time / 5.0), 0.0), 0.0)
+    weight = np.where(turns, 20.0, 0.0)
+    hookload = 32.0 + np.where(turns | (not slips), 250.0 - weight, 0.0)
+    if steps < 1.0:
+        torque[1500], hookload[1600] = 99.0, 2000.0
+    columns = {
+        "time [s]": 1000.0 + time, "WOB [klbf]": weight, "RPM [rpm]": 100.0 * turns, "TQA [kN.m]": torque,
+        "HKLD [klbf]": hookload,
+    }  # fmt: skip
+    if bit:
+        columns["BRPM [rpm]"] = turns * np.where(time >= 100.0, np.maximum(100.0 + 150.0 * np.sin(time), 0.0), 100.0)
+    np.savetxt(path, np.column_stack([*columns.values()]), delimiter=",", header=",".join(columns), comments="")
+    return path
+
+
+def told(path, **given):
+    found = summarise(read_recording(path, **given))
+    return found, dict(answers(found))
+
+
+def test_five_rows_tell_what_a_record_is_good_for(tmp_path):
+    found, rows = told(rig_record(tmp_path / "rig.csv"))
+    assert list(rows) == ["did it stick", "did it whirl", "how much", "when", "at which weight and speed"]
+    assert rows["did it stick"].startswith(
+        "likely, by the torque; the speed of the bit, or the string (--scene), tells"
+    )
+    assert rows["did it whirl"].startswith("not observable: no channel of the surface shows sideways motion")
+    assert "swings by 8.833 klbf ft every 5.00 s, 0.80 of its mean" in rows["how much"]
+    ((start, end),) = found["surface"]["spans"]
+    assert start == pytest.approx(1090.0, abs=10.0)
+    assert end == pytest.approx(1199.9)
+    assert rows["at which weight and speed"].endswith("weight on bit 20 klbf, top drive at 100 rpm.")
+    # The string of the scene tells more: so large a swing stops its bit, the same torque about another mean too.
+    scene = load_scene("wells/vertical_3000")
+    assert told(tmp_path / "rig.csv", scene=scene)[1]["did it stick"] == "likely, by torque and string"
+
+
+@pytest.mark.parametrize(
+    ("kept", "sentence"),
+    [
+        ({"swing": 1.5}, "no, by the torque"),
+        # A swing of the whole mean torque that no drill pipe sticks with: 2 x 93 N m s x 100 rpm is 1.9 kN m.
+        ({"swing": 1.5, "mean": 1.5}, "no, by the torque"),
+        ({"steps": 2.0}, "unknown: samples every 2 s show no swing of 2 to 10 s"),
+        ({"bit": True}, "yes, by the speed of the bit"),
+    ],
+)
+def test_stick_slip_is_told_as_far_as_the_record_tells(tmp_path, kept, sentence):
+    rows = told(rig_record(tmp_path / "rig.csv", **kept))[1]
+    assert rows["did it stick"].startswith(sentence)
+    expected = {"no": "never", "un": "unknown"}.get(sentence[:2])
+    assert rows["when"] == expected if expected else "s, " in rows["when"]
+
+
+def test_without_torque_or_a_steady_speed_nothing_tells(tmp_path):
+    file = tmp_path / "rig.csv"
+    file.write_text("time [s],RPM [rpm],TQA [kN.m]\n" + "".join(f"{k},{k},10\n" for k in range(30)))
+    assert told(file)[1]["did it stick"] == "unknown: no steady rotation of the top drive for 20 s"
+    file.write_text("time [s],RPM [rpm]\n" + "".join(f"{k},100\n" for k in range(30)))
+    assert told(file)[1]["did it stick"] == "unknown: no torque is recorded"
+
+
+def test_the_hookload_in_slips_is_the_block(tmp_path):
+    scene = load_scene("wells/vertical_3000")
+    found, _ = told(rig_record(tmp_path / "rig.csv"), scene=scene)
+    assert found["block"]["weight_n"] == pytest.approx(32.0 * KLBF, rel=1e-6)
+    assert found["block"]["at_s"] < 1040.0
+    assert "142.3 kN of the hookload (lowest steady one at rest" in dict(findings(found))["block and top drive"]
+    # No slips: the block is not known, and no drag is told, unless its weight is given.
+    rig_record(tmp_path / "hung.csv", slips=False)
+    unknown, _ = told(tmp_path / "hung.csv", scene=scene)
+    assert unknown["block"]["weight_n"] is None
+    assert unknown["loads"]["drag_n"] is None
+    assert "block_weight=32 klbf" in dict(findings(unknown))["block and top drive"]
+    given, _ = told(tmp_path / "hung.csv", scene=scene, selection=Selection(choices=("block_weight=32 klbf",)))
+    assert given["loads"]["drag_n"]["mean"] == pytest.approx(found["loads"]["drag_n"]["mean"])
+    assert found["loads"]["drag_n"]["min"] == pytest.approx(found["loads"]["drag_n"]["mean"])  # none in slips
+    with pytest.raises(TableError, match=r'hung\.csv: block_weight: expected a force .* found "32 ft"'):
+        told(tmp_path / "hung.csv", selection=Selection(choices=("block_weight=32 ft",)))
+
+
+def test_the_page_shows_what_is_kept_and_no_empty_well(tmp_path, call):
+    rig_record(tmp_path / "rig.csv")
+    scene = load_scene("wells/vertical_3000")
+    recording = read_recording(tmp_path / "rig.csv", scene)
+    panels = draw("set_points", recording).axes
+    assert panels[0].get_xlim() == pytest.approx((1000.0, 1199.9))
+    torque, hookload = (panel.get_ylim()[1] for panel in panels[2:])
+    assert torque < 30.0  # the spike has 99 kN m
+    assert hookload < 2000.0  # the spike has 8,900 kN
+    files = build_report(recording, tmp_path / "report")
+    assert files.figures.keys() == {"set_points"}
+    assert dict(files.answers)["did it stick"] in files.page.read_text("utf-8")
+    said = call("report", str(tmp_path / "rig.csv")).out
+    assert said.startswith("did it stick ")
+    assert said.endswith("report.html\n")
 
 
 def test_a_line_is_broken_where_samples_are_missing():

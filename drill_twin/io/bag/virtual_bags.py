@@ -16,6 +16,8 @@ import numpy as np
 
 from drill_twin.core.errors import TableError
 from drill_twin.core.rig_channels import ARRAYS, RECORDED, RIG_JOINTS, channel_of
+from drill_twin.core.units import UnitError, parse
+from drill_twin.core.units.dimension import FORCE
 from drill_twin.core.units.parse import name_and_unit
 from drill_twin.core.units.system import typed_in_pounds
 from drill_twin.io.bag.metadata import RecordedTopic, contract_topic
@@ -25,6 +27,7 @@ from drill_twin.io.messages.cdr import JointStateTemplate
 from drill_twin.io.messages.stamps import NANOSECONDS
 from drill_twin.io.messages.topics import RIG_STATE
 from drill_twin.scene.records import CHANNELS, RECORDS, read_columns
+from drill_twin.scene.records.channels import BLOCK
 
 
 class MemoryBag(Bag):
@@ -116,6 +119,7 @@ class RecordBag(Bag):
         read: The columns that were read and their units, for the user.
         columns: What is done with each column (`Columns.account`).
         chosen: Column and unit of channels that were chosen, by name.
+        block: Weight of block and top drive in the hookload [N]; NaN where it is not given.
         notes: Sentences on what was left out, and on time and units.
         units: Units that people read: `field` where a force or torque is in pounds, else `si`.
     """
@@ -124,11 +128,15 @@ class RecordBag(Bag):
         """Read a record; columns are found by their mnemonics, or chosen (`drill_twin.scene.records.read_columns`).
 
         Raises:
-            TableError: The record cannot be read, or has no time or no speed.
+            TableError: The record cannot be read, or has no time or no speed, or the weight of the block is no force.
         """
         self.path, self.damage = path, list[str]()
         columns = read_columns(path, choices)
         self.chosen = columns.given
+        try:
+            self.block = parse(" ".join(self.chosen[BLOCK]), FORCE) if BLOCK in self.chosen else math.nan
+        except UnitError as error:
+            raise TableError(f"{path}: {BLOCK}: {error}") from None
         for name in CHANNELS:
             if columns.named(name):
                 with nullcontext() if columns.chosen(name)[0] else suppress(TableError):  # the account tells it

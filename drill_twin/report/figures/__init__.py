@@ -54,7 +54,7 @@ def left_out(recording: Recording) -> dict[str, str]:
     lacks = {
         rig: () if len(recording.rig) else ("set_points",),
         marks: () if recording.places else ("displacement", "motion", "spectrum_over_time", "orbits", "spectrum"),
-        shape: () if len(recording.poses) else ("string_shapes",),
+        shape: () if len(recording.poses) else ("string_shapes", "well"),
         scene: () if recording.scene_known else ("well",),
     }
     return {name: why for why, names in lacks.items() for name in names}

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from types import SimpleNamespace
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -32,6 +33,7 @@ from drill_twin.report.figures.style import (
     unbridged,
 )
 from drill_twin.report.recording import Recording
+from drill_twin.report.surface import CHANNELS, without_spikes
 from drill_twin.whirl import MotionPeriod, MotionState, criteria
 
 _Panel = tuple[str, str, dict[str, Array], Array | None]
@@ -43,6 +45,8 @@ def set_points(recording: Recording) -> Figure:
     found = list(_panels(recording))
     figure, panels = over_time(recording.duration, [1.35] * len(found), title=_title(found))
     units = recording.units
+    if not recording.places and len(recording.rig):
+        panels[0].set_xlim(left=float(recording.rig.time[0]))
     for panel, (label, quantity, lines, commanded) in zip(panels, found, strict=True):
         if commanded is not None:
             given = np.isfinite(commanded)  # a command may have a part of the set-points
@@ -61,8 +65,9 @@ def set_points(recording: Recording) -> Figure:
 
 
 def _panels(recording: Recording) -> Iterator[_Panel]:
-    """Panels with at least one line that has values."""
-    rig, commands = recording.rig, recording.commands
+    """Panels with at least one line that has values; spikes, which would set the axes, are left out."""
+    recorded, kept, commands = recording.rig, without_spikes(recording), recording.commands
+    rig = SimpleNamespace(**{name: kept.get(name, getattr(recorded, name)) for name in (*CHANNELS, "bit_torque")})
     for label, quantity, lines, commanded in (
         ("weight on bit", "force", {"applied": rig.bit_force}, commands.weight_on_bit if len(commands) else None),
         ("rotation", "rotation", {"top drive": rig.top_drive_speed, "bit": rig.bit_speed},

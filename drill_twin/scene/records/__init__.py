@@ -116,6 +116,11 @@ def _time(columns: Columns) -> str:
         columns[found[0]] += columns[days[0]]
         columns.given["time"] = (found[0], "")
     elif found[:1] == clocks[:1] != []:
+        if dates[found[0]].unsure:
+            raise TableError(
+                f'{columns.file}: expected hours, minutes and seconds, found two numbers in "{found[0]}", which may be '
+                f'hours and minutes or minutes and seconds; say which, as --channel "time={found[0]}:MM:SS" or HH:MM'
+            )
         columns[found[0]] = past_midnight(columns[found[0]])
     return found[0] if len(found) == 1 else ""
 

@@ -38,8 +38,8 @@ CHANNELS: Mapping[str, RecordChannel] = {
     for name, channel in ((name, RIG_CHANNELS[field]) for name, field in RECORDED.items())
 }  # fmt: skip
 """Time and the channels of `drill_twin.core.rig_channels` that records have."""
-NULL = "null_value"
-"""Name that gives a null value in place of a channel: `null_value: -5555`."""
+NULL, BLOCK = "null_value", "block_weight"
+"""Names that give a number in place of a column: `null_value: -5555`, and `block_weight: 32 klbf`, in the hookload."""
 
 
 def null_values(given: str, place: str) -> tuple[float, ...]:
@@ -77,7 +77,11 @@ def channel_column(text: str, is_name: Callable[[str], bool] = lambda _: False) 
         ArgumentError: An unknown channel.
     """
     channel, _, rest = (part.strip() for part in text.partition("="))
-    known = [*dict.fromkeys((*CHANNELS, *(name for name, field in FIELDS.items() if field in RECORDED.values()), NULL))]
+    known = [
+        *dict.fromkeys(
+            (*CHANNELS, *(name for name, field in FIELDS.items() if field in RECORDED.values()), NULL, BLOCK)
+        )
+    ]
     if channel.removesuffix(INSTANT) not in known:
         raise ArgumentError(
             f'channel: expected NAME=COLUMN:UNIT with one of {", ".join(known)}, found "{text}"'

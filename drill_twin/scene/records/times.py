@@ -23,7 +23,7 @@ _CELL = re.compile(
     r" ?(?P<half>[ap]\.?m\.?)?)?(?: ?(?:z|utc|gmt))?(?P<zone>[+-]\d{2}(?::?\d{2})?)?",
     re.ASCII,
 )
-_DAY = 86400.0
+_HOUR, _DAY = 3600.0, 86400.0
 _NO_TIME = (math.nan,) * len(ORDERS)
 _FIRST_DAY = date(1970, 1, 1).toordinal()
 
@@ -34,12 +34,14 @@ class Dates:
     Attributes:
         dated: True if a cell has a date.
         clocked: True if a cell has a clock.
+        unsure: True if two numbers of a clock may be hours and minutes, or minutes and seconds, known after `seconds`.
     """
 
     def __init__(self, rows: int) -> None:
         """Begin after so many rows without a value."""
         self._readings = [array("d", [math.nan]) * rows for _ in ORDERS]
-        self.dated = self.clocked = False
+        self._short = array("b", [0]) * rows  # cells of two numbers, as 12:30
+        self.dated = self.clocked = self._full = self.unsure = False
 
     def add(self, cell: str) -> bool:
         """Append a cell; False if it is neither a date nor a clock, and then NaN is appended."""
@@ -50,6 +52,8 @@ class Dates:
         for reading, time in zip(self._readings, times, strict=True):
             reading.append(time)
         is_time = not all(map(math.isnan, times))
+        self._short.append(bool(is_time and not dated and not part["second"] and not part["half"]))
+        self._full |= is_time and bool(part["second"])
         self.dated, self.clocked = self.dated | (is_time and dated), self.clocked | (is_time and bool(part["hour"]))
         return is_time
 
@@ -66,6 +70,11 @@ class Dates:
         order = {"dd": 0, "mm": 1, "yy": 2}.get(asked[:2].lower() if re.match(r"\w+\W", asked) else "")
         best = min(range(len(ORDERS)), key=worth.__getitem__) if order is None else order
         rivals = {span for lacks, span in worth if lacks == worth[best][0]}
+        short, most = np.frombuffer(self._short, np.int8) > 0, np.nanmax(readings[best], initial=-np.inf)
+        form = re.search("hh?:mm|mm?:ss", asked.lower())
+        self.unsure = bool(short.any() and not form and not self._full and most < _DAY + _HOUR)
+        if short.any() and (form[0].endswith("ss") if form else not self.unsure):
+            readings[best] = np.where(short, readings[best] / 60.0, readings[best])
         notes = [f"dates read as {ORDERS[best]}, the shortest record"] * (order is None and len(rivals) > 1)
         return readings[best].copy(), notes
 
@@ -87,7 +96,7 @@ def _times(part: dict[str, str], *, dated: bool) -> tuple[float, ...]:
     if part["half"]:
         hour = hour % 12 + 12 * part["half"].startswith("p")
     minutes = 60 * hour + minute - (int(zone[0] + "1") * (60 * int(zone[1:3]) + int(zone[3:])) if part["zone"] else 0)
-    if hour > 24 or minute > 59 or second >= 61.0:
+    if (hour > 24 and (dated or part["second"] or part["half"])) or minute > 59 or second >= 61.0:
         return _NO_TIME
     a, b, c, ymd = part["a"], part["b"], part["c"], (part["year"], part["month"], part["day"])
     if digits := part["digits"]:

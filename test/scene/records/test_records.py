@@ -13,6 +13,7 @@ from drill_twin.cli.analyze import analyze, export
 from drill_twin.core.errors import TableError
 from drill_twin.io.bag.virtual_bags import RecordBag
 from drill_twin.report import build_report, read_recording, summarise
+from drill_twin.report.selection import Selection
 from drill_twin.scene.records import CHANNELS, Columns, read_columns
 from drill_twin.scene.set_points import read_table
 
@@ -115,6 +116,31 @@ def test_a_record_is_analysed_and_exported_as_a_bag_is(tmp_path, capsys):
     assert read_recording(tmp_path / "again" / "rig.csv").rig.bit_speed == pytest.approx(
         recording.rig.bit_speed, rel=1e-9
     )
+
+
+@pytest.mark.parametrize(
+    ("heading", "clocks", "step"),
+    [
+        ("Time", [f"{20 + k // 60}:{k % 60:02}" for k in range(600)], 1.0),  # no hour has the number 25
+        ("Time", [f"{k // 60}:{k % 60:02}" if k < 3600 else f"1:00:{k - 3600:02}" for k in range(3550, 3650)], 1.0),
+        ("Time [HH:MM]", [f"0:{k:02}" for k in range(50)], 60.0),
+        ("Time [MM:SS]", [f"0:{k:02}" for k in range(50)], 1.0),
+        ("Time", [f"1:{k:02} pm" for k in range(50)], 60.0),
+    ],
+)
+def test_a_clock_of_two_numbers_is_read_as_its_cells_or_its_heading_tell(tmp_path, heading, clocks, step):
+    file = written(tmp_path, f"{heading},RPM [rpm]\n" + "".join(f"{clock},100\n" for clock in clocks), "rig.csv")
+    assert np.diff(read_recording(file).rig.time) == pytest.approx(np.full(len(clocks) - 1, step))
+
+
+def test_a_clock_of_two_numbers_that_nothing_tells_is_asked_for(tmp_path):
+    rows = "".join(f"{k // 60}:{k % 60:02},100\n" for k in range(100))
+    file = written(tmp_path, f"Time,RPM [rpm]\n{rows}", "rig.csv")
+    with pytest.raises(TableError, match=r'rig\.csv: .* two numbers in "Time", .* as --channel "time=Time:MM:SS"'):
+        read_recording(file)
+    for form, step in (("MM:SS", 1.0), ("HH:MM", 60.0)):
+        rig = read_recording(file, selection=Selection(choices=(f"time=Time:{form}",))).rig
+        assert np.diff(rig.time) == pytest.approx(np.full(99, step))
 
 
 def test_a_table_without_a_speed_or_time_is_no_record_to_analyse(tmp_path):
