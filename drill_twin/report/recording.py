@@ -36,6 +36,7 @@ from drill_twin.io.messages.topics import (
     WHIRL_ONSET,
     WHIRL_STATE,
 )
+from drill_twin.io.samples import FASTEST
 from drill_twin.io.scene_geometry import readings_topic
 from drill_twin.io.whirl_pipeline import WhirlPipeline
 from drill_twin.report.run_log import LiveFindings, RunLog
@@ -154,12 +155,20 @@ class Recording:
         raws: dict[str, list[bytes]] = {}
         for topic, raw, _ in batch:
             raws.setdefault(topic, []).append(raw)
-        if TWIN_SCENE in raws or not {MARKS_STATE, RIG_STATE} <= raws.keys():
+        rig = None if TWIN_SCENE in raws or RIG_STATE not in raws else self.rig.rows(raws[RIG_STATE])
+        if rig is None:
             return ()
-        marks, rig = self.marks.rows(raws[MARKS_STATE]), self.rig.rows(raws[RIG_STATE])
-        if marks is None or rig is None or marks[0].stamps != rig.stamps:
+        speeds = [rig.values[:, RigState._fields.index(name)] for name in ("top_drive_speed", "bit_speed")]
+        if (bit_only := self._pipeline.bit_only) is not None:
+            if self.sub or self._pipeline.over or (np.abs(speeds) > FASTEST).any():
+                return ()
+            for row in zip(rig.stamps, *(speed.tolist() for speed in speeds), strict=True):
+                bit_only.push(*row)
+            self.rig.extend(rig)
+            return {RIG_STATE}
+        marks = self.marks.rows(raws[MARKS_STATE]) if MARKS_STATE in raws else None
+        if marks is None or marks[0].stamps != rig.stamps:
             return ()
-        speeds = (rig.values[:, RigState._fields.index(name)] for name in ("top_drive_speed", "bit_speed"))
         samples = self._pipeline.samples_of(marks[1], *speeds)
         found = None if samples is None else self._pipeline.find_rows(rig.stamps, samples)
         if found is None:
