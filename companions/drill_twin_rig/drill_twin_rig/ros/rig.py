@@ -146,6 +146,7 @@ class RigLink:
             "rig_connections": str(self._client.connections),
             "rig_follows": str(self.follows).lower(),
             **{f"measured_{one.quantity}": _text(self._checked[one]) for one in self._signals.measure},
+            **{f"left_out_{quantity}": text for quantity, text in self._client.left_out().items() if text},
         }
 
     def close(self) -> None:
