@@ -48,12 +48,10 @@ class LiveChannel:
 
     def is_missing(self, value: float, *, keep: bool = True) -> bool:
         """True for a value that is no measurement; another is kept, if asked, and the next values are judged by it."""
-        known = math.isfinite(value) and value != CERTAIN
-        if known and value in OF_THE_TRADE:
-            known = bool(np.isfinite(without_missing(np.array([*self._before, value]))[0][-1]))
-        if known and keep:
-            self._before.append(value)
-        return not known
+        suspect = not math.isfinite(value) or value in {CERTAIN, *OF_THE_TRADE}
+        missing = suspect and bool(np.isnan(without_missing(np.array([*self._before, value]))[0][-1]))
+        self._before.extend([value] * (keep and not missing))
+        return missing
 
 
 def beyond(name: str, values: npt.ArrayLike) -> tuple[Mask, str]:

@@ -98,8 +98,7 @@ class Recording:
         """
         self.bag, self.path = bag, bag.path
         chosen = self.selection = selection or Selection()
-        self.log = RunLog()
-        self.skipped = SkippedMessages()
+        self.log, self.skipped = RunLog(), SkippedMessages()
         infos = marks_without_scene(bag, self.selection) if scene is None else ()
         self._missing = missing_topics(bag)
         self.rotation_from_spin = RIG_STATE in self._missing
@@ -146,9 +145,8 @@ class Recording:
             TWIN_SCENE: self.log.on_scene,
             WHIRL_ONSET: self.live.on_onset,
             DIAGNOSTICS: self.log.on_diagnostics,
+            **({WHIRL_STATE: self.live.on_state} if self.selection.whole else {}),
         }
-        if self.selection.whole:
-            self._readers[WHIRL_STATE] = self.live.on_state
 
     def _take_rows(self, batch: list[Message]) -> Collection[str]:
         """Take the messages of a batch that can be taken at once; returns their topics."""
@@ -167,11 +165,10 @@ class Recording:
             self.rig.extend(rig)
             return {RIG_STATE}
         marks = self.marks.rows(raws[MARKS_STATE]) if MARKS_STATE in raws else None
-        if marks is None or marks[0].stamps != rig.stamps:
-            return ()
-        samples = self._pipeline.samples_of(marks[1], *speeds)
+        paired = marks if marks is not None and marks[0].stamps == rig.stamps else None
+        samples = None if paired is None else self._pipeline.samples_of(paired[1], *speeds)
         found = None if samples is None else self._pipeline.find_rows(rig.stamps, samples)
-        if found is None:
+        if marks is None or found is None:
             return ()
         for messages in self._pipeline.encode_rows(found, marks[1].frame_id):
             for _, raw in messages[:1]:  # `/whirl/state`
@@ -187,15 +184,14 @@ class Recording:
         return taken
 
     def _take_message(self, topic: str, raw: bytes, time: float) -> None:
-        runs, malformed, reason = self._pipeline.runs, self._pipeline.malformed, ""
+        runs, malformed = self._pipeline.runs, self._pipeline.malformed
         messages = self._pipeline.take(topic, raw)
         if self._pipeline.over:
             return
         if self._pipeline.runs > max(runs, 1):
             self._poses_before += self.poses.seen
             self._reset()
-        if self._pipeline.malformed > malformed:
-            reason = self._pipeline.trouble
+        reason = self._pipeline.trouble if self._pipeline.malformed > malformed else ""
         for name, message in messages:
             if name == WHIRL_STATE:
                 self.live.on_analysed(message)

@@ -192,6 +192,12 @@ class Columns(dict[str, Array]):
         """The names, for a message."""
         return ", ".join([name[:_LONGEST_NAME] for name in self][:_MOST_NAMES]) or "no column of numbers"
 
+    @property
+    def told(self) -> list[str]:
+        """Sentences for the user: the notes, and what was left out of the columns that were read."""
+        left = {one.column: self.left_out[one.column] for one in self.taken.values()}
+        return [*self.notes, *(f"{column}: left out {', '.join(texts)}" for column, texts in left.items() if texts)]
+
     def account(self) -> Iterator[dict[str, Any]]:
         """Use of each column: `column`, `channel` and `unit` if it is taken, else `why` not; `left_out`."""
         by_column = {taken.column: (name, taken.unit) for name, taken in self.taken.items()}
