@@ -213,8 +213,10 @@ def test_what_is_no_measurement_is_left_out_of_a_fit_and_told(record, tmp_path):
     holed = tmp_path / "holed.csv"
     holed.write_text("\n".join(lines), "utf-8")
     told = [
-        "bit speed [rpm]: left out 2 without a number (rows 21 to 22), 1 of -999.25 (row 20), 1 of 77777 (row 41), "
-        "1 beyond any speed of the bit (row 42), 1 of -999 (row 40)"
+        (
+            "bit speed [rpm]: left out 2 without a number (rows 21 to 22), 1 of -999.25 (row 20), 1 of 77777 (row 41), "
+            "1 beyond any speed of the bit (row 42), 1 of -999 (row 40)"
+        )
     ]
     channels = ["bit_speed=bit speed [rpm]", "null_value=77777", "null_value=-5555"]
     read, whole = dt.read_record(holed, channels), dt.read_record(record, channels[:1])
