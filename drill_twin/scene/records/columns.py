@@ -232,7 +232,7 @@ class Columns(dict[str, Array]):
         bare, unit = name_and_unit(name)
         if unit := self.units.get(name) or unit:
             return bare, unit
-        words = re.split(r"[ _,;/]+", bare[:_LONGEST_NAME])
+        words = re.split(r"[ _,;]+", bare[:_LONGEST_NAME])
         for count in (2, 1):
             with suppress(UnitError):
                 record_factor(unit := " ".join(words[-count:]), dimension)

@@ -243,8 +243,8 @@ def test_command_follows_a_record(record, tmp_path):
     assert found["whirls"] == 0.0
     assert found["notes"] == [
         (
-            "torque [kN m]: left out 1 without a number (row 41), 1 of -999.25 (row 40), 1 beyond any torque of the top "
-            "drive on the string (row 60)"
+            "torque [kN m]: left out 1 without a number (row 41), 1 of -999.25 (row 40), 1 beyond any torque of the "
+            "top drive on the string (row 60)"
         ),
         "hookload [kN]: left out 1 of -5555 (row 50)",
     ]
