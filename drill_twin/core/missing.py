@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import math
 from collections import deque
 from collections.abc import Collection
 
@@ -32,8 +31,6 @@ _JUMP, _STEP = 5.0, 0.1
 """Step to a null: over the 95th percentile of the steps, and over the range of the values."""
 _NOISE, _RUN = 0.02, 3
 """Median step, over the range, of a channel so noisy that steps tell nothing: so many equal values are then nulls."""
-_BEFORE = 600
-"""Values of a live channel, by which its next one is judged: a minute at 10 Hz; not measured."""
 
 
 class LiveChannel:
@@ -44,11 +41,11 @@ class LiveChannel:
     """
 
     def __init__(self) -> None:
-        self._before = deque[float](maxlen=_BEFORE)
+        self._before = deque[float](maxlen=600)  # a minute at 10 Hz; not measured
 
     def is_missing(self, value: float, *, keep: bool = True) -> bool:
         """True for a value that is no measurement; another is kept, if asked, and the next values are judged by it."""
-        suspect = not math.isfinite(value) or value in {CERTAIN, *OF_THE_TRADE}
+        suspect = not np.isfinite(value) or value in {CERTAIN, *OF_THE_TRADE}
         missing = suspect and bool(np.isnan(without_missing(np.array([*self._before, value]))[0][-1]))
         self._before.extend([value] * (keep and not missing))
         return missing
@@ -57,7 +54,7 @@ class LiveChannel:
 def beyond(name: str, values: npt.ArrayLike) -> tuple[Mask, str]:
     """Values [SI] that no rig can have in a channel, by any of its names, and a text on what the values are."""
     channel = RIG_CHANNELS.get(FIELDS.get(name, ""))
-    low, high = channel.bounds if channel else (-math.inf, math.inf)
+    low, high = channel.bounds if channel else (-np.inf, np.inf)
     found = np.asarray(values, np.float64)
     return (found < low) | (found > high), f"beyond any {channel.heading if channel else name}"
 

@@ -195,8 +195,8 @@ class Columns(dict[str, Array]):
     @property
     def told(self) -> list[str]:
         """Sentences for the user: the notes, and what was left out of the columns that were read."""
-        left = {one.column: self.left_out[one.column] for one in self.taken.values()}
-        return [*self.notes, *(f"{column}: left out {', '.join(texts)}" for column, texts in left.items() if texts)]
+        left = ((one.column, self.left_out[one.column]) for one in self.taken.values())
+        return [*self.notes, *(f"{column}: left out {', '.join(texts)}" for column, texts in left if texts)]
 
     def account(self) -> Iterator[dict[str, Any]]:
         """Use of each column: `column`, `channel` and `unit` if it is taken, else `why` not; `left_out`."""

@@ -205,7 +205,7 @@ def _begin(head: list[str]) -> tuple[int, RecordRows, list[str]]:
     place, delimiter = int(bool(given)), given or delimiter_of(head[0])
     tables, text = list[list[str]](), "".join(head)
     for other in given or [*sorted(_DELIMITERS, key=text.count, reverse=True), " "]:
-        tables = [_stripped(split(line, other)) for line in head]
+        tables = [[cell.strip() for cell in split(line, other)] for line in head]
         block = next((k for k in range(len(head), 0, -1) if not _is_as_long(tables[k - 1], tables[-1])), 0)
         found = next((k for k in range(block, len(head)) if _is_data(tables[k])), 0)
         if len(tables[-1]) > 1 and found > block and not _is_data(tables[found - 1], strict=True):
@@ -214,7 +214,7 @@ def _begin(head: list[str]) -> tuple[int, RecordRows, list[str]]:
             place, delimiter = found - 1, other
             break
     else:
-        tables = [_stripped(split(line, delimiter)) for line in head]
+        tables = [[cell.strip() for cell in split(line, delimiter)] for line in head]
     names = [cell.strip() for cell in split(head[place], delimiter)]
     if len(names) > MOST_COLUMNS:
         raise RowError(f"expected at most {MOST_COLUMNS} columns, found {len(names)}")
@@ -238,10 +238,6 @@ def _begin(head: list[str]) -> tuple[int, RecordRows, list[str]]:
             )
     mark = marks.pop() if len(marks) == 1 else ""
     return place, RecordRows(names, delimiter, "." if delimiter == "," and mark != "," else mark), units
-
-
-def _stripped(cells: list[str]) -> list[str]:
-    return [cell.strip() for cell in cells]
 
 
 def _is_as_long(row: list[str], other: list[str]) -> bool:

@@ -196,10 +196,8 @@ class RigReader(ABC):
 
     def left_out(self) -> dict[str, str]:
         """Readings of each quantity that were not used, counted by the kind of their fault."""
-        counts = {
-            signal.quantity: dict(check.left_out) for signal, check in zip(self._signals, self._checks, strict=True)
-        }
-        return {name: ", ".join(f"{n} x {kind}" for kind, n in found.items() if n) for name, found in counts.items()}
+        counts = ((one.quantity, dict(check.left_out)) for one, check in zip(self._signals, self._checks, strict=True))
+        return {name: ", ".join(f"{n} x {kind}" for kind, n in found.items() if n) for name, found in counts}
 
     def close(self) -> None:
         """Disconnect, and end the thread."""

@@ -88,10 +88,5 @@ class WitsReader(RigReader):
     def _readings(self) -> Iterator[SignalReading]:
         for item in self._items:
             text, stamp = self._found.get(item, ("", math.nan))
-            yield SignalReading(_number(text), "" if text else f"item {item} has not come", stamp)
-
-
-def _number(text: str) -> float | str:
-    """Value of an item; the text itself where it is no number, NaN where it stands for no value."""
-    found = math.nan if text.lower() in WORDS else number(text)
-    return text if found is None else found
+            found = math.nan if text.lower() in WORDS else number(text)
+            yield SignalReading(text if found is None else found, "" if text else f"item {item} has not come", stamp)

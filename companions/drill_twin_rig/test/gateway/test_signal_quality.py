@@ -2,15 +2,15 @@
 """Judgement of a rig's signal: each fault has its sentence and no value."""
 
 import math
+from types import SimpleNamespace
 
 import pytest
 
 from drill_twin.core.errors import TableError
 from drill_twin.scene.records import read_columns
-from drill_twin_rig.gateway import wits0
 from drill_twin_rig.gateway.rig_reader import QualityCheck, SignalReading, unit_fault
 from drill_twin_rig.gateway.signals import RigSignal
-from drill_twin_rig.gateway.wits0 import SentenceReader
+from drill_twin_rig.gateway.wits0 import SentenceReader, WitsReader
 
 SIGNAL = RigSignal("weight_on_bit", "kN", 1000.0, "ns=2;s=WOB", 0.0, 500.0, stale_after=2.0, frozen_after=5.0)
 NOW = 1.8e9
@@ -83,18 +83,19 @@ SERIES = {
 COLUMN = {"weight_on_bit": "WOB", "surface_torque": "TQA"}
 
 
-def from_opc_ua(text):
+def from_opc_ua(text, stamp):
     """A reading as a server of numbers would give it; what is no number is a text there."""
     try:
-        return float(text)
+        return SignalReading(float(text), "", stamp)
     except ValueError:
-        return text or None
+        return SignalReading(text or None, "", stamp)
 
 
-def from_wits(text):
+def from_wits(text, stamp):
     sentences = SentenceReader()
     items = [sentences.take(line) for line in ("&&", f"0116{text}", "!!")][-1]
-    return wits0._number(items.get("0116", ""))
+    found = {item: (value, stamp) for item, value in items.items()}
+    return next(WitsReader._readings(SimpleNamespace(_items=["0116"], _found=found)))._replace(stamp=stamp)
 
 
 @pytest.mark.parametrize(("quantity", "unit", "texts"), SERIES.values(), ids=SERIES)
@@ -110,7 +111,7 @@ def test_a_value_is_kept_from_opc_ua_from_wits_and_from_a_file_alike(tmp_path, q
         in_file = columns.channel(quantity).values.tolist()
     for read in (from_opc_ua, from_wits):
         check = QualityCheck(RigSignal(quantity, unit, 1e3 if unit == "kN" else 1.0, "", -math.inf, math.inf, 2.0, 0.0))
-        live = [check.check(SignalReading(read(text), "", NOW + k), NOW + k).value for k, text in enumerate(texts)]
+        live = [check.check(read(text, NOW + k), NOW + k).value for k, text in enumerate(texts)]
         assert live == pytest.approx(in_file, rel=1e-12, nan_ok=True)
         assert sum(check.left_out.values()) == sum(map(math.isnan, in_file))
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import asdict
-from itertools import chain
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -90,7 +89,7 @@ def estimate(
     troubles = {"troubles": dict(estimator.intake.troubles), "notes": [*measurements.notes]}
     emit(
         _plain(found) | troubles | {"bands": HELD, "of_law": of_law(found.numbers, estimator.scene)},
-        chain(_shown(found, estimator.scene, estimator.intake.troubles), measurements.notes),
+        (*_shown(found, estimator.scene, estimator.intake.troubles), *measurements.notes),
         json=json, folder=out,
         files={
             FILES[0]: lambda: {"estimates": [_plain(one) for one in over_time], **troubles},
