@@ -3,11 +3,14 @@
 
 from __future__ import annotations
 
+from collections import deque
 from collections.abc import Collection
 
 import numpy as np
+import numpy.typing as npt
 
 from drill_twin.core.arrays import Array, Mask
+from drill_twin.core.rig_channels import FIELDS, RIG_CHANNELS
 
 WORDS = frozenset((
     "", "nan", "na", "n/a", "#n/a", "null", "none", "nil", "-", "--", "---", "*", "inf", "-inf", "+inf", "nodata",
@@ -28,6 +31,32 @@ _JUMP, _STEP = 5.0, 0.1
 """Step to a null: over the 95th percentile of the steps, and over the range of the values."""
 _NOISE, _RUN = 0.02, 3
 """Median step, over the range, of a channel so noisy that steps tell nothing: so many equal values are then nulls."""
+
+
+class LiveChannel:
+    """One channel whose values come one by one: the rule of `without_missing`, by the values before.
+
+    What comes later, which decides in a file too, is unknown: before two other values have come, a number of the trade
+    is left out that a file may keep; among noise, the first two of a run of nulls are kept that a file leaves out.
+    """
+
+    def __init__(self) -> None:
+        self._before = deque[float](maxlen=600)  # a minute at 10 Hz; not measured
+
+    def is_missing(self, value: float, *, keep: bool = True) -> bool:
+        """True for a value that is no measurement; another is kept, if asked, and the next values are judged by it."""
+        suspect = not np.isfinite(value) or value in {CERTAIN, *OF_THE_TRADE}
+        missing = suspect and bool(np.isnan(without_missing(np.array([*self._before, value]))[0][-1]))
+        self._before.extend([value] * (keep and not missing))
+        return missing
+
+
+def beyond(name: str, values: npt.ArrayLike) -> tuple[Mask, str]:
+    """Values [SI] that no rig can have in a channel, by any of its names, and a text on what the values are."""
+    channel = RIG_CHANNELS.get(FIELDS.get(name, ""))
+    low, high = channel.bounds if channel else (-np.inf, np.inf)
+    found = np.asarray(values, np.float64)
+    return (found < low) | (found > high), f"beyond any {channel.heading if channel else name}"
 
 
 def left_out(what: str, rows: Mask) -> list[str]:

@@ -37,6 +37,7 @@ from drill_twin.io.messages.topics import (
     WHIRL_ONSET,
     WHIRL_STATE,
 )
+from drill_twin.io.samples import FASTEST
 from drill_twin.io.scene_geometry import readings_topic
 from drill_twin.io.whirl_pipeline import WhirlPipeline
 from drill_twin.report.run_log import LiveFindings, RunLog
@@ -68,14 +69,12 @@ class Recording:
         bag, path: The bag, and its path.
         rotation_from_spin: Whether the rotation was taken from the spin of the marks, since the bag has no rig states.
         selection: The part of it that is analysed.
-        marks, rig, commands: Positions and spins of the marks, state of the rig, set-points as commanded.
-        stress: Stress and damage of the sections of `fatigue`.
+        marks, rig, commands, stress: Positions and spins of the marks, state of the rig, set-points as commanded, stress
+            and damage of the sections of `fatigue`.
         poses: Poses of the string's nodes, at most `SHAPES` of them.
-        whirl, live: Findings of the analysis over time, and findings recorded while the twin ran.
-        log: `run` block and diagnostics.
-        skipped: Messages that could not be used.
+        whirl, live, summary: Findings of the analysis over time, recorded while the twin ran, and for the whole run.
+        log, skipped: `run` block and diagnostics; messages that could not be used.
         sub: Downhole sub whose readings are analysed instead of marks; empty without.
-        summary: Findings of the analysis for the whole run.
         units: Units in which people read it: the selection's, else the scene's, else the record's, else `si`.
         run, runs: Number of this run, from 1, and of runs in the bag.
         unpaired: Number of states of the marks or the rig without a partner of the same stamp.
@@ -95,8 +94,7 @@ class Recording:
         """
         self.bag, self.path = bag, bag.path
         chosen = self.selection = selection or Selection()
-        self.log = RunLog()
-        self.skipped = SkippedMessages()
+        self.log, self.skipped = RunLog(), SkippedMessages()
         infos = marks_without_scene(bag, self.selection) if scene is None else ()
         self._missing = missing_topics(bag)
         self.rotation_from_spin = RIG_STATE in self._missing
@@ -115,8 +113,7 @@ class Recording:
                 if topic not in taken:
                     self._take_message(topic, raw, time)
             if taken:
-                self._latest = batch[-1][2]
-                self._behind.clear()
+                self._latest, self._behind = batch[-1][2], []
         self.runs = max(1, self._pipeline.runs)
         self.run = self.selection.run or self.runs
         if self.run > self.runs:
@@ -134,8 +131,7 @@ class Recording:
         """Begin a new run."""
         self.marks, self.rig, self.commands = MarkSeries(), RigSeries(), CommandSeries()
         self.poses = PoseSeries(every=max(1, -(-self._messages.poses // SHAPES)))
-        self.whirl, self.stress = WhirlSeries(), StressSeries()
-        self.live = LiveFindings()
+        self.whirl, self.stress, self.live = WhirlSeries(), StressSeries(), LiveFindings()
         self._latest = -math.inf
         self._behind: list[Message] = []  # they may be of the next run
         self.log = RunLog(self.log.info)
@@ -148,24 +144,30 @@ class Recording:
             TWIN_SCENE: self.log.on_scene,
             WHIRL_ONSET: self.live.on_onset,
             DIAGNOSTICS: self.log.on_diagnostics,
+            **({WHIRL_STATE: self.live.on_state} if self.selection.whole else {}),
         }
-        if self.selection.whole:
-            self._readers[WHIRL_STATE] = self.live.on_state
 
     def _take_rows(self, batch: list[Message]) -> Collection[str]:
         """Take the messages of a batch that can be taken at once; returns their topics."""
         raws: dict[str, list[bytes]] = {}
         for topic, raw, _ in batch:
             raws.setdefault(topic, []).append(raw)
-        if TWIN_SCENE in raws or not {MARKS_STATE, RIG_STATE} <= raws.keys():
+        rig = None if TWIN_SCENE in raws or RIG_STATE not in raws else self.rig.rows(raws[RIG_STATE])
+        if rig is None:
             return ()
-        marks, rig = self.marks.rows(raws[MARKS_STATE]), self.rig.rows(raws[RIG_STATE])
-        if marks is None or rig is None or marks[0].stamps != rig.stamps:
-            return ()
-        speeds = (rig.values[:, RigState._fields.index(name)] for name in ("top_drive_speed", "bit_speed"))
-        samples = self._pipeline.samples_of(marks[1], *speeds)
+        speeds = [rig.values[:, RigState._fields.index(name)] for name in ("top_drive_speed", "bit_speed")]
+        if (bit_only := self._pipeline.bit_only) is not None:
+            if self.sub or self._pipeline.over or (np.abs(speeds) > FASTEST).any():
+                return ()
+            for row in zip(rig.stamps, *(speed.tolist() for speed in speeds), strict=True):
+                bit_only.push(*row)
+            self.rig.extend(rig)
+            return {RIG_STATE}
+        marks = self.marks.rows(raws[MARKS_STATE]) if MARKS_STATE in raws else None
+        paired = marks if marks is not None and marks[0].stamps == rig.stamps else None
+        samples = None if paired is None else self._pipeline.samples_of(paired[1], *speeds)
         found = None if samples is None else self._pipeline.find_rows(rig.stamps, samples)
-        if found is None:
+        if marks is None or found is None:
             return ()
         for messages in self._pipeline.encode_rows(found, marks[1].frame_id):
             for _, raw in messages[:1]:  # `/whirl/state`
@@ -181,7 +183,7 @@ class Recording:
         return taken
 
     def _take_message(self, topic: str, raw: bytes, time: float) -> None:
-        runs, malformed, reason = self._pipeline.runs, self._pipeline.malformed, ""
+        runs, malformed = self._pipeline.runs, self._pipeline.malformed
         messages = self._pipeline.take(topic, raw)
         if self._pipeline.over:
             return
@@ -196,8 +198,7 @@ class Recording:
             for name, behind, _ in first:
                 with suppress(MessageError):  # counted already
                     self._readers[name](behind)
-        if self._pipeline.malformed > malformed:
-            reason = self._pipeline.trouble
+        reason = self._pipeline.trouble if self._pipeline.malformed > malformed else ""
         for name, message in messages:
             if name == WHIRL_STATE:
                 self.live.on_analysed(message)

@@ -47,6 +47,8 @@ class Points(NamedTuple):
     """[N] or [N m]."""
     on_bottom: int = 0
     """Number of rows left out, as the curves are of a bit off bottom and these rows have a weight on the bit."""
+    left_out: str = ""
+    """Values of depth and load that are no measurement: how many, of what and where; empty for none."""
 
 
 def coefficients(text: str) -> list[float]:
@@ -86,11 +88,14 @@ def read_measured(path: Path) -> dict[str, Points]:
         drilling |= columns.channel("weight_on_bit").values > ON_BOTTOM
     for load, name in named.items():
         if name:
-            dimension = TORQUE if load == "torque" else FORCE
-            values = columns.si(name, columns.unit(name, dimension), dimension, load)
+            channel, dimension = ("torque", TORQUE) if load == "torque" else ("hookload", FORCE)
+            values = columns.si(name, columns.unit(name, dimension), dimension, channel)
             known_rows = np.isfinite(values) & np.isfinite(places)
             kept = known_rows & ~drilling
-            found[load] = Points(places[kept], values[kept], int((known_rows & drilling).sum()))
+            told = "; ".join(
+                f"{one} {', '.join(columns.left_out[one])}" for one in (depth, name) if columns.left_out[one]
+            )
+            found[load] = Points(places[kept], values[kept], int((known_rows & drilling).sum()), told)
     return found
 
 
@@ -112,6 +117,7 @@ def over_depth_data(found: OverDepth, points: Mapping[str, Points]) -> dict[str,
         "torque_off_bottom_nm": found.torque.tolist(),
         "measured": {
             load: {"depth_m": one.depth.tolist(), "value": one.value.tolist(), "rows_on_bottom": one.on_bottom,
+                   "left_out": one.left_out,
                    **({"friction": list(map(number_or_none, means[load].tolist()))} if load in means else {})}
             for load, one in points.items()
         },
@@ -142,6 +148,8 @@ def shown(found: OverDepth, points: Mapping[str, Points]) -> Iterator[Table | st
             f"{inside.max():.3g}); {values.size - inside.size} points outside of the range"
         )
     for load, one in points.items():
+        if one.left_out:
+            yield f"measured {load}: left out, {one.left_out}"
         if one.on_bottom:
             yield (
                 f"measured {load}: {one.on_bottom} rows with more than {units.text(ON_BOTTOM, 'force')} on the bit "

@@ -7,6 +7,8 @@ import pytest
 from drill_twin.io.bag.reader import Bag
 from drill_twin.io.bag.virtual_bags import MemoryBag
 from drill_twin.io.messages import topics
+from drill_twin.io.messages.decode import read_joint_state
+from drill_twin.io.messages.rig_messages import read_rig_state
 from drill_twin.report import selection
 from drill_twin.report.recording import Recording
 from drill_twin.report.summary import summarise
@@ -20,6 +22,27 @@ ODD = {
     "a huge number": (topics.RIG_STATE, 150, lambda raw: raw[:-8] + np.array([1e16]).tobytes()),
     "a large speed": (topics.RIG_COMMAND, 150, lambda raw: raw[:-40]),
 }
+MARKLESS = {
+    "nothing": None,
+    "a huge number": ODD["a huge number"],
+    "a state that is cut": (topics.RIG_STATE, 150, lambda raw: raw[:-8]),
+    "a state out of order": (topics.RIG_STATE, 150, lambda raw: raw[:8] + bytes(4) + raw[12:]),
+    "a speed beyond all reason": (topics.RIG_STATE, 150, lambda raw: swapped(raw, "top_drive_speed", 1e6)),
+    "a speed that is none": (topics.RIG_STATE, 150, lambda raw: swapped(raw, "top_drive_speed", np.nan)),
+}
+
+
+def swapped(raw, field, value):
+    """A `/rig/state` with another number in one field."""
+    number = np.float64(getattr(read_rig_state(read_joint_state(raw)), field)).tobytes()
+    assert raw.count(number) >= 1
+    return raw.replace(number, np.float64(value).tobytes())
+
+
+def without_marks(bag: Bag) -> MemoryBag:
+    copy = MemoryBag()
+    copy.write_all(one for one in bag.messages() if one[0] != topics.MARKS_STATE)
+    return copy
 
 
 def spoiled(bag: Bag, odd) -> MemoryBag:
@@ -41,9 +64,14 @@ def content(bag: MemoryBag):
     return columns, summarise(read), read.skipped.sentences(), read.unpaired
 
 
-@pytest.mark.parametrize("odd", ODD.values(), ids=ODD)
-def test_batches_change_nothing(bench_run, monkeypatch, odd):
-    bag = spoiled(Bag(bench_run.bag), odd)
+@pytest.mark.parametrize(
+    ("marked", "odd"),
+    [*((True, odd) for odd in ODD.values()), *((False, odd) for odd in MARKLESS.values())],
+    ids=[*ODD, *(f"no marks, {name}" for name in MARKLESS)],
+)
+def test_batches_change_nothing(bench_run, monkeypatch, marked, odd):
+    bag = Bag(bench_run.bag)
+    bag = spoiled(bag if marked else without_marks(bag), odd)
     found = content(bag)
     monkeypatch.setattr(selection, "_FIRST_BATCH", 10**9)
     monkeypatch.setattr(Recording, "_take_rows", lambda *_: ())
@@ -59,3 +87,5 @@ def test_most_messages_are_taken_in_batches(bench_run, monkeypatch):
     monkeypatch.setattr(Recording, "_take_message", lambda self, *one: (one_by_one.append(one[0]), take(self, *one)))
     Recording(Bag(bench_run.bag))
     assert one_by_one.count(topics.MARKS_STATE) < 30
+    Recording(without_marks(Bag(bench_run.bag)))
+    assert one_by_one.count(topics.RIG_STATE) < 300

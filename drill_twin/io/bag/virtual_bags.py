@@ -153,11 +153,7 @@ class RecordBag(Bag):
             )
         told = (f"{name} from {name_and_unit(one.column)[0]} [{one.unit}]" for name, one in columns.taken.items())
         self.read = f"{path.name}: {', '.join(told)}; converted to SI"
-        self.notes = [
-            *columns.notes,
-            *(f"{one['column']}: left out {', '.join(one['left_out'])}" for one in self.columns
-              if one["channel"] and one["left_out"]),
-        ]  # fmt: skip
+        self.notes = columns.told
         time = values["time"]
         if not np.nanmin(time, initial=0.0) >= 0.0:
             raise TableError(f"{path}: expected times from 0 s, found {np.nanmin(time):g} s; shift them")

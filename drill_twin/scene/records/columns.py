@@ -15,8 +15,8 @@ import numpy.typing as npt
 
 from drill_twin.core.arrays import Array
 from drill_twin.core.errors import TableError, nearest
-from drill_twin.core.missing import left_out, without_missing
-from drill_twin.core.rig_channels import FIELDS, INSTANT, RIG_CHANNELS
+from drill_twin.core.missing import beyond, left_out, without_missing
+from drill_twin.core.rig_channels import INSTANT
 from drill_twin.core.units import Dimension, UnitError
 from drill_twin.core.units.dimension import ANGULAR_SPEED
 from drill_twin.core.units.parse import AMBIGUOUS, name_and_unit, record_factor
@@ -152,16 +152,11 @@ class Columns(dict[str, Array]):
                 f'{self.file}: expected a unit in the header, such as "{column[:_LONGEST_NAME]} [{dimension.unit}]", '
                 f'found "{column[:_LONGEST_NAME]}"; or give it, as --channel "{name}={column[:_LONGEST_NAME]}:UNIT"'
             )
-        values = self.si(column, unit, dimension, name)
-        if channel := RIG_CHANNELS.get(FIELDS.get(name, "")):
-            beyond = (values < channel.bounds[0]) | (values > channel.bounds[1])
-            self.left_out[column] += left_out(f"beyond any {channel.heading}", beyond)
-            values[beyond] = np.nan
-        self.taken[name] = Taken(column, unit, values)
+        self.taken[name] = Taken(column, unit, self.si(column, unit, dimension, name))
         return self.taken[name]
 
     def si(self, name: str, unit: str, dimension: Dimension, meant: str) -> Array:
-        """Values of a column in SI; a value that is too large for a double in SI is missing.
+        """Values of a column in SI; what no rig can have in the quantity, or a double cannot hold, is missing.
 
         Args:
             name: The column.
@@ -185,12 +180,23 @@ class Columns(dict[str, Array]):
             self.notes.append(f'"{unit}" of {name[:_LONGEST_NAME]} is taken for {taken_for}')
         with np.errstate(over="ignore"):
             values = self[name] * factor
+        rows, what = beyond(meant, values)
+        if rows.any():  # null values may have hidden behind these
+            kept, told = without_missing(np.where(rows, np.nan, self[name]))
+            self.left_out[name] += [*left_out(what, rows), *told[1:]]
+            values = kept * factor
         return np.where(np.isfinite(values), values, np.nan)
 
     @property
     def listed(self) -> str:
         """The names, for a message."""
         return ", ".join([name[:_LONGEST_NAME] for name in self][:_MOST_NAMES]) or "no column of numbers"
+
+    @property
+    def told(self) -> list[str]:
+        """Sentences for the user: the notes, and what was left out of the columns that were read."""
+        left = ((one.column, self.left_out[one.column]) for one in self.taken.values())
+        return [*self.notes, *(f"{column}: left out {', '.join(texts)}" for column, texts in left if texts)]
 
     def account(self) -> Iterator[dict[str, Any]]:
         """Use of each column: `column`, `channel` and `unit` if it is taken, else `why` not; `left_out`."""
@@ -226,7 +232,7 @@ class Columns(dict[str, Array]):
         bare, unit = name_and_unit(name)
         if unit := self.units.get(name) or unit:
             return bare, unit
-        words = re.split(r"[ _,;/]+", bare[:_LONGEST_NAME])
+        words = re.split(r"[ _,;]+", bare[:_LONGEST_NAME])
         for count in (2, 1):
             with suppress(UnitError):
                 record_factor(unit := " ".join(words[-count:]), dimension)

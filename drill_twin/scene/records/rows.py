@@ -52,6 +52,8 @@ _MARK = re.compile(
     r"[+-]?(?:(?:0|\d{4,}|)([.,])\d+|\d+([.,])(?!\d{3}$)\d+|\d{1,3}(?:[ .,']\d{3})+(?<!,)(?<!\.)([.,])\d+)", re.ASCII
 )
 """Numbers that tell their decimal mark, other than 1,150 and 1.150."""
+_HUNDREDS = re.compile(r"[1-9]\d\d", re.ASCII)
+"""Numbers that a column of thousands, such as 1.150, has beside them, and a column of decimals hardly ever."""
 _VALUE = re.compile(r"[+-]?[\d.,'\u00a0\u202f ]*\d(?:[.,]|[eE][+-]?\d+)?", re.ASCII)
 
 
@@ -203,16 +205,16 @@ def _begin(head: list[str]) -> tuple[int, RecordRows, list[str]]:
     place, delimiter = int(bool(given)), given or delimiter_of(head[0])
     tables, text = list[list[str]](), "".join(head)
     for other in given or [*sorted(_DELIMITERS, key=text.count, reverse=True), " "]:
-        tables = [_trimmed(split(line, other)) for line in head]
-        block = next((k for k in range(len(head), 0, -1) if len(tables[k - 1]) != len(tables[-1])), 0)
+        tables = [[cell.strip() for cell in split(line, other)] for line in head]
+        block = next((k for k in range(len(head), 0, -1) if not _is_as_long(tables[k - 1], tables[-1])), 0)
         found = next((k for k in range(block, len(head)) if _is_data(tables[k])), 0)
         if len(tables[-1]) > 1 and found > block and not _is_data(tables[found - 1], strict=True):
-            if any(len(row) == len(tables[-1]) and _is_data(row) for row in tables[:block]):
+            if any(_is_as_long(row, tables[-1]) and _is_data(row) for row in tables[:block]):
                 raise RowError("expected one table, found a second header below rows; give each a file of its own")
             place, delimiter = found - 1, other
             break
     else:
-        tables = [_trimmed(split(line, delimiter)) for line in head]
+        tables = [[cell.strip() for cell in split(line, delimiter)] for line in head]
     names = [cell.strip() for cell in split(head[place], delimiter)]
     if len(names) > MOST_COLUMNS:
         raise RowError(f"expected at most {MOST_COLUMNS} columns, found {len(names)}")
@@ -223,19 +225,24 @@ def _begin(head: list[str]) -> tuple[int, RecordRows, list[str]]:
             names, units = tables[place - 1], [cell.strip("[]()") for cell in names]
     if names and all(_VALUE.fullmatch(name) or name.lower() in WORDS for name in names):
         raise RowError("expected a header with column names, found numbers")
-    cells = [cell for row in tables[place + 1 :] for cell in row]
+    columns = [*zip(*tables[place + 1 :], strict=False)]
+    cells = [cell for column in columns for cell in column]
     marks = {one for cell in cells if (told_by := _MARK.fullmatch(cell)) for one in told_by.groups() if one}
-    if not marks and delimiter not in ",;" and (odd := next(filter(_GROUPED["."].fullmatch, cells), "")):
-        raise RowError(f'expected a comma that is of thousands or of decimals, found "{odd}", which may be either')
-    if not marks and delimiter == ";" and (odd := next(filter(_GROUPED[","].fullmatch, cells), "")):
-        raise RowError(f'expected a point that is of thousands or of decimals, found "{odd}", which may be either')
+    mixed = any(any(map(_GROUPED[","].fullmatch, one)) and any(map(_HUNDREDS.fullmatch, one)) for one in columns)
+    either = (".", ",", "comma", delimiter not in ",;"), (",", ".", "point", delimiter == ";" or mixed)
+    for mark, other, named, doubtful in either if not marks else ():
+        odd = next((cell for cell in cells if other in cell and _GROUPED[mark].fullmatch(cell)), "")
+        if doubtful and odd:
+            raise RowError(
+                f'expected a {named} that is of thousands or of decimals, found "{odd}", which may be either'
+            )
     mark = marks.pop() if len(marks) == 1 else ""
     return place, RecordRows(names, delimiter, "." if delimiter == "," and mark != "," else mark), units
 
 
-def _trimmed(cells: list[str]) -> list[str]:
-    cells = [cell.strip() for cell in cells]
-    return cells[:-1] if len(cells) > 1 and not cells[-1] else cells
+def _is_as_long(row: list[str], other: list[str]) -> bool:
+    """True for rows of as many cells, where one may end with a delimiter."""
+    return len(row) == len(other) or (abs(len(row) - len(other)) == 1 and not max(row, other, key=len)[-1])
 
 
 def _is_data(cells: list[str], *, strict: bool = False) -> bool:

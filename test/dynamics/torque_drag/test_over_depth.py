@@ -62,6 +62,23 @@ def test_rows_with_weight_on_bit_are_left_out_and_counted(found, tmp_path):
     assert "measured torque: 1 rows with more than 5 kN on the bit left out" in said
 
 
+def test_what_is_no_measurement_is_left_out_and_counted(found, tmp_path):
+    at, load = found.depth[4], found.hookload[0, 1, 4] / 1e3
+    cells = (load, "-999.25", "", "#N/A", "-999", -25e3, load)  # kN; no rig has a hookload of -25 MN
+    file = tmp_path / "measured.csv"
+    file.write_text("bit depth [m],pick-up [kN]\n" + "".join(f"{at},{cell}\n" for cell in cells) + f"-999.25,{load}\n")
+    points = read_measured(file)
+    assert points["trip out"].value == pytest.approx([1e3 * load] * 2)
+    told = over_depth_data(found, points)["measured"]["trip out"]["left_out"]
+    assert told == (
+        "bit depth [m] 1 of -999.25 (row 8); pick-up [kN] 2 without a number (rows 3 to 4), 1 of -999.25 (row 2), "
+        "1 beyond any hookload (row 6), 1 of -999 (row 5)"
+    )
+    said = "\n".join(map(str, shown(found, points)))
+    assert f"measured trip out: left out, {told}" in said
+    assert "median of 2" in said
+
+
 def test_what_is_no_range_and_no_record_over_depth_is_refused(tmp_path):
     assert coefficients("0.15..0.35:5") == pytest.approx([0.15, 0.2, 0.25, 0.3, 0.35])
     assert coefficients("0.3,0.2") == [0.2, 0.3]

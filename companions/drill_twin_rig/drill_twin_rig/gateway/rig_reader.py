@@ -11,11 +11,13 @@ import math
 import threading
 import time
 from abc import ABC, abstractmethod
+from collections import Counter
 from collections.abc import Coroutine, Iterable, Mapping, Sequence
 from concurrent.futures import Future
 from typing import Any, NamedTuple, TypeVar
 
 from drill_twin.core.errors import shortened
+from drill_twin.core.missing import LiveChannel, beyond
 from drill_twin.core.units.registry import UnitError, si_factor
 from drill_twin_rig.gateway.signals import RigSignal
 
@@ -49,19 +51,23 @@ class QualityCheck:
     """Judges one signal."""
 
     def __init__(self, signal: RigSignal) -> None:
-        self._signal = signal
+        self._signal, self._channel, self._seen = signal, LiveChannel(), ""
+        self.left_out = Counter[str]()
+        """Numbers of readings that were not used, by the kind of their fault."""
         self._last: float | None = None
         self._changed = 0.0
 
     def check(self, reading: SignalReading, now: float) -> CheckedValue:
         """Judge a reading at a time [s since 1970]."""
-        fault = self._fault(reading, now)
+        again, self._seen = str(reading) == self._seen, str(reading)
+        fault = self._fault(reading, now, again=again)
+        self.left_out[fault.partition(", found")[0]] += bool(fault) and not again
         if fault or not isinstance(reading.value, int | float):
             return CheckedValue(fault=fault)
         stamp = reading.stamp if math.isfinite(reading.stamp) else now
         return CheckedValue(float(reading.value) * self._signal.factor, stamp, "")
 
-    def _fault(self, reading: SignalReading, now: float) -> str:
+    def _fault(self, reading: SignalReading, now: float, *, again: bool) -> str:
         signal, value = self._signal, reading.value
         if reading.status:
             return f"status {reading.status}"
@@ -69,6 +75,11 @@ class QualityCheck:
             return f"expected a number, found {type(value).__name__}"
         if not math.isfinite(value):
             return f"expected a finite number, found {value}"
+        is_beyond, what = beyond(signal.quantity, value * signal.factor)
+        if self._channel.is_missing(value, keep=not (again or is_beyond)):
+            return f"{value:g} stands for no value"
+        if is_beyond:
+            return f"{what}, found {value:g} {signal.unit}"
         if not signal.low <= value <= signal.high:
             return f"expected {signal.low:g} to {signal.high:g} {signal.unit}, found {value:g}"
         if signal.stale_after and not math.isfinite(reading.stamp):
@@ -182,6 +193,11 @@ class RigReader(ABC):
                 signal: CheckedValue(fault=f"no connection: {self.fault or 'no answer'}") for signal in self._signals
             }
         return dict(zip(self._signals, self._checked, strict=True))
+
+    def left_out(self) -> dict[str, str]:
+        """Readings of each quantity that were not used, counted by the kind of their fault."""
+        counts = ((one.quantity, dict(check.left_out)) for one, check in zip(self._signals, self._checks, strict=True))
+        return {name: ", ".join(f"{n} x {kind}" for kind, n in found.items() if n) for name, found in counts}
 
     def close(self) -> None:
         """Disconnect, and end the thread."""

@@ -14,12 +14,12 @@ import time
 from collections.abc import Iterator, Sequence
 from urllib.parse import urlsplit
 
+from drill_twin.core.missing import WORDS
 from drill_twin.core.numerals import number
 from drill_twin_rig.gateway.rig_reader import PATIENCE, RefusedError, RigReader, SignalReading
 from drill_twin_rig.gateway.signals import RigSignal
 
 BEGIN, END = "&&", "!!"
-_ABSENT = {-9999.0, -999.25, -8888.0}  # what rigs send for no value, with any number of digits
 _LINE, _MOST_ITEMS = 256, 1000  # bytes; items of a sentence
 
 
@@ -88,10 +88,5 @@ class WitsReader(RigReader):
     def _readings(self) -> Iterator[SignalReading]:
         for item in self._items:
             text, stamp = self._found.get(item, ("", math.nan))
-            yield SignalReading(_number(text), "" if text else f"item {item} has not come", stamp)
-
-
-def _number(text: str) -> float | str:
-    """Value of an item; the text itself where it is no number, NaN where it stands for no value."""
-    found = number(text)
-    return text if found is None else math.nan if found in _ABSENT else found
+            found = math.nan if text.lower() in WORDS else number(text)
+            yield SignalReading(text if found is None else found, "" if text else f"item {item} has not come", stamp)

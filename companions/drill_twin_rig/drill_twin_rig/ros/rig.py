@@ -145,7 +145,12 @@ class RigLink:
         return {
             "rig_connections": str(self._client.connections),
             "rig_follows": str(self.follows).lower(),
-            **{f"measured_{one.quantity}": _text(self._checked[one]) for one in self._signals.measure},
+            **{
+                f"measured_{one.quantity}": found.fault or f"{found.value:g}"
+                for one in self._signals.measure
+                for found in [self._checked[one]]
+            },
+            **{f"left_out_{quantity}": text for quantity, text in self._client.left_out().items() if text},
         }
 
     def close(self) -> None:
@@ -264,7 +269,3 @@ def _opc_ua_client(settings: Any, signals: Sequence[RigSignal], keys: Keys | Non
         password = ForeignFile("a password", 10_000, ParameterError).text(file).strip()
     access = ServerAccess(settings.rig_url, keys, APPLICATION, settings.rig_user, password)
     return RigClient(access, signals, 1.0 / settings.rig_rate)
-
-
-def _text(checked: CheckedValue) -> str:
-    return checked.fault or f"{checked.value:g}"

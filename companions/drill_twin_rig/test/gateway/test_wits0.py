@@ -87,7 +87,8 @@ def test_a_rig_is_read_in_si_and_read_again_after_it_was_gone(rig, reader):
     assert reader.checked()[TORQUE].value == pytest.approx(12500.0)
     rig.send("&&\r\n0116-999.25\r\n0118x\r\n!!\r\n")
     _until(lambda: reader.checked()[TORQUE].fault)
-    assert reader.checked()[WOB].fault == "expected a finite number, found nan"
+    assert reader.checked()[WOB].fault == "-999.25 stands for no value"
+    assert reader.left_out()["weight_on_bit"].endswith("1 x -999.25 stands for no value")
     assert reader.checked()[TORQUE].fault == "expected a number, found str"
     rig.drop()
     _until(lambda: reader.connections == 2)
@@ -96,7 +97,7 @@ def test_a_rig_is_read_in_si_and_read_again_after_it_was_gone(rig, reader):
     assert reader.checked()[WOB].value == pytest.approx(50000.0)
 
 
-@pytest.mark.parametrize("text", ["2_0", "inf", "nan", "0x10", "1e", "2,5", "x"])
+@pytest.mark.parametrize("text", ["2_0", "infinity", "0x10", "1e", "2,5", "x"])
 def test_what_python_alone_takes_for_a_number_is_none(rig, reader, text):
     rig.send(f"&&\r\n0116{text}\r\n011812.5\r\n!!\r\n")
     _until(lambda: not reader.checked()[TORQUE].fault)
@@ -105,6 +106,13 @@ def test_what_python_alone_takes_for_a_number_is_none(rig, reader, text):
 
 @pytest.mark.parametrize("text", ["-999.25", "-999.2500", "-9999", "-9999.0", "-9999.00", "-8888.000", "-9.999e3"])
 def test_no_value_is_known_by_its_number(rig, reader, text):
+    rig.send(f"&&\r\n0116{text}\r\n011812.5\r\n!!\r\n")
+    _until(lambda: not reader.checked()[TORQUE].fault)
+    assert reader.checked()[WOB].fault.endswith("stands for no value")
+
+
+@pytest.mark.parametrize("text", ["NaN", "inf", "#N/A", "No Data", "1.#QNAN", "null"])
+def test_a_word_of_the_trade_is_no_value(rig, reader, text):
     rig.send(f"&&\r\n0116{text}\r\n011812.5\r\n!!\r\n")
     _until(lambda: not reader.checked()[TORQUE].fault)
     assert reader.checked()[WOB].fault == "expected a finite number, found nan"

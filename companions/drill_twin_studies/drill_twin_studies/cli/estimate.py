@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -54,7 +54,7 @@ def estimate(
 ) -> None:
     """Estimate numbers, loads and the chance of whirl along a record, as the node `estimator` does along a rig."""
     import drill_twin as dt
-    from drill_twin.scene.records.channels import channel_column
+    from drill_twin.scene.records.channels import NULL, channel_column
     from drill_twin_studies.estimation import CHANNELS, SET_POINTS
     from drill_twin_studies.estimation.estimate import HELD
     from drill_twin_studies.estimation.figure import estimate_figure
@@ -63,7 +63,7 @@ def estimate(
     settings = dt.EstimatorOptions(members=members, window=window, error=error, horizon=horizon, seed=seed)
     ranges = options.ranges_of("--free", free)
     names = [channel_column(text).channel for text in channel]
-    measured = [name for name in names if name not in {"time", *SET_POINTS}]
+    measured = [name for name in names if name not in {"time", NULL, *SET_POINTS}]
     if not measured and not sub:
         raise ArgumentError(
             f"--channel: expected a measured channel, {', '.join(CHANNELS)}, found {', '.join(names)} alone; "
@@ -86,19 +86,19 @@ def estimate(
     if not over_time:
         raise RunError(f"{record}: expected more than {window:g} s of record, found less")
     found = over_time[-1]
-    troubles = dict(estimator.intake.troubles)
+    troubles = {"troubles": dict(estimator.intake.troubles), "notes": [*measurements.notes]}
     emit(
-        _plain(found) | {"troubles": troubles, "bands": HELD, "of_law": of_law(found.numbers, estimator.scene)},
-        _shown(found, estimator.scene, troubles),
+        _plain(found) | troubles | {"bands": HELD, "of_law": of_law(found.numbers, estimator.scene)},
+        (*_shown(found, estimator.scene, estimator.intake.troubles), *measurements.notes),
         json=json, folder=out,
         files={
-            FILES[0]: lambda: {"estimates": [_plain(one) for one in over_time], "troubles": troubles},
+            FILES[0]: lambda: {"estimates": [_plain(one) for one in over_time], **troubles},
             FILES[1]: lambda: estimate_figure(over_time, measurements, estimator.scene.unit_system),
         },
     )  # fmt: skip
 
 
-def _shown(found: Estimate, scene: Scene, troubles: dict[str, int]) -> Iterator[Table | str]:
+def _shown(found: Estimate, scene: Scene, troubles: Mapping[str, int]) -> Iterator[Table | str]:
     from drill_twin_studies.estimation.estimate import HELD, shown_unit
     from drill_twin_studies.fitting.posterior import of_law, shown_number
     from drill_twin_studies.goodness import table as goodness_table

@@ -97,6 +97,6 @@ def _shown(found: Posterior) -> Iterator[Table | Text | str]:
         yield Text("the draws are still wider than the record allows; more --rounds narrow the intervals", "yellow")
     for line in found.undetermined:
         yield f"not determined: {line}"
-    for line in found.of_law:
-        yield line
+    yield from found.of_law
     yield goodness_table(found.goodness)
+    yield from found.record.notes

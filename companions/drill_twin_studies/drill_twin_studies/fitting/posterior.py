@@ -187,6 +187,7 @@ class Posterior:
         return {
             "scene": self.scene.name,
             "record": self.record.source.rpartition("/")[2],
+            "notes": [*self.record.notes],
             "runs": len(self.values),
             "failed": self.failed,
             "effective_draws": round(self.sampling.effective, 1),

@@ -16,7 +16,7 @@ from drill_twin.core.rig_channels import FIELDS, INSTANT, channel_of
 from drill_twin.core.units import Dimension
 from drill_twin.core.units.dimension import ANGULAR_SPEED
 from drill_twin.scene.records import read_columns
-from drill_twin.scene.records.channels import ChannelColumn, channel_column
+from drill_twin.scene.records.channels import NULL, ChannelColumn, channel_column
 
 if TYPE_CHECKING:
     from drill_twin.io.bag.reader import Bag
@@ -43,6 +43,7 @@ class Record:
             (rows,) and (rows, 6); of a bag only, if asked for.
         instant: Channels whose samples are values at their times; other samples are means since the last sample.
         ends: Channels whose means are stamped with their end, as in files; other means are stamped with their middle.
+        notes: Sentences on what was left out of a file and on its units, for the user.
     """
 
     source: str
@@ -50,6 +51,7 @@ class Record:
     subs: Mapping[str, tuple[Array, Array]] = field(default_factory=dict)
     instant: frozenset[str] = frozenset()
     ends: frozenset[str] = frozenset()
+    notes: Sequence[str] = ()
 
     def at(self, channel: str, time: Array) -> Array:
         """Means over the spacing before each of equally spaced times [s], as of a run; linear in a coarser record.
@@ -88,9 +90,10 @@ def read_record(
     Args:
         path: The file; a bag may be a folder.
         columns: Names of channels of a bag; of a file column and unit of each channel, of the set-points
-            `weight_on_bit` and `rotation` and of `time`, as `channel_column` parses them. Set-points of a bag come
-            from `/rig/command`; where it has none, load and speed of `/rig/state`. Without `time`, times come from the
-            column whose name begins with ``time`` or ``t_``, in s where the file gives no unit.
+            `weight_on_bit` and `rotation` and of `time`, and null values (`null_value=-555`), as `channel_column`
+            parses them. Set-points of a bag come from `/rig/command`; where it has none, load and speed of
+            `/rig/state`. Without `time`, times come from the column whose name begins with ``time`` or ``t_``, in s
+            where the file gives no unit.
         start: Time in the record that is time zero of the scene [s].
         subs: Downhole subs of a bag whose readings are read too, `measured/NAME` for subs of a real rig.
 
@@ -102,7 +105,7 @@ def read_record(
     items = [channel_column(item) if isinstance(item, str) else item for item in columns]
     instant = frozenset(item.channel.removesuffix(INSTANT) for item in items if item.channel.endswith(INSTANT))
     items = [item._replace(channel=item.channel.removesuffix(INSTANT)) for item in items]
-    names = [item.channel for item in items]
+    names = [item.channel for item in items if item.channel != NULL]
     if not {*names} - {"time"}:
         raise ArgumentError(
             f"channel: expected one or more, as bit_speed=COLUMN:rpm, found {', '.join(names) or 'none'}"
@@ -119,7 +122,7 @@ def read_record(
     time = found.channel("time", "s").values - start
     values = {channel: found.channel(channel).values for channel in names if channel != "time"}
     series = {channel: _present(file, channel, time, column) for channel, column in values.items()}
-    return Record(str(file), series, instant=instant, ends=frozenset(CHANNELS) - instant)
+    return Record(str(file), series, instant=instant, ends=frozenset(CHANNELS) - instant, notes=found.told)
 
 
 def _of_bag(path: Path, items: Sequence[ChannelColumn], start: float, subs: Sequence[str]) -> Record:

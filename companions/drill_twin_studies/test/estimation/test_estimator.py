@@ -217,8 +217,19 @@ def test_command_follows_a_record(record, tmp_path):
     rows = [record["time"] - 0.05, record["torque"] / 1e3, record["hookload"] / 1e3, shown, 100.0 + 0.0 * shown]
     heading = "time_s,torque [kN m],hookload [kN],WOB [kN],speed [rad/s]"
     np.savetxt(tmp_path / "rig.csv", np.column_stack(rows), delimiter=",", header=heading, comments="")
+    lines = (tmp_path / "rig.csv").read_text("utf-8").splitlines()
+    for row, column, null in ((40, 1, "-999.25"), (41, 1, "#N/A"), (50, 2, "-5555"), (60, 1, "-17000")):
+        cells = lines[row].split(",")
+        cells[column] = null
+        lines[row] = ",".join(cells)
+    (tmp_path / "rig.csv").write_text("\n".join(lines), "utf-8")
     options = [f"--free={key}={span}" for key, span in FREE.items()]
-    options += ["--set=wob=40 kN", "--set=numerics.step=20 ms", "--set=numerics.frame_rate=10 Hz"]
+    options += [
+        "--channel=null_value=-5555",
+        "--set=wob=40 kN",
+        "--set=numerics.step=20 ms",
+        "--set=numerics.frame_rate=10 Hz",
+    ]
     options += ["--channel=torque=torque [kN m]", "--channel=hookload=hookload [kN]", "--members=16", "--window=2"]
     options += ["--channel=weight_on_bit", "--channel=rotation=speed [rad/s]"]
     options.append(f"--out={tmp_path / 'out'}")
@@ -230,6 +241,13 @@ def test_command_follows_a_record(record, tmp_path):
     assert found["numbers"]["load_factor"]["mean"] == pytest.approx(55.0 / 53.0, rel=0.01)
     assert [said.partition(":")[0] for said in found["of_law"]] == ["bit_torque_stribeck.sticking"]
     assert found["whirls"] == 0.0
+    assert found["notes"] == [
+        (
+            "torque [kN m]: left out 1 without a number (row 41), 1 of -999.25 (row 40), 1 beyond any torque of the "
+            "top drive on the string (row 60)"
+        ),
+        "hookload [kN]: left out 1 of -5555 (row 50)",
+    ]
     assert (found["alarm"], found["remembered"], found["spans"]) == ("", "", [])
     written = json.loads((tmp_path / "out" / "estimate.json").read_text("utf-8"))["estimates"]
     assert [one["time"] for one in written] == pytest.approx(2.0 * np.arange(1, len(written) + 1), abs=0.1)

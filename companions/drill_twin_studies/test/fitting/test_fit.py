@@ -206,6 +206,30 @@ def test_a_fit_of_features_does_not_ask_for_the_phase():
     assert "of the features in the band" in told["scaled"].unexplained
 
 
+def test_what_is_no_measurement_is_left_out_of_a_fit_and_told(record, tmp_path):
+    lines = record.read_text("utf-8").splitlines()
+    for row, null in ((20, "-999.25"), (21, ""), (22, "No Data"), (40, "-999"), (41, "77777"), (42, "1e6")):
+        lines[row] = lines[row].partition(",")[0] + "," + null
+    holed = tmp_path / "holed.csv"
+    holed.write_text("\n".join(lines), "utf-8")
+    told = [
+        (
+            "bit speed [rpm]: left out 2 without a number (rows 21 to 22), 1 of -999.25 (row 20), 1 of 77777 (row 41), "
+            "1 beyond any speed of the bit (row 42), 1 of -999 (row 40)"
+        )
+    ]
+    channels = ["bit_speed=bit speed [rpm]", "null_value=77777", "null_value=-5555"]
+    read, whole = dt.read_record(holed, channels), dt.read_record(record, channels[:1])
+    assert read.notes == told
+    for found, all_of_it in zip(read.series["bit_speed"], whole.series["bit_speed"], strict=True):
+        assert found == pytest.approx(np.delete(all_of_it, [19, 20, 21, 39, 40, 41]))
+    found = dt.fit(
+        holed, "two_mass", {"bit_torque_stribeck.sticking": (0.6, 0.9)}, channels=channels, overrides=OVER, end=10.0,
+        rate=10.0, members=8, rounds=1,
+    )  # fmt: skip
+    assert found.to_dict()["notes"] == told
+
+
 def test_a_channel_needs_a_name_of_the_contract_and_a_unit(tmp_path):
     assert channel_column("torque=T:kN m") == ("torque", "T", "kN m")
     with pytest.raises(ArgumentError, match=r'channel: expected NAME=COLUMN:UNIT .* did you mean "bit_torque"'):
