@@ -69,8 +69,7 @@ class Recording:
         bag, path: The bag, and its path.
         rotation_from_spin: Whether the rotation was taken from the spin of the marks, since the bag has no rig states.
         selection: The part of it that is analysed.
-        marks, rig, commands, stress: Positions and spins of the marks, state of the rig, set-points as commanded, stress
-            and damage of the sections of `fatigue`.
+        marks, rig, commands, stress: Positions and spins of marks, state of the rig, set-points, stress and damage.
         poses: Poses of the string's nodes, at most `SHAPES` of them.
         whirl, live, summary: Findings of the analysis over time, recorded while the twin ran, and for the whole run.
         log, skipped: `run` block and diagnostics; messages that could not be used.
@@ -113,7 +112,8 @@ class Recording:
                 if topic not in taken:
                     self._take_message(topic, raw, time)
             if taken:
-                self._latest, self._behind = batch[-1][2], []
+                self._latest = batch[-1][2]
+                self._behind.clear()
         self.runs = max(1, self._pipeline.runs)
         self.run = self.selection.run or self.runs
         if self.run > self.runs:
