@@ -198,8 +198,7 @@ def _parse(summary: bytes, size: int) -> McapIndex | None:
             first, last, at, extent, mapped = _CHUNK.unpack_from(summary, begin)
             if at + extent > size or extent < RECORD.size:
                 return None
-            begin += _CHUNK.size
-            chunks.append((first, last, (at, at + extent), summary[begin : begin + mapped]))
+            chunks.append((first, last, (at, at + extent), summary[begin + _CHUNK.size : begin + _CHUNK.size + mapped]))
         elif opcode == Opcode.STATISTICS:
             *_, number, first, last, mapped = _STATISTICS.unpack_from(summary, begin)
             begin += _STATISTICS.size
