@@ -145,6 +145,7 @@ class Bag:
         origin: Time from which header stamps are counted [ns]; 0: as recorded.
         start, end: Earliest and latest time of recording [ns].
         damage: Sentences on missing or damaged parts; the rest of the bag can be read.
+        notes: Sentences on what is unusual and harmless.
     """
 
     namespace = ""
@@ -175,6 +176,7 @@ class Bag:
         self.path = Path(path)
         self._files, empty_files = open_files(self.path, window)
         self.damage: list[str] = [*(text for file in self._files for text in file.damage), *empty_files]
+        self.notes = [text for file in self._files for text in file.notes]
         self._open_topics(_merged(self._files), names or {}, namespace)
         starts = [file.start for file in self._files if file.start is not None]
         ends = [file.end for file in self._files if file.end is not None]

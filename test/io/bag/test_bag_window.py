@@ -103,7 +103,7 @@ def test_damage_in_a_window_is_told(tmp_path):
     with file.open("rb") as stream:
         chunks = read_index(stream).chunks
     data = bytearray(file.read_bytes())
-    data[chunks[len(chunks) // 2] + 200] ^= 1
+    data[chunks[len(chunks) // 2][2][0] + 200] ^= 1
     file.write_bytes(data)
     found = Bag(bag, window=(150.0, 250.0))
     assert "damaged chunk at byte" in found.damage[0]

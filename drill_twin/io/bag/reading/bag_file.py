@@ -61,6 +61,8 @@ class BagFile(ABC):
         """Latest time of recording [ns]."""
         self.damage: list[str] = []
         """Sentences on missing or damaged parts; empty for a complete file."""
+        self.notes: list[str] = []
+        """Sentences on what is unusual and harmless."""
         self.temporary: object = None
         """Temporary file that `path` names, removed with this reader."""
         self._open(window)

@@ -10,7 +10,7 @@ import struct
 import zlib
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from io import SEEK_CUR, SEEK_END, BytesIO
+from io import SEEK_END, BytesIO
 from pathlib import Path
 from typing import BinaryIO
 
@@ -31,6 +31,7 @@ DAMAGED_RECORD = (McapError, struct.error, *DAMAGED)
 """Exceptions of the libraries on damaged bytes."""
 RECORDS_IN_CHUNKS = frozenset({Opcode.SCHEMA, Opcode.CHANNEL, Opcode.MESSAGE})
 """Opcodes of the records that a chunk holds."""
+Spans = Collection[tuple[int, int]] | None
 _BLOCKS = {*RECORDS_IN_CHUNKS, Opcode.CHUNK}
 _EXPANSION, _EXPANSION_OF_ANY = 200, 64_000_000  # bytes of content: per byte of the file, and beyond it
 _RECORDS_OF_ANY = 100_000  # beyond one per byte of the file
@@ -64,65 +65,54 @@ class _TooLargeError(Exception):
 
 
 def record_blocks(
-    stream: BinaryIO, title: Path, bounds: Bounds, places: Collection[int] | None, note: Callable[[str], None]
-) -> Iterator[bytes]:
+    stream: BinaryIO, title: Path, bounds: Bounds, spans: Spans, note: Callable[[str], None]
+) -> Iterator[tuple[int, int, bytes]]:
     """Blocks of records of an MCAP file: the content of each chunk, and each record outside of chunks.
+
+    Each block comes after the bytes of the file at which it begins and ends.
 
     Args:
         stream: The file from its beginning.
         title: Its name in messages.
         bounds: Bounds on its content.
-        places: Places of the chunks that are wanted; None: all, and what is outside of chunks.
+        spans: Bytes of the file at which records that are wanted begin, the second excluded; None: all.
         note: Called with a sentence on each part that is missing, damaged or left out.
 
     Raises:
         BagError: The stream is not an MCAP file.
     """
-    size = bounds.file
     if stream.read(len(MCAP0_MAGIC)) != MCAP0_MAGIC:
-        found = f"{size} bytes that do not start as one" if size else "an empty file"
+        found = f"{bounds.file} bytes that do not start as one" if bounds.file else "an empty file"
         raise BagError(f"{title}: expected an MCAP file, found {found}; record the run again")
-    for place in places or ():
-        stream.seek(place)
-        opcode, length = _head(stream.read(RECORD.size))
-        if opcode != Opcode.CHUNK or length > LARGEST_CHUNK:
-            note(f"has no chunk at byte {place}, where its index has one")
-        else:
-            yield from _chunk(stream.read(length), place, bounds, note)
-    if places is not None:
-        return
-    opcode, place = 0, stream.tell()
-    while opcode != Opcode.FOOTER:
-        head = stream.read(RECORD.size)
-        opcode, length = _head(head)
-        if opcode == 0 or stream.tell() + length > size:
-            note(f"ends in the middle of a record, at byte {place} of {size}")
-            return
-        if opcode in _BLOCKS and length > LARGEST_CHUNK:
-            note(f"has a record of more than {LARGEST_CHUNK} bytes at byte {place}, which is left out")
-            stream.seek(length, SEEK_CUR)
-        elif opcode == Opcode.CHUNK:
-            yield from _chunk(stream.read(length), place, bounds, note)
-        elif opcode in RECORDS_IN_CHUNKS:
-            yield head + stream.read(length)
-        else:
-            stream.seek(length, SEEK_CUR)
-        place = stream.tell()
+    for begin, end in [(len(MCAP0_MAGIC), bounds.file + 1)] if spans is None else spans:
+        opcode, place = 0, stream.seek(begin)
+        while place < end and opcode != Opcode.FOOTER:
+            head = stream.read(RECORD.size)
+            opcode, length = RECORD.unpack(head) if len(head) == RECORD.size else (0, 0)
+            after = place + RECORD.size + length
+            if opcode == 0 or after > bounds.file:
+                note(f"ends in the middle of a record, at byte {place} of {bounds.file}")
+                break
+            if opcode in _BLOCKS and length > LARGEST_CHUNK:
+                note(f"has a record of more than {LARGEST_CHUNK} bytes at byte {place}, which is left out")
+            elif opcode == Opcode.CHUNK:
+                yield place, after, _chunk(stream.read(length), place, bounds, note)
+            elif opcode in RECORDS_IN_CHUNKS:
+                yield place, after, head + stream.read(length)
+            elif spans:
+                note(f"has no chunk at byte {place}, where its index has one")
+            place = stream.seek(after)
 
 
-def _head(head: bytes) -> tuple[int, int]:
-    """Opcode and length of a record; zeros where the file ends."""
-    return RECORD.unpack(head) if len(head) == RECORD.size else (0, 0)
-
-
-def _chunk(record: bytes, place: int, bounds: Bounds, note: Callable[[str], None]) -> Iterator[bytes]:
-    """Content of a chunk; nothing where it is damaged."""
+def _chunk(record: bytes, place: int, bounds: Bounds, note: Callable[[str], None]) -> bytes:
+    """Content of a chunk; empty where it is damaged."""
     try:
-        yield _content(record, bounds)
+        return _content(record, bounds)
     except _TooLargeError:
         note(f"has a chunk at byte {place} larger than any in {bounds.file} bytes, which is left out")
     except DAMAGED_RECORD:
         note(f"has a damaged chunk at byte {place}, which is left out")
+    return b""
 
 
 def _content(record: bytes, bounds: Bounds) -> bytes:
@@ -147,6 +137,10 @@ _STATISTICS = struct.Struct("<QHIIIIQQI")  # messages, schemas, channels, ..., c
 _COUNT = struct.Struct("<HQ")  # channel, number or place
 
 
+_IndexedChunk = tuple[int, int, tuple[int, int], bytes]
+"""Earliest and latest time of recording [ns], begin and end in the file [bytes], channels with messages, packed."""
+
+
 @dataclass(frozen=True)
 class McapIndex:
     """Index of a complete file."""
@@ -159,18 +153,13 @@ class McapIndex:
     """Earliest time of recording [ns]."""
     end: int
     """Latest time of recording [ns]."""
-    chunks: list[int]
-    """Place of each chunk in the file [bytes], rising."""
-    channels: list[bytes]
-    """Channels of each chunk, packed."""
+    chunks: list[_IndexedChunk]
+    """Chunks in order of time."""
 
     def chunks_with(self, channel: int) -> list[int]:
         """Numbers of the chunks that have messages of a channel."""
-        return [
-            k
-            for k, packed in enumerate(self.channels)
-            if any(found == channel for found, _ in _COUNT.iter_unpack(packed))
-        ]
+        chunks = enumerate(self.chunks)
+        return [k for k, (*_, packed) in chunks if any(found == channel for found, _ in _COUNT.iter_unpack(packed))]
 
 
 def read_index(stream: BinaryIO) -> McapIndex | None:
@@ -198,7 +187,7 @@ def read_index(stream: BinaryIO) -> McapIndex | None:
 
 def _parse(summary: bytes, size: int) -> McapIndex | None:
     definitions: list[tuple[Opcode, bytes]] = []
-    chunks: list[tuple[int, bytes]] = []
+    chunks: list[_IndexedChunk] = []
     counts, times, place, number = dict[int, int](), (0, 0), 0, 0
     while place < len(summary):
         opcode, length = RECORD.unpack_from(summary, place)
@@ -206,41 +195,49 @@ def _parse(summary: bytes, size: int) -> McapIndex | None:
         if opcode in {Opcode.SCHEMA, Opcode.CHANNEL}:
             definitions.append((Opcode(opcode), summary[begin:place]))
         elif opcode == Opcode.CHUNK_INDEX:
-            _, _, at, extent, mapped = _CHUNK.unpack_from(summary, begin)
+            first, last, at, extent, mapped = _CHUNK.unpack_from(summary, begin)
             if at + extent > size or extent < RECORD.size:
                 return None
-            chunks.append((at, summary[begin + _CHUNK.size : begin + _CHUNK.size + mapped]))
+            chunks.append((first, last, (at, at + extent), summary[begin + _CHUNK.size : begin + _CHUNK.size + mapped]))
         elif opcode == Opcode.STATISTICS:
             *_, number, first, last, mapped = _STATISTICS.unpack_from(summary, begin)
             begin += _STATISTICS.size
             counts, times = dict(_COUNT.iter_unpack(summary[begin : begin + mapped])), (first, last)
     chunks.sort()
-    if not chunks or number != len(chunks) or not all(packed for _, packed in chunks):
+    if not chunks or number != len(chunks) or not all(packed for *_, packed in chunks):
         return None
-    return McapIndex(definitions, counts, *times, [at for at, _ in chunks], [packed for _, packed in chunks])
+    return McapIndex(definitions, counts, *times, chunks)
 
 
 def chunks_between(
-    index: McapIndex, names: Mapping[int, str], begin: float, end: float, stamps_at: Callable[[int], Sequence[int]]
-) -> list[int] | None:
-    """Places of the chunks with header stamps between two times, and of chunks with what is said once.
+    index: McapIndex,
+    names: Mapping[int, str],
+    begin: float,
+    end: float,
+    stamps_at: Callable[[tuple[int, int]], Sequence[int]],
+) -> Spans:
+    """Spans of the chunks with header stamps between two times, of chunks that overlap them in time of recording,
+    and of chunks with what is said once.
 
     Args:
         index: The index.
         names: Topic of each channel.
         begin: Earliest stamp [s].
         end: Latest stamp [s].
-        stamps_at: Header stamps [ns] in the chunk at a place.
+        stamps_at: Header stamps [ns] in the chunk between two bytes of the file.
 
     Returns:
-        The places; None where the file holds several runs, in which the stamps do not rise.
+        The spans, for `record_blocks`; None where the file holds several runs, in which the stamps do not rise.
     """
     if any(count > 1 for channel, count in index.counts.items() if names[channel].endswith(TWIN_SCENE)):
         return None
-    chosen = set(blocks_between(len(index.chunks), begin, end, lambda k: stamps_at(index.chunks[k])))
+    chunks = index.chunks
+    found = blocks_between(len(chunks), begin, end, lambda k: stamps_at(chunks[k][2]))
+    earliest, latest = chunks[found[0]][0], max(chunks[k][1] for k in found)
+    chosen = {*found, *(k for k, (first, last, *_) in enumerate(chunks) if first < latest and last > earliest)}
     for channel, name in names.items():
         if name.endswith(LATCHED):
             chosen.update(index.chunks_with(channel)[:MOST_LATCHED])
         elif name.endswith(DIAGNOSTICS):
             chosen.update(index.chunks_with(channel)[-1:])  # with the counts at the end of the run
-    return [index.chunks[k] for k in sorted(chosen)]
+    return [chunks[k][2] for k in sorted(chosen)]
