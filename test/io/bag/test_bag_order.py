@@ -162,7 +162,7 @@ def test_where_too_many_chunks_overlap_the_order_is_that_of_the_file_and_this_is
     monkeypatch.setattr(mcap_file, "_GROUP", 1 << 12)
     bag = Bag(file)
     assert list(bag.messages()) == told
-    assert "read in the order of the file, since too many overlap in time to be sorted" in bag.notes[0]
+    assert "read as they lie: there are several runs, or too many overlap in time" in bag.notes[0]
     assert list(Bag(write(file, swapped(rows))).messages()) == rows  # of which few overlap
 
 
@@ -190,3 +190,11 @@ def test_findings_are_those_of_the_file_in_order(tmp_path, bench_run):
     assert b.pop("notes") == [f"unsorted.mcap {SORTED}", *a.pop("notes")]
     assert a["onset_s"] is not None
     assert a == b
+
+
+def test_several_runs_that_begin_at_the_same_time_are_not_woven(tmp_path, messages):
+    """Times of a recording by simulated time begin again; each run has a scene."""
+    told = [*messages, *messages]
+    bag = Bag(write(tmp_path / "run.mcap", told))
+    assert list(bag.messages()) == told
+    assert "read as they lie: there are several runs" in bag.notes[0]

@@ -18,7 +18,7 @@ from drill_twin.core.files.yaml_reader import YamlError, plain_yaml
 from drill_twin.io.bag.metadata import Qos, RecordedTopic
 from drill_twin.io.bag.reading.decompression import decompressed_message
 from drill_twin.io.messages.stamps import seconds
-from drill_twin.io.messages.topics import TOPICS
+from drill_twin.io.messages.topics import TOPICS, TWIN_SCENE
 
 WITH_HEADER = frozenset({"sensor_msgs/msg/JointState", "geometry_msgs/msg/PoseArray"})
 """Types of the contract that begin with a header, by whose stamps a window is searched."""
@@ -78,6 +78,10 @@ class BagFile(ABC):
         Raises:
             BagError: The file cannot be read, or is not of its format.
         """
+
+    def _has_several_runs(self) -> bool:
+        """Check whether there are several scenes: times then need not rise from run to run."""
+        return any(topic.count > 1 for name, topic in self.topics.items() if name.endswith(TWIN_SCENE))
 
     def _message(self, raw: bytes) -> bytes:
         """CDR of a message as it is stored."""

@@ -42,9 +42,6 @@ _GROUP = 1 << 18  # bytes from which a group of messages is full
 _ROW = 150  # bytes that a message takes beside its content
 
 Row = tuple[str, int, bytes]
-_Group = tuple[int, int, int, int, int]
-"""Messages that lie side by side: earliest and latest time [ns], memory that they take [bytes], begin and end in the
-file [bytes]."""
 
 
 class McapFile(BagFile):
@@ -54,7 +51,9 @@ class McapFile(BagFile):
         self._channels: dict[int, str | None] = {}
         self._schemas: dict[int, Schema] = {}
         self._spans: Spans = None
-        self._groups: list[_Group] = []  # none where the order is that of the file
+        # Of messages that lie side by side: earliest and latest time [ns], memory that they take [bytes], begin and end
+        # in the file [bytes]. Empty where messages are read in the order of the file.
+        self._groups: list[tuple[int, ...]] = []
         self._scanned = True  # damage that the search meets is noted when the messages are read
         if window is not None:
             self._spans = self._spans_of(*window)
@@ -63,8 +62,8 @@ class McapFile(BagFile):
         self._scanned = True
 
     def _scan(self) -> None:
-        """Read all messages for their number and times, and group them where they are not in order of time."""
-        groups: list[_Group] = []
+        """Read all messages for their number and times, and group them where they are to be sorted."""
+        groups: list[tuple[int, ...]] = []
         latest, late, whole = 0, 0, self._spans is None
         for begin, end, rows in self._blocks(self._spans):
             more = whole and groups and groups[-1][2] < _GROUP
@@ -85,8 +84,8 @@ class McapFile(BagFile):
         if late:
             changes = sorted(x for first, last, size, *_ in groups for x in ((first, 0, size), (last, 1, -size)))
             held = max(accumulate(size for *_, size in changes)) + 1000 * len(groups)  # bytes, with what waits
-            self._groups = groups if (fits := held <= LARGEST_CHUNK) else []
-            done = "sorted" if fits else "read in the order of the file, since too many overlap in time to be sorted"
+            self._groups = groups if (fits := held <= LARGEST_CHUNK and not self._has_several_runs()) else []
+            done = "sorted" if fits else "read as they lie: there are several runs, or too many overlap in time"
             if not fits or late > NANOSECONDS:  # less between topics is usual
                 self.notes.append(
                     f"{self.title.name} is not in order of the time of recording: its messages are {done}"
@@ -96,12 +95,11 @@ class McapFile(BagFile):
         """Spans of the chunks with header stamps between two times [s], by the index; None to read all."""
         try:
             with self.path.open("rb") as stream:
-                index = read_index(stream)
-            for opcode, content in index.definitions if index else ():
+                if (index := read_index(stream)) is None:
+                    return None
+            for opcode, content in index.definitions:
                 self._register(opcode, ReadDataStream(BytesIO(content)))
         except (OSError, *DAMAGED_RECORD):
-            return None
-        if index is None:
             return None
         names = {channel: self._channels.get(channel) or "" for channel in index.counts}
         chosen = chunks_between(index, names, begin, end, self._stamps_at)

@@ -13,7 +13,7 @@ from drill_twin.core.files.yaml_reader import YamlError, plain_yaml
 from drill_twin.io.bag.metadata import RecordedTopic
 from drill_twin.io.bag.reading.bag_file import LATCHED, MOST_LATCHED, WITH_HEADER, BagFile, blocks_between, qos_profiles
 from drill_twin.io.messages.stamps import raw_header_stamp
-from drill_twin.io.messages.topics import DIAGNOSTICS, TWIN_SCENE
+from drill_twin.io.messages.topics import DIAGNOSTICS
 
 _TABLES = ("topics", "messages", "schema", "metadata", "message_definitions")
 _LARGEST_DEFINITION = 4000  # characters of the SQL that made a table
@@ -105,7 +105,7 @@ class SqliteFile(BagFile):
             for _, name, *_ in database.execute("PRAGMA index_list(messages)").fetchall()
             if '"' not in name
         )
-        return indexed and not any(topic.count > 1 for name, topic in self.topics.items() if name.endswith(TWIN_SCENE))
+        return indexed and not self._has_several_runs()
 
     def _find(
         self, database: sqlite3.Connection, start: int, end: int, earliest: float, latest: float
