@@ -281,6 +281,7 @@ def test_a_replay_that_rests_is_no_fault(bench, small_bag):
     bench.until_status("analyzer", lambda status: status.text.startswith("motion: "))
     request = ChangeState.Request(transition=Transition(id=Transition.TRANSITION_DEACTIVATE))
     assert bench.call("/replayer/change_state", request, ChangeState).success
+    assert bench.call("/replayer/pause").message.startswith("inactive; once the node is active: paused at ")
     bench.until_status("analyzer", lambda status: status.level == Level.OK)
     begun = len(bench.history)
     for _ in range(6):

@@ -82,7 +82,7 @@ class _Node:
     """A replayer as the services hold it in hand."""
 
     def __init__(self):
-        self.rate, self.ended = 0.0, False
+        self.rate, self.ended, self.active = 0.0, False, True
 
     def get_name(self):
         return "replayer"

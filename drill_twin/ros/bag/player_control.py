@@ -125,8 +125,7 @@ class PlayerControl:
 
     def seek(self, request: Any) -> dict[str, Any]:
         """Go to a time of recording."""
-        stamp = request.time.sec * NANOSECONDS + request.time.nanosec
-        self.go_to((stamp - self._start) / NANOSECONDS)
+        self.go_to((request.time.sec * NANOSECONDS + request.time.nanosec - self._start) / NANOSECONDS)
         return {"success": True}
 
     def stop(self, _: Any) -> dict[str, Any]:
@@ -153,7 +152,8 @@ class PlayerControl:
             raise DrillTwinError(f"expected a place in the bag, 0 to {self._length:.3f} s, found {place:.3f} s")
 
     def _said(self, what: str) -> dict[str, Any]:
-        return {"success": True, "message": f"{what} at {self._head.place:.3f} s"}
+        rests = "" if self._node.active else "inactive; once the node is active: "
+        return {"success": True, "message": f"{rests}{what} at {self._head.place:.3f} s"}
 
 
 def offer(node: TwinNode, control: PlayerControl) -> None:

@@ -142,7 +142,7 @@ class CommandArbiter:
         mine = [quantity for quantity in given if not quantity.belongs_to_another(source)]
         refusal = ""
         if not given and not left_out:
-            refusal = self._refuse("not_finite", f"expected a set-point, found {what} without a number")
+            refusal = self._refuse("not_finite", f"expected a set-point, found {what} without one")
         elif len(mine) < len(given):
             refusal = self._refuse("other_source", self._belongs_to_another(given, mine, what))
         try:
