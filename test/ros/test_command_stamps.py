@@ -179,7 +179,10 @@ def test_lockstep_says_whose_command_it_waits_for(bench):
     Commander(bench, "/top_drive", stamp=lambda: 50 * FRAME, weight=math.nan)
     waits = "no valid weight on bit of /auto_driller for"
     status = bench.until_status("simulator", lambda status: status.text.startswith(waits))
-    told = "the lockstep waits for the stamp of the next frame, after t = 0.01 s, the last is stamped 0.01 s"
+    told = (
+        "the lockstep waits for a /rig/command with the stamp of the next frame, after t = 0.01 s, the last is stamped "
+        "0.01 s"
+    )
     assert told in status.text
     stamp[0] = 2 * FRAME
     driller.send()

@@ -108,9 +108,7 @@ class PlayerControl:
     def burst(self, request: Any) -> dict[str, Any]:
         """Publish the next messages of a paused replay."""
         if not self._head.paused:
-            raise DrillTwinError(
-                f"expected a paused replay, found it playing; call {self._node.get_name()}/pause first"
-            )
+            raise DrillTwinError(f"expected a paused replay, found it playing; call {self._node.get_name()}/pause")
         self._head.singles += request.num_messages
         return self._said("next message") | {"actually_burst": request.num_messages}
 

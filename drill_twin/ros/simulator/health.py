@@ -85,8 +85,8 @@ def _lockstep(simulation: SimulatorRun, settings: SimpleNamespace) -> str:
     last = max(quantity.last_stamp for quantity in awaited)
     stamped = f", the last is stamped {seconds(last):g} s" if last >= 0 else ""
     return (
-        f"{_missing(simulation, awaited)} for {simulation.waited:.1f} s; the lockstep waits for the stamp of the next "
-        f"frame, after {simulation.time_text}{stamped}"
+        f"{_missing(simulation, awaited)} for {simulation.waited:.1f} s; the lockstep waits for a {RIG_COMMAND} with "
+        f"the stamp of the next frame, after {simulation.time_text}{stamped}"
     )
 
 

@@ -197,8 +197,11 @@ class Simulator(TwinNode):
             f"{settings.pace}"
         )
         if run.waits_for_command:
-            topics = [self.resolve_topic_name(relative(name)) for name in (RIG_COMMAND, WOB_COMMAND, RPS_COMMAND)]
-            self.get_logger().info(f"time stands still until a command comes on {', '.join(topics)}")
+            names = (RIG_COMMAND,) if settings.pace == "lockstep" else (RIG_COMMAND, WOB_COMMAND, RPS_COMMAND)
+            self.get_logger().info(
+                "time stands still until a command comes on "
+                + ", ".join(self.resolve_topic_name(relative(name)) for name in names)
+            )
 
     def activate(self) -> None:
         """Let time run from here."""
