@@ -73,7 +73,7 @@ class SpinningNode(Node):
         for _ in range(_AT_ONCE):  # a flood must not keep the node from its work
             taken = self.topics.taken
             self.spin_once(0.0)
-            others = others + 1 if taken == self.topics.taken else 0
+            others = (others + 1) * (taken == self.topics.taken)
             if others > _OTHERS or self.stop:
                 return
 

@@ -35,7 +35,6 @@ if TYPE_CHECKING:
 
 COMPILING = "compiling"
 """First word of the reason of a node that is not ready because it compiles."""
-_ABSENT = "it is not there yet"
 _POLL = 0.05  # s
 _ANSWER_TIME = 1.0  # s; an answer is lost as long as DDS has not connected the server to the client
 _RENEW_AFTER = 5  # requests without an answer, as where an earlier process was killed
@@ -88,10 +87,9 @@ class StartupBarrier:
                 self._node.get_logger().info(f"waiting for {self._full_name(name)}: {reason}")
         if now > self._deadline and reasons:
             name, reason = next(iter(reasons.items()))
-            start = "start it in the same ROS_DOMAIN_ID and namespace, or " if reason == _ABSENT else ""
             raise RunError(
-                f"waited {self._seconds:g} s for the node {self._full_name(name)}: {reason}; {start}take its name out "
-                "of the parameter wait_for"
+                f"waited {self._seconds:g} s for the node {self._full_name(name)}: {reason}; where it is not there, start "
+                "it in this ROS_DOMAIN_ID and namespace, or take its name out of the parameter wait_for"
             )
         if reasons or (unmatched_readers(self._node) and now < self._deadline):
             return False
@@ -107,7 +105,7 @@ class StartupBarrier:
         """Reason to go on waiting for a node; empty where there is none."""
         answer, client = self._answers.get(name), self._clients[name]
         if answer is None:
-            return _ABSENT
+            return "it is not there yet"
         if answer.done():
             self._unanswered[name] = 0
             said = answer.result()

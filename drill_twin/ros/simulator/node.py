@@ -198,10 +198,8 @@ class Simulator(TwinNode):
         )
         if run.waits_for_command:
             names = (RIG_COMMAND,) if settings.pace == "lockstep" else (RIG_COMMAND, WOB_COMMAND, RPS_COMMAND)
-            self.get_logger().info(
-                "time stands still until a command comes on "
-                + ", ".join(self.resolve_topic_name(relative(name)) for name in names)
-            )
+            topics = ", ".join(self.resolve_topic_name(relative(name)) for name in names)
+            self.get_logger().info(f"time stands still until a command comes on {topics}")
 
     def activate(self) -> None:
         """Let time run from here."""
