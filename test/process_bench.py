@@ -218,10 +218,11 @@ class Bench:
 
     def _take_waiting(self) -> None:
         """Take what came while the test did not listen, which is of before."""
-        taken, end = -1, time.monotonic() + 1.0
-        while taken < self._taken and time.monotonic() < end:
+        quiet, end = 0, time.monotonic() + 1.0
+        while quiet < 5 and time.monotonic() < end:
             taken = self._taken
             self._executor.spin_once(timeout_sec=0.0)
+            quiet = 0 if self._taken > taken else quiet + 1
 
     def spin(self, seconds: float) -> None:
         end = time.monotonic() + seconds

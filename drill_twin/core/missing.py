@@ -46,6 +46,7 @@ class LiveChannel:
     def is_missing(self, value: float, *, keep: bool = True) -> bool:
         """True for a value that is no measurement; another is kept, if asked, and the next values are judged by it."""
         suspect = not np.isfinite(value) or value in {CERTAIN, *OF_THE_TRADE}
+        suspect = suspect and [*self._before][-_RUN:] != [value] * _RUN  # such a run is kept, however long it lasts
         missing = suspect and bool(np.isnan(without_missing(np.array([*self._before, value]))[0][-1]))
         self._before.extend([value] * (keep and not missing))
         return missing

@@ -35,7 +35,7 @@ def test_a_block_for_all_nodes_starts_all_nodes_without_a_word(bench, file, wild
         bench.until(lambda node=node: node in bench.node.get_node_names(), what=node)
     bench.until(lambda: bench.node.get_publishers_info_by_topic(STRING_POSES) != [], what="the simulator")
     offered = bench.node.get_publishers_info_by_topic(STRING_POSES)[0].qos_profile
-    assert offered.reliability.name == "BEST_EFFORT"
+    assert offered.durability.name == "TRANSIENT_LOCAL"
     request = GetParameters.Request(names=["command_timeout"])
     found = bench.call("/simulator/get_parameters", request, GetParameters).values[0]
     assert found.string_value == "2 s"

@@ -67,7 +67,7 @@ class GoodSamples:
 
     def expect(self, *names: str) -> None:
         """Begin to wait for a sample of one of some inputs."""
-        self._expected[names] = self._clock()
+        self._expected |= {names: self._clock()} if names else {}
 
     def rest(self, seconds: float = 0.0) -> None:
         """Judge no silence for a time [s], in which none is a fault, and from then on as if all had come just then."""

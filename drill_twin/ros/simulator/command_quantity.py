@@ -88,8 +88,10 @@ class CommandQuantity:
         The stamp of the next frame may have been the last one of the run before.
         """
         before, last = self._before
-        under_way = before == source and last <= stamp <= last + NANOSECONDS  # later ones are of another clock
-        return under_way and (now := stamps.now()) < last and stamp > now + stamps.period
+        if before != source or not last <= stamp <= last + 2 * NANOSECONDS:  # a later one is of another clock
+            return False
+        self._before = source, stamp
+        return (now := stamps.now()) < last and stamp > now + stamps.period
 
     def hear(self, source: str, stamp: int, base: str) -> None:
         """Note a command of a source that may send, before its set-points are judged."""

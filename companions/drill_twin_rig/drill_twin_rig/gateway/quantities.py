@@ -136,8 +136,8 @@ class TwinQuantities:
         self.values: dict[str, float] = {}
         """Values by name [SI]; a quantity that does not exist in this run is missing."""
         self.samples = samples
-        samples.longest[ADVICE_STATE] = 1.0
         """Good and bad samples by topic."""
+        samples.longest[ADVICE_STATE] = 1.0
         self.stamp = 0
         """Stamp of the last `/rig/state` [ns]."""
         self._take: dict[str, Callable[[Any], bool]] = {

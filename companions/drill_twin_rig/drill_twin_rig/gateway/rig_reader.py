@@ -17,7 +17,7 @@ from concurrent.futures import Future
 from typing import Any, NamedTuple, TypeVar
 
 from drill_twin.core.errors import shortened
-from drill_twin.core.missing import LiveChannel, beyond
+from drill_twin.core.missing import CERTAIN, LiveChannel, beyond
 from drill_twin.core.units.registry import UnitError, si_factor
 from drill_twin_rig.gateway.signals import RigSignal
 
@@ -76,7 +76,8 @@ class QualityCheck:
         if not math.isfinite(value):
             return f"expected a finite number, found {value}"
         is_beyond, what = beyond(signal.quantity, value * signal.factor)
-        if self._channel.is_missing(value, keep=not (again or is_beyond)):
+        is_null = self._channel.is_missing(value, keep=not (again or is_beyond))
+        if value == CERTAIN or (is_null and not signal.is_typed):
             return f"{value:g} stands for no value"
         if is_beyond:
             return f"{what}, found {value:g} {signal.unit}"

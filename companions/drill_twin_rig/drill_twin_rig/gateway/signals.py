@@ -85,6 +85,8 @@ class RigSignal(Signal):
     """Age of its stamp at which it is not used any more [s]; 0: none."""
     frozen_after: float
     """Time without a change at which it is not used any more [s]; 0: none."""
+    is_typed: bool = False
+    """True for a set-point, which a person types: a number that sensors send for no value is one."""
 
 
 Limits = dict[str, tuple[float, float]]
@@ -180,7 +182,9 @@ class _Reader:
         times = [line.get("stale_after", _STALE_AFTER), line.get("frozen_after", 0.0)]
         if not all(isinstance(one, int | float) and 0.0 <= one < math.inf for one in times):
             raise self._error(place, f"{quantity}: expected times [s] from 0, found {times}")
-        return RigSignal(quantity, unit, factor, node, *self._range(place, line), *map(float, times))
+        low, high = self._range(place, line)
+        stale, frozen = map(float, times)
+        return RigSignal(quantity, unit, factor, node, low, high, stale, frozen, is_typed=place[0] == "follow")
 
     def _range(self, place: Place, line: Mapping[str, Any]) -> tuple[float, float]:
         low, high = (line.get(key, default) for key, default in (("low", -math.inf), ("high", math.inf)))

@@ -120,11 +120,12 @@ class Gateway(TwinNode):
         if self.settings.rig_url:
             self._rig = self._desk.rig = RigLink(self, self._output, self._signals, keys, self._limits)
         topics = {QUANTITIES[signal.quantity].topic for signal in self._signals.show}
-        for topic in topics | ({RIG_STATE} if self._signals.command or self._rig else set()):
+        topics |= {RIG_STATE} if self._signals.command or self._rig else set()
+        for topic in topics:
             depth = 1 if TOPICS[topic].latched else _DEPTH
             self.topics.subscribe_raw(topic, partial(self._on_message, topic), depth=depth)
-        self.samples.expect(*topics)
-        self.topics.subscribe(DIAGNOSTICS, self._on_diagnostics)
+        self.samples.expect(*sorted(topics))
+        self.topics.subscribe(DIAGNOSTICS, self._on_diagnostics, malformed=self._on_unreadable)
         self.topics.subscribe_scenes(self._on_scene)
         self.create_service(Trigger, "~/grant_control", self._desk.grant)
         self.create_service(Trigger, "~/withdraw_control", self._desk.withdraw)
@@ -151,6 +152,9 @@ class Gateway(TwinNode):
             self._quantities.take(topic, raw)
         except MessageError as error:
             self._unread = f"{topic}: {error}"
+
+    def _on_unreadable(self, reason: str) -> None:
+        self._unread = f"{DIAGNOSTICS}: {reason}"
 
     def _on_scene(self, _: bytes) -> None:
         self._quantities.stamp = 0  # time may have gone back; without a stamp a command is of its time of arrival

@@ -133,3 +133,17 @@ def test_a_reading_that_comes_again_is_counted_once():
     for _ in range(3):
         assert check.check(SignalReading(math.nan, "", NOW), NOW).fault
     assert sum(check.left_out.values()) == 1
+
+
+def test_a_set_point_that_a_person_types_may_be_a_number_of_the_trade():
+    check = QualityCheck(RigSignal("weight_on_bit", "N", 1.0, "", 0.0, 1e5, 0.0, 0.0, is_typed=True))
+    for k, value in enumerate([5000.0] * 30 + [9999.0] * 3):
+        assert not check.check(SignalReading(value, "", NOW + k), NOW + k).fault
+    assert check.check(SignalReading(-999.25, "", NOW + 40), NOW + 40).fault == "-999.25 stands for no value"
+
+
+def test_a_value_that_stays_at_a_number_of_the_trade_is_kept_however_long():
+    check = QualityCheck(RigSignal("surface_torque", "N m", 1.0, "", 0.0, 1e6, 0.0, 0.0))
+    near = [9990.0 + 0.03 * k for k in range(300)]
+    for k, value in enumerate([*near, *[9999.0] * 1000]):
+        assert not check.check(SignalReading(value, "", NOW + k), NOW + k).fault, k

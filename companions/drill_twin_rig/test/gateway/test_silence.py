@@ -20,3 +20,11 @@ def test_advice_that_changed_often_and_then_stays_is_not_silent():
     assert twin.samples.verdict() == (Level.OK, "")
     now[0] += 1.0
     assert twin.samples.verdict()[0] is Level.STALE
+
+
+def test_a_gateway_that_shows_nothing_waits_for_nothing():
+    now = [0.0]
+    samples = GoodSamples(lambda: now[0])
+    samples.expect()
+    now[0] = 60.0
+    assert samples.verdict() == (Level.OK, "")

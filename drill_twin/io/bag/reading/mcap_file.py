@@ -64,10 +64,11 @@ class McapFile(BagFile):
     def _scan(self) -> None:
         """Read all messages for their number and times, and group them where they are to be sorted."""
         groups: list[tuple[int, ...]] = []
-        latest, late, whole = 0, 0, self._spans is None
+        latest, late, whole, is_read = 0, 0, self._spans is None, False
         for begin, end, rows in self._blocks(self._spans):
-            more = whole and groups and groups[-1][2] < _GROUP
-            first, last, size, start, _ = groups.pop() if more else (1 << 64, -1, 0, begin, end)
+            more = whole and is_read and groups and groups[-1][2] < _GROUP
+            first, last, size, start, before = groups.pop() if more else (1 << 64, -1, 0, begin, end)
+            held = size
             for topic, stamp, raw in rows:
                 if whole:
                     self.topics[topic].count += 1
@@ -77,8 +78,9 @@ class McapFile(BagFile):
                     first, last = min(first, stamp), max(last, stamp)
                     late, latest = max(late, latest - stamp), max(latest, stamp)
                 size += _ROW + len(raw)
+            is_read = size > held  # what was left out is in no group, so it is not read again
             if size:
-                groups.append((first, last, size, start, end))
+                groups.append((first, last, size, start, end if is_read else before))
         if whole and groups:
             self.start, self.end = min(groups)[0], max(last for _, last, *_ in groups)
         if late:
@@ -86,7 +88,7 @@ class McapFile(BagFile):
             held = max(accumulate(size for *_, size in changes)) + 1000 * len(groups)  # bytes, with what waits
             self._groups = groups if (fits := held <= LARGEST_CHUNK and not self._has_several_runs()) else []
             done = "sorted" if fits else "read as they lie: there are several runs, or too many overlap in time"
-            if not fits or late > NANOSECONDS:  # less between topics is usual
+            if late > NANOSECONDS:  # less between topics is usual
                 self.notes.append(
                     f"{self.title.name} is not in order of the time of recording: its messages are {done}"
                 )
