@@ -8,7 +8,7 @@ import pytest
 
 from drill_twin.core.errors import ParameterError
 from drill_twin.ros.simulator.command_arbiter import CommandArbiter
-from drill_twin.ros.simulator.command_limits import CommandError, CommandStamps, limits_for
+from drill_twin.ros.simulator.command_limits import SIMULATED, CommandError, CommandStamps, limits_for
 from drill_twin.scene import load_scene
 from drill_twin.scene.set_points import Command
 from drill_twin_evidence.verify.statics.block import rig
@@ -366,3 +366,16 @@ def test_a_safe_set_point_beyond_the_limits_is_refused(make):
         with pytest.raises(ParameterError, match=r"safe_weight_on_bit, safe_speed: .* expected 0 to"):
             make(**beyond)
     make(safe_weight_on_bit=-50.0, negative_commands=True)
+
+
+def test_commands_under_way_from_before_a_reset_are_known_however_many_and_another_clock_is_none_of_them(make):
+    period, second = 10_000_000, 10**9
+    weight = make().quantities[0]
+    stamps = CommandStamps("fast", period, lambda: 0)
+    weight.follow(Command(30.0, 6.0), "/own", SIMULATED)
+    weight.hear("/own", 100 * second, SIMULATED)
+    weight.go_on(Command(30.0, 6.0))
+    for frame in range(1, 1000):  # a driver may lag by any time as fast as possible
+        assert weight.is_before_reset("/own", 100 * second + frame * period, stamps)
+    assert not weight.is_before_reset("/own", 1_800_000_000 * second, stamps)
+    assert not weight.is_before_reset("/own", period, stamps)
