@@ -17,7 +17,9 @@ from ports import free_port
 
 asyncua = pytest.importorskip("asyncua", reason="needs asyncua: pip install 'drill_twin[opcua]'")
 
+from drill_twin.io.messages.diagnostics import Level, Status, encode_diagnostics  # noqa: E402
 from drill_twin.io.messages.topic_words import digest_of  # noqa: E402
+from drill_twin.io.messages.topics import DIAGNOSTICS  # noqa: E402
 from drill_twin.scene import load_scene  # noqa: E402
 from drill_twin.whirl import MotionCode  # noqa: E402
 from drill_twin_rig.gateway.dwis import PROPOSED, PROTOTYPES  # noqa: E402
@@ -210,6 +212,14 @@ def _is_open(connection):
         return bool(connection.recv(1))
     except BlockingIOError:
         return True
+
+
+def test_odd_diagnostics_are_told_once_and_do_not_make_the_twin_silent(twin):
+    publisher = twin.publisher(DIAGNOSTICS)
+    odd = Status("other", Level.OK, "", {"range_weight_on_bit": "oops"}, "drill_twin")
+    publisher.publish(encode_diagnostics(0, [odd]))
+    twin.until_status("gateway", lambda status: "a message could not be read: /diagnostics: " in status.text)
+    twin.until_status("gateway", lambda status: status.text == "showing the twin")
 
 
 def test_a_taken_port_is_one_line(bench):
