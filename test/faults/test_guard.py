@@ -73,7 +73,7 @@ def test_a_frame_done_again_in_the_middle_of_a_block_is_that_of_single_frames():
     _, singles = frames(dose, 60)
     with poisoned(*dose):
         twin = Twin(scene())
-        block, error = twin.fill(twin.record(60), np.tile(TURNING.values, (60, 1)), FRAME)
+        block, error = twin.fill(twin.record(60), np.tile(TURNING, (60, 1)), FRAME)
     assert error is None
     assert list(block.interventions) == [frame.intervention for frame in singles if frame.intervention]
     np.testing.assert_array_equal(block.positions, [frame.positions for frame in singles])
