@@ -35,7 +35,7 @@ GRAVITY = 9.80665
 
 LENGTH = Dimension("length", "m", ("16.5 mm", "5 m", "12 1/4 in"))
 MASS = Dimension("mass", "kg", ("2 kg", "5 lb"))
-LINEAR_MASS = Dimension("mass per length", "kg/m", ("31 kg/m", "20.9 lb/ft"))
+LINEAR_MASS = Dimension("mass per length", "kg/m", ("31 kg/m", "20.9 lb/ft"), converted=(("N/m", 1.0 / GRAVITY),))
 TIME = Dimension("time", "s", ("0.5 s", "4 ms", "2 min"))
 FORCE = Dimension("force", "N", ("40 N", "160 kN", "36 klbf"))
 ANGLE = Dimension("angle", "rad", ("30 deg", "0.5 rad"))
