@@ -214,8 +214,7 @@ def new(
     )  # fmt: skip
     scene, data = plan.scene()
     write_file(out, "# SPDX-License-Identifier: Apache-2.0\n" + yaml_text(data))
-    rows = read_table(plan.tally, NAMES, (), units)
-    if unread := rows[0].unread:
+    if unread := (rows := read_table(plan.tally, NAMES, (), units))[0].unread:
         remark(f"{tally}: not used: {', '.join(unread)}")
     if from_top(rows):
         remark(f"{tally}: turned round, as it begins with drill pipe or ends with the bit")

@@ -74,11 +74,10 @@ def fatigue(bag: Recording) -> dict[str, dict[str, float | None]] | None:
     return rows
 
 
-SLIPS, FEWEST, HELD, LIGHT = 10.0, 4, 0.02, 0.05
-"""Least time [s] and samples in slips; hookload's variation and weight on bit then, over the string's."""
-SHARES, LARGEST, APART = (0.02, 0.25, 0.5), 95.0, 3.0
-"""Hookload in slips over the string's: least, largest of one time in slips, largest where slips recur; percentile of
-the record that is the string's hookload; distance of two times in slips over their length."""
+SLIPS, FEWEST, HELD, LIGHT, SHARES, LARGEST, APART = 10.0, 4, 0.02, 0.05, (0.02, 0.25, 0.5), 95.0, 3.0
+"""Least time [s] and samples in slips; hookload's variation then, weight on bit, and hookload (least, largest of one
+time in slips, largest where slips recur) over the string's hookload, a percentile of the record; distance of two times
+in slips over their length."""
 
 
 def block_weight(bag: Recording, kept: Mapping[str, Array]) -> dict[str, Any] | None:

@@ -109,7 +109,7 @@ def read_table(file: Path, names: dict[str, tuple[str, ...]], needed: tuple[str,
     columns, units, unread = list[str](), dict[str, str](), list[str]()
     for cell in next(csv.reader([heading], delimiter=separator)):
         word, unit = name_and_unit(cell)
-        column = next((name for name, known in names.items() if word.lower().replace(".", "") in known), "")
+        column = next((key for key, known in names.items() if word.lower().replace(".", "") in known), "")
         unread += [word] if word and (not column or column in columns) else []
         columns.append("" if column in columns else column)
         if unit and columns[-1]:
