@@ -200,7 +200,7 @@ def new(
     from drill_twin.scene.lines import yaml_text
     from drill_twin.scene.well_plan.plan import WellPlan
     from drill_twin.scene.well_plan.table import read_table
-    from drill_twin.scene.well_plan.tally import NAMES
+    from drill_twin.scene.well_plan.tally import NAMES, from_top
 
     check_new(out, replace=replace)
     given = {"--survey": survey, "--tally": tally, "--hole": hole}
@@ -214,8 +214,10 @@ def new(
     )  # fmt: skip
     scene, data = plan.scene()
     write_file(out, "# SPDX-License-Identifier: Apache-2.0\n" + yaml_text(data))
-    if unread := read_table(plan.tally, NAMES, (), units)[0].unread:
+    if unread := (rows := read_table(plan.tally, NAMES, (), units))[0].unread:
         remark(f"{tally}: not used: {', '.join(unread)}")
+    if from_top(rows):
+        remark(f"{tally}: turned round, as it begins with drill pipe or ends with the bit")
     long, sections = scene.unit_system.text(scene.length, "length"), len(scene.string.sections)
     remark(
         f"{out}: {long}, {sections} sections, {len(scene.hole.survey)} stations. "

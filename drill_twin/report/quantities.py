@@ -74,28 +74,36 @@ def fatigue(bag: Recording) -> dict[str, dict[str, float | None]] | None:
     return rows
 
 
-SLIPS, FEWEST, SHARES, HELD = 10.0, 4, (0.02, 0.5), 0.02
-"""Least time [s] and samples in slips; hookload then, and its variation, over the largest of the record."""
+SLIPS, FEWEST, HELD, LIGHT, SHARES, LARGEST, APART = 10.0, 4, 0.02, 0.05, (0.02, 0.25, 0.5), 95.0, 3.0
+"""Least time [s] and samples in slips; hookload's variation then, weight on bit, and hookload (least, largest of one
+time in slips, largest where slips recur) over the string's hookload, a percentile of the record; distance of two times
+in slips over their length."""
 
 
 def block_weight(bag: Recording, kept: Mapping[str, Array]) -> dict[str, Any] | None:
     """Weight of block and top drive, which the hookload of a record holds; None where no hookload is recorded.
 
-    Keys: `weight_n`, given as `block_weight`, or the lowest hookload that is steady while the top drive rests, as in
-    slips, since `at_s` (None where given); NaN where neither is known.
+    Keys: `weight_n`, given as `block_weight`, or the lowest hookload that is steady while the top drive rests and no
+    weight is on the bit, as in slips, since `at_s` (None where given); NaN where neither is known. Above a quarter of
+    the string's hookload, which may be a shorter string that hangs, it must recur.
     """
     if not isinstance(bag.bag, RecordBag) or (hookload := kept.get("hookload")) is None:
         return None
-    time, largest, weight, at = bag.rig.time, float(np.nanmax(hookload)), bag.bag.block, None
+    time, largest, found = bag.rig.time, float(np.nanpercentile(hookload, LARGEST)), list[tuple[float, float]]()
     wide = max(SLIPS, 5.0 * float(np.median(np.diff(time))))
-    held = np.where(np.abs(bag.rig.top_drive_speed) >= REST, 2.0 * largest, hookload)  # too much where it turns
-    for start in np.arange(time[0], time[-1] - wide, 0.5 * wide) if math.isnan(weight) else ():
+    load = np.abs(kept.get("bit_force", 0.0)) / (LIGHT * largest)
+    busy = np.maximum(np.abs(bag.rig.top_drive_speed) / REST, load)  # NaN: not known, which is no rest
+    held = np.where(busy >= 1.0, 2.0 * largest, hookload + 0.0 * busy)
+    for start in np.arange(time[0], time[-1] - wide, 0.5 * wide) if math.isnan(bag.bag.block) else ():
         values = held[slice(*np.searchsorted(time, (start, start + wide)))]
         values = values[np.isfinite(values)]
         steady = values.size >= FEWEST and np.ptp(values) <= HELD * largest
-        if steady and SHARES[0] * largest <= np.median(values) <= min(SHARES[1] * largest, weight):
-            weight, at = float(np.median(values)), float(start)
-    return {"weight_n": weight, "at_s": at}
+        if steady and SHARES[0] * largest <= np.median(values) <= SHARES[2] * largest:
+            found.append((float(np.median(values)), float(start)))
+    weight, at = min(found, default=(bag.bag.block, None))
+    apart = max(np.diff([start for one, start in found if one <= weight + HELD * largest]), default=0.0)
+    known = at is None or weight <= SHARES[1] * largest or apart > APART * wide
+    return {"weight_n": weight if known else math.nan, "at_s": at if known else None}
 
 
 KEYS = ("weight_on_bit_n", "hookload_n", "top_drive_torque_nm", "bit_torque_nm", "drag_n")
@@ -126,9 +134,8 @@ def loads(bag: Recording, kept: Mapping[str, Array], block: float = 0.0) -> dict
 
 def applied(bag: Recording, kept: Mapping[str, Array], at: Mask | None = None) -> dict[str, dict[str, float] | None]:
     """Statistics of weight on bit [N] and rotation of the top drive [rad/s] at samples, or `settled_from` on."""
-    rig = bag.rig
-    late = rig.time >= settled_from(bag) if at is None else at
-    series = (kept.get(name, getattr(rig, name)) for name in ("bit_force", "top_drive_speed"))
+    late = bag.rig.time >= settled_from(bag) if at is None else at
+    series = (kept.get(name, getattr(bag.rig, name)) for name in ("bit_force", "top_drive_speed"))
     weight, speed = (_statistics(values[late]) for values in series)
     return {"weight_on_bit_n": weight, "rotation_rad_s": speed}
 

@@ -150,6 +150,36 @@ def test_the_hookload_in_slips_is_the_block(tmp_path):
         told(tmp_path / "hung.csv", selection=Selection(choices=("block_weight=32 ft",)))
 
 
+def hung(path, hookload, *, load=0.0, speed=0.0, least=36.0):
+    """Weight of the block [klbf] that 600 s at 200 klbf tell, with two times of another hookload; NaN: unknown."""
+    time = np.arange(0.0, 600.0)
+    columns = [time, 20.0 + 0.0 * time, 120.0 + 0.0 * time, 200.0 + 0.2 * np.sin(time)]
+    for begin, now in ((100, hookload), (400, least)):
+        for column, value in zip(columns[1:], (load, speed, now), strict=True):
+            column[begin : begin + 80] = value
+    columns[3][300:316] = 450.0  # an overpull
+    heading = "time [s],WOB [klbf],RPM [rpm],HKLD [klbf]"
+    np.savetxt(path, np.column_stack(columns), delimiter=",", header=heading, comments="")
+    return (summarise(read_recording(path))["block"]["weight_n"] or math.nan) / KLBF
+
+
+def test_what_is_no_slips_is_not_the_block(tmp_path):
+    file = tmp_path / "rig.csv"
+    assert hung(file, 36.0) == pytest.approx(36.0)
+    assert hung(file, 90.0, least=90.0) == pytest.approx(90.0)  # slips recur
+    assert math.isnan(hung(file, 90.0, least=200.0))  # a shorter string that hangs, once
+    assert math.isnan(hung(file, 150.0, least=150.0))  # the string hangs after an overpull
+    assert math.isnan(hung(file, 36.0, load=164.0))  # weight is set down
+    assert math.isnan(hung(file, 36.0, speed=math.nan))  # a null value of the speed is no rest
+
+
+def test_a_given_weight_of_the_block_is_within_the_hookload(tmp_path):
+    rig_record(tmp_path / "rig.csv")
+    for weight in ("-5 klbf", "3000 klbf"):
+        with pytest.raises(TableError, match=r"rig\.csv: block_weight: expected 0 to 8.*e\+06 N .hookload"):
+            told(tmp_path / "rig.csv", selection=Selection(choices=(f"block_weight={weight}",)))
+
+
 def test_the_page_shows_what_is_kept_and_no_empty_well(tmp_path, call):
     rig_record(tmp_path / "rig.csv")
     scene = load_scene("wells/vertical_3000")

@@ -35,7 +35,7 @@ GRAVITY = 9.80665
 
 LENGTH = Dimension("length", "m", ("16.5 mm", "5 m", "12 1/4 in"))
 MASS = Dimension("mass", "kg", ("2 kg", "5 lb"))
-LINEAR_MASS = Dimension("mass per length", "kg/m", ("31 kg/m", "20.9 lb/ft"))
+LINEAR_MASS = Dimension("mass per length", "kg/m", ("31 kg/m", "20.9 lb/ft"), (), (("N/m", 1.0 / GRAVITY),))
 TIME = Dimension("time", "s", ("0.5 s", "4 ms", "2 min"))
 FORCE = Dimension("force", "N", ("40 N", "160 kN", "36 klbf"))
 ANGLE = Dimension("angle", "rad", ("30 deg", "0.5 rad"))
@@ -43,7 +43,7 @@ ANGULAR_SPEED = Dimension("speed of rotation", "rad/s", ("2 rev/s", "50 rpm", "5
 FREQUENCY = Dimension("frequency", "Hz", ("100 Hz",))
 SPEED = Dimension("speed", "m/s", ("0.1 m/s",))
 ACCELERATION = Dimension("acceleration", "m/s^2", ("9.81 m/s^2",))
-DENSITY = Dimension("density", "kg/m^3", ("1.10 g/cm^3", "7850 kg/m^3"), converted=(("Pa/m", 1.0 / GRAVITY),))
+DENSITY = Dimension("density", "kg/m^3", ("1.10 g/cm^3", "7850 kg/m^3"), (), (("Pa/m", 1.0 / GRAVITY),))
 PRESSURE = Dimension("pressure", "Pa", ("2.3 GPa", "210 GPa"))
 TORQUE = Dimension("torque", "N m", ("12 N m",))
 LINEAR_DRAG = Dimension("drag per length and speed", "N s/m^2", ("0.2 N s/m^2",))

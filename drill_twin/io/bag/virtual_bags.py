@@ -142,6 +142,9 @@ class RecordBag(Bag):
                 with nullcontext() if columns.chosen(name)[0] else suppress(TableError):  # the account tells it
                     columns.channel(name)
         values = {name: one.values for name, one in columns.taken.items()}
+        most = np.nanmax(values.get("hookload", math.inf), initial=0.0) or math.inf
+        if self.block < 0.0 or self.block > most:
+            raise TableError(f"{path}: {BLOCK}: expected 0 to {most:g} N (hookload), found {self.block:g} N")
         self.units = "field" if any(typed_in_pounds(one.unit.lower()) for one in columns.taken.values()) else "si"
         self.columns = list(columns.account())
         if "time" not in values or not any(name in values for name in _SPEEDS):

@@ -19,11 +19,11 @@ _MONTHS = ("jan", "feb", "mar", "apr", "may", "jun", "jul", "aug", "sep", "oct",
 _CELL = re.compile(
     r"(?:(?P<year>\d{4})[-/. ](?P<month>\d{1,2}|[a-z]{3,9})[-/. ](?P<day>\d{1,2})|(?P<digits>\d{8}|\d{6})"
     r"|(?P<a>\d{1,2}|[a-z]{3,9})[-/. ](?P<b>\d{1,2}|[a-z]{3,9})[-/., ]{1,2}(?P<c>\d{4}|\d{2}))?"
-    r"(?:[t ,_:-]{0,3}(?P<hour>\d{1,2}):?(?P<minute>\d{2})(?::?(?P<second>\d{2}(?:[.,]\d{1,9})?))?"
+    r"(?:[t ,_:-]{0,3}(?P<hour>\d{3}(?=:)|\d{1,2}):?(?P<minute>\d{2})(?::?(?P<second>\d{2}(?:[.,]\d{1,9})?))?"
     r" ?(?P<half>[ap]\.?m\.?)?)?(?: ?(?:z|utc|gmt))?(?P<zone>[+-]\d{2}(?::?\d{2})?)?",
     re.ASCII,
 )
-_HOUR, _DAY = 3600.0, 86400.0
+_DAY = 86400.0
 _NO_TIME = (math.nan,) * len(ORDERS)
 _FIRST_DAY = date(1970, 1, 1).toordinal()
 
@@ -70,9 +70,9 @@ class Dates:
         order = {"dd": 0, "mm": 1, "yy": 2}.get(asked[:2].lower() if re.match(r"\w+\W", asked) else "")
         best = min(range(len(ORDERS)), key=worth.__getitem__) if order is None else order
         rivals = {span for lacks, span in worth if lacks == worth[best][0]}
-        short, most = np.frombuffer(self._short, np.int8) > 0, np.nanmax(readings[best], initial=-np.inf)
+        short = np.frombuffer(self._short, np.int8) > 0
         form = re.search("hh?:mm|mm?:ss", asked.lower())
-        self.unsure = bool(short.any() and not form and not self._full and most < _DAY + _HOUR)
+        self.unsure = bool(short.any() and not form and not self._full)
         if short.any() and (form[0].endswith("ss") if form else not self.unsure):
             readings[best] = np.where(short, readings[best] / 60.0, readings[best])
         notes = [f"dates read as {ORDERS[best]}, the shortest record"] * (order is None and len(rivals) > 1)

@@ -13,7 +13,7 @@ from drill_twin.core.errors import SceneError
 from drill_twin.core.files.foreign_file import ForeignFile
 from drill_twin.core.units import UnitError, factor_of, parse
 from drill_twin.core.units.dimension import ANGLE, LENGTH, LINEAR_MASS, Dimension
-from drill_twin.core.units.parse import name_and_unit, split, unit_here
+from drill_twin.core.units.parse import is_unit, name_and_unit, split, unit_here
 from drill_twin.scene.records.rows import delimiter_of, used_lines
 
 MOST_ROWS = 10_000
@@ -108,12 +108,12 @@ def read_table(file: Path, names: dict[str, tuple[str, ...]], needed: tuple[str,
     separator = delimiter_of(heading)
     columns, units, unread = list[str](), dict[str, str](), list[str]()
     for cell in next(csv.reader([heading], delimiter=separator)):
-        word, unit = name_and_unit(cell.lower())
-        column = next((name for name, known in names.items() if word.replace(".", "") in known), "")
+        word, unit = name_and_unit(cell)
+        column = next((key for key, known in names.items() if word.lower().replace(".", "") in known), "")
         unread += [word] if word and (not column or column in columns) else []
         columns.append("" if column in columns else column)
         if unit and columns[-1]:
-            units[column] = unit_here(unit)
+            units[column] = unit_here(unit.lower() if is_unit(unit.lower()) else unit)
     missing = [name for name in needed if name not in columns]
     if missing:
         raise SceneError(

@@ -60,6 +60,8 @@ MOST = {"collar": 1.0 + ROUNDED} | dict.fromkeys(("tube", *PIPES), 1.5)
 weigh at most what a bar weighs."""
 MARKED = ("stabiliser", "mwd", "lwd", "rss", "motor", "jar", "sub")
 """Kinds with a mark at their middle."""
+LEAST = {"bit": 0.0} | dict.fromkeys(MARKED[1:], 0.5)
+"""Least weight over that of the tube [-], else 1 less `ROUNDED`: the od of a tool is its largest."""
 
 
 class TallyPiece(NamedTuple):
@@ -89,7 +91,7 @@ def read_tally(file: Path, system: str, bottom: float) -> list[TallyPiece]:
         SceneError: A row that cannot be read, or a tally longer than the well; with file, line and remedy.
     """
     rows = read_table(file, NAMES, ("kind", "length", "od"), system)
-    if [_kind(row) for row in rows[-1:]] == ["bit"]:
+    if from_top(rows):
         rows.reverse()
     lengths = [math.nan if row.text("length").lower() == REST else _positive(row, "length", "depth") for row in rows]
     open_rows = [row for row, length in zip(rows, lengths, strict=True) if math.isnan(length)]
@@ -109,6 +111,12 @@ def read_tally(file: Path, system: str, bottom: float) -> list[TallyPiece]:
     return [
         _piece(row, bottom - total if math.isnan(length) else length) for row, length in zip(rows, lengths, strict=True)
     ]
+
+
+def from_top(rows: Sequence[Row]) -> bool:
+    """True for rows from the top down: the last one is a bit, or the first is drill pipe and the last is none."""
+    kinds = [_kind(row) for row in (*rows[:1], *rows[-1:])]
+    return kinds[1:] == ["bit"] or (kinds[:1] == ["pipe"] and kinds[1] not in {"tube", *PIPES})
 
 
 def marks(pieces: Sequence[TallyPiece]) -> list[dict[str, Any]]:
@@ -190,15 +198,13 @@ def _made(row: Row, kind: str, material: dict[str, Any]) -> dict[str, Any]:
     square = mass / (area(1.0, 0.0) * _density(material))
     if math.isnan(outer):
         outer = math.sqrt(inner**2 + square)
-    if math.isnan(inner) and not math.isnan(mass):
-        inner = math.sqrt(max(outer**2 - square, 0.0))
-    elif math.isnan(inner) and kind == "bit":
-        inner = 0.0
+    if math.isnan(inner) and (kind == "bit" or not math.isnan(mass)):
+        inner = 0.0 if math.isnan(mass) else math.sqrt(max(outer**2 - square, 0.0))
     if not 0.0 <= inner < outer:
         raise SceneError(
             f"{row.place}: expected two or three of od, id and `weight`, the id less than the od, found {_found(row)}"
         )
-    if not row.text("material") and same(area(outer, inner) * _density(ALUMINIUM), mass, ROUNDED):
+    if kind == "tube" and not row.text("material") and same(area(outer, inner) * _density(ALUMINIUM), mass, ROUNDED):
         material = ALUMINIUM
     collar = LARGE_COLLAR if outer > LARGEST_COLLAR else COLLAR
     steel = None if material else _one_of(row, "grade", NAMED) if kind in {"tube", *PIPES} else collar
@@ -217,20 +223,19 @@ def _weighed(row: Row, kind: str, section: float, tube: float, mass: float) -> d
         mass: Mass per length of the row [kg/m]; NaN: not given.
 
     Raises:
-        SceneError: The weight is more than 5 % below the tube's, or above what a collar or a bar has.
+        SceneError: The weight is below the tube's by more than `LEAST` allows, or above what a collar or a bar has.
     """
     if math.isnan(mass) or same(tube, mass, SAME):
         return {}
     widest = max(row.number(name, "diameter") for name in ("od", "gauge") if row.text(name))
     most = tube * MOST[kind] if kind in MOST else max(tube * area(widest, 0.0) / section, tube)
-    if not (kind == "bit" or (1.0 - ROUNDED) * tube <= mass) or mass > most:
+    if mass < LEAST.get(kind, 1.0 - ROUNDED) * tube or mass > most:
         known, highest, found = (row.in_unit("weight", value, "mass") for value in (tube, most, mass))
         raise SceneError(
-            f"{row.place}, weight: expected {known} by od, id and material, at most {highest}, found {found}"
+            f"{row.place}, weight: expected {known} by od, id and `material`, at most {highest}, found {found}"
         )
-    if mass < tube or kind in {"stabiliser", "bit"}:
-        return {"density": f"{mass / section:.10g} kg/m^3"}
-    return {"adjusted_mass": f"{mass:.10g} kg/m"}
+    heavier = mass >= tube and kind not in {"stabiliser", "bit"}
+    return {"adjusted_mass": f"{mass:.10g} kg/m"} if heavier else {"density": f"{mass / section:.10g} kg/m^3"}
 
 
 def _sizes(row: Row) -> Iterator[float]:

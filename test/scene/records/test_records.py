@@ -121,7 +121,7 @@ def test_a_record_is_analysed_and_exported_as_a_bag_is(tmp_path, capsys):
 @pytest.mark.parametrize(
     ("heading", "clocks", "step"),
     [
-        ("Time", [f"{20 + k // 60}:{k % 60:02}" for k in range(600)], 1.0),  # no hour has the number 25
+        ("Time [MM:SS]", [f"{95 + k // 60}:{k % 60:02}" for k in range(600)], 1.0),  # 100:00 is 100 minutes
         ("Time", [f"{k // 60}:{k % 60:02}" if k < 3600 else f"1:00:{k - 3600:02}" for k in range(3550, 3650)], 1.0),
         ("Time [HH:MM]", [f"0:{k:02}" for k in range(50)], 60.0),
         ("Time [MM:SS]", [f"0:{k:02}" for k in range(50)], 1.0),
@@ -134,13 +134,13 @@ def test_a_clock_of_two_numbers_is_read_as_its_cells_or_its_heading_tell(tmp_pat
 
 
 def test_a_clock_of_two_numbers_that_nothing_tells_is_asked_for(tmp_path):
-    rows = "".join(f"{k // 60}:{k % 60:02},100\n" for k in range(100))
+    rows = "".join(f"{k // 60}:{k % 60:02},100\n" for k in range(1600))  # an elapsed time may have more than 25 hours
     file = written(tmp_path, f"Time,RPM [rpm]\n{rows}", "rig.csv")
     with pytest.raises(TableError, match=r'rig\.csv: .* two numbers in "Time", .* as --channel "time=Time:MM:SS"'):
         read_recording(file)
     for form, step in (("MM:SS", 1.0), ("HH:MM", 60.0)):
         rig = read_recording(file, selection=Selection(choices=(f"time=Time:{form}",))).rig
-        assert np.diff(rig.time) == pytest.approx(np.full(99, step))
+        assert np.diff(rig.time) == pytest.approx(np.full(1599, step))
 
 
 def test_a_table_without_a_speed_or_time_is_no_record_to_analyse(tmp_path):

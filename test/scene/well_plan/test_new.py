@@ -82,6 +82,16 @@ def test_new_replaces_no_file_and_asks_for_what_is_missing(tmp_path: Path) -> No
     assert survey.read_text() == "mine"
 
 
+def test_a_tally_from_the_top_down_without_a_bit_is_turned_and_told(tmp_path: Path) -> None:
+    tally, file = tmp_path / "tally.csv", tmp_path / "mine.yaml"
+    tally.write_text(
+        "kind,length [m],od [in],id [in],weight [lb/ft]\ndp,rest,5,,19.5\ncollar,90,6.5,2.8125,\nsub,1,6.5,3,\n"
+    )
+    said = CliRunner().invoke(app, ["scene", "new", str(file), *OPTIONS, "--tally", str(tally)])
+    assert "tally.csv: turned round" in said.stderr
+    assert [section.name for section in load_scene(file).string.sections] == ["sub", "collar", "dp"]
+
+
 def test_columns_of_a_tally_that_are_not_used_are_named(tmp_path: Path) -> None:
     """And a second column of the same kind: the first one counts."""
     tally, file = tmp_path / "tally.csv", tmp_path / "mine.yaml"

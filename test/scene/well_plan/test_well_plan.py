@@ -96,6 +96,7 @@ CONTRADICTIONS = {
     "more than a bar": ("motor,rest,6.75,3,150,", r"weight: expected 97.* at most 121.* lb/ft, found 150 lb/ft$"),
     "a collar in kg/m": ("collar,rest,6.5,2.8125,136.6,", r"weight: expected 91.\d+ lb/ft .*, found 136.6 lb/ft"),
     "a collar 6 % light": ("collar,rest,6.5,2.8125,86.2,", r"weight: expected 91.\d+ lb/ft .*, found 86.2 lb/ft"),
+    "a collar as light as aluminium": ("collar,rest,6.5,2.8125,31.6,", r"91.* by od, id and `material`, .*found 31.6"),
     "steel called aluminium": ("tube,rest,5,4.276,19.5,Al", r"expected 6.17.* at most 9.2.*, found 19.5 lb/ft"),
     "aluminium called steel": ("tube,rest,5,4.276,6.2,steel", r"weight: expected 17.95.*, found 6.2 lb/ft"),
     "bore of another pipe": ("drill pipe,rest,5,3,19.5,", r"5 in 19.5 lb/ft \(bore 4.276.*found od 5 in, id 3 in"),
@@ -111,6 +112,21 @@ def test_a_contradiction_of_more_than_5_percent_is_a_sentence_with_both_numbers(
     text, message = CONTRADICTIONS[row]
     with pytest.raises(SceneError, match=rf"tally.csv, line 2.*{message}"):
         made(tmp_path, tally=f"{HEADING}{text}\n")
+
+
+@pytest.mark.parametrize("row", ["jar,30,6.5,2.75,80", "motor,30,6.75,4.5,36"])
+def test_the_od_of_a_tool_is_its_largest(tmp_path: Path, row: str) -> None:
+    tool, _ = made(tmp_path, tally=f"{HEADING}{row}\ncollar,rest,6.5,2.8125,\n").string.sections
+    assert tool.mass_per_length == pytest.approx(float(row.rpartition(",")[2]) * 0.45359237 / FOOT, rel=1e-6)
+
+
+def test_a_force_per_length_is_a_weight(tmp_path: Path) -> None:
+    for unit, weight in (("daN/m", 134.0), ("N/m", 1340.0), ("KG/M", 134.0 / 0.980665)):
+        heading = HEADING.replace("lb/ft", unit)
+        (collar,) = made(tmp_path, tally=f"{heading}collar,rest,6.5,2.8125,{weight!r}\n").string.sections
+        assert collar.mass_per_length == pytest.approx(1340.0 / 9.80665, rel=1e-2), unit
+    with pytest.raises(SceneError, match="daX/m"):
+        made(tmp_path, tally=f"{HEADING.replace('lb/ft', 'daX/m')}collar,rest,6.5,2.8125,134\n")
 
 
 def test_weights_that_differ_by_less_than_5_percent_are_no_contradiction(tmp_path: Path) -> None:

@@ -54,7 +54,7 @@ def estimate(
 ) -> None:
     """Estimate numbers, loads and the chance of whirl along a record, as the node `estimator` does along a rig."""
     import drill_twin as dt
-    from drill_twin.scene.records.channels import NULL, channel_column
+    from drill_twin.scene.records.channels import BLOCK, NULL, channel_column
     from drill_twin_studies.estimation import CHANNELS, SET_POINTS
     from drill_twin_studies.estimation.estimate import HELD
     from drill_twin_studies.estimation.figure import estimate_figure
@@ -63,7 +63,7 @@ def estimate(
     settings = dt.EstimatorOptions(members=members, window=window, error=error, horizon=horizon, seed=seed)
     ranges = options.ranges_of("--free", free)
     names = [channel_column(text).channel for text in channel]
-    measured = [name for name in names if name not in {"time", NULL, *SET_POINTS}]
+    measured = [name for name in names if name not in {"time", NULL, BLOCK, *SET_POINTS}]
     if not measured and not sub:
         raise ArgumentError(
             f"--channel: expected a measured channel, {', '.join(CHANNELS)}, found {', '.join(names)} alone; "

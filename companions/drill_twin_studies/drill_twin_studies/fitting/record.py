@@ -16,7 +16,7 @@ from drill_twin.core.rig_channels import FIELDS, INSTANT, channel_of
 from drill_twin.core.units import Dimension
 from drill_twin.core.units.dimension import ANGULAR_SPEED
 from drill_twin.scene.records import read_columns
-from drill_twin.scene.records.channels import NULL, ChannelColumn, channel_column
+from drill_twin.scene.records.channels import BLOCK, NULL, ChannelColumn, channel_column
 
 if TYPE_CHECKING:
     from drill_twin.io.bag.reader import Bag
@@ -105,7 +105,7 @@ def read_record(
     items = [channel_column(item) if isinstance(item, str) else item for item in columns]
     instant = frozenset(item.channel.removesuffix(INSTANT) for item in items if item.channel.endswith(INSTANT))
     items = [item._replace(channel=item.channel.removesuffix(INSTANT)) for item in items]
-    names = [item.channel for item in items if item.channel != NULL]
+    names = [item.channel for item in items if item.channel not in {NULL, BLOCK}]
     if not {*names} - {"time"}:
         raise ArgumentError(
             f"channel: expected one or more, as bit_speed=COLUMN:rpm, found {', '.join(names) or 'none'}"

@@ -226,6 +226,7 @@ def test_command_follows_a_record(record, tmp_path):
     options = [f"--free={key}={span}" for key, span in FREE.items()]
     options += [
         "--channel=null_value=-5555",
+        "--channel=block_weight=1 N",
         "--set=wob=40 kN",
         "--set=numerics.step=20 ms",
         "--set=numerics.frame_rate=10 Hz",

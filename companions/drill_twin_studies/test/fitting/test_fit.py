@@ -218,7 +218,7 @@ def test_what_is_no_measurement_is_left_out_of_a_fit_and_told(record, tmp_path):
             "1 beyond any speed of the bit (row 42), 1 of -999 (row 40)"
         )
     ]
-    channels = ["bit_speed=bit speed [rpm]", "null_value=77777", "null_value=-5555"]
+    channels = ["bit_speed=bit speed [rpm]", "null_value=77777", "null_value=-5555", "block_weight=32 klbf"]
     read, whole = dt.read_record(holed, channels), dt.read_record(record, channels[:1])
     assert read.notes == told
     for found, all_of_it in zip(read.series["bit_speed"], whole.series["bit_speed"], strict=True):
