@@ -54,13 +54,12 @@ def answers(summary: Summary) -> Iterator[Row]:
     if most is not None:
         by, part, sure = "the speed of the bit", "", "yes" if spans else "no"
     elif index is None:
-        by = "the torque; the speed of the bit, or the string (--scene), tells more"
-        if "bit speed" in found["channels"]:
-            by = "the torque; the speed of the bit has too few samples"
+        more = ("", " has too few samples")["bit speed" in found["channels"]]
+        by = f"the torque; the speed of the bit{more or ', or the string (--scene), tells more'}"
     elif not spans and MODERATE <= index < FULL:
         sure = "no, but the bit swings"
-    no = "" if spans or not part else f",{part}"
-    yield "did it stick", f"unknown: {found['unknown']}" if found["unknown"] else f"{sure}{no}, by {by}"
+    sure += f",{part}" * bool(part and not spans)
+    yield "did it stick", f"unknown: {found['unknown']}" if found["unknown"] else f"{sure}, by {by}"
     yield "did it whirl", "not observable: no channel of the surface shows sideways motion; a downhole sub does"
     told = number_text(
         index, "index up to about {:.2f} (less with friction along the string)", "stick-slip index unknown"
@@ -71,8 +70,7 @@ def answers(summary: Summary) -> Iterator[Row]:
         size = units_of(summary).text(swing["largest_nm"], "torque")
         told += f"; the torque swings by {size} at most{period}, {swing['largest']:.2f} of its mean"
     yield "how much", told
-    about = "about " * (most is None)
-    shown = "".join(f"{about}{start:.1f} to {end:.1f} s, " for start, end in spans[:_STRETCHES])
+    shown = "".join(f"{'about ' * (most is None)}{start:.1f} to {end:.1f} s, " for start, end in spans[:_STRETCHES])
     total = f"{shown}{sum(end - start for start, end in spans):.0f} s in all"
     yield "when", total if spans else "unknown" if found["unknown"] else f"never{part}"
     yield "at which weight and speed", applied({**summary, **found})

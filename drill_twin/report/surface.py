@@ -35,8 +35,9 @@ EVEN = 0.1
 SLOWEST = 0.1
 """Lowest frequency of a swing, and of oscillations of the bit's speed [Hz]."""
 STRONG, REGULAR, REGULAR_HALF, LIKE, QUICKEST, LASTS = 0.5, 0.6, 0.5, 2.0, 0.4, 5
-"""Swing of the torque over its mean from which stick-slip is likely, share of a line in 40 s and in each half, largest
-ratio of the amplitudes of the halves, and highest frequency of the line over the rate, and windows in succession that have it; chosen."""
+"""Swing of the torque over its mean from which stick-slip is likely, share of a line in 40 s and in each half,
+largest ratio of the amplitudes of the halves, highest frequency of the line over the rate, and least number of windows
+in succession that have it; chosen."""
 THIN, BENCH = 93.0, 100.0
 """Torsional impedance of drill pipe of 3 1/2 in, 13.3 lbf/ft [N m s], and largest swing of the torque of a bench [N m].
 
@@ -129,12 +130,12 @@ def _torque_swing(
     time, known, swings, lines = bag.rig.time, np.isfinite(torque), [], []
     stuck, watched = np.zeros(time.size, bool), np.zeros(time.size, bool)
     indexed = bag.scene_known and bag.summary.largest_stick_slip_index is None and speed is not None
-    run = 0
-    unit = functools.cache(lambda line: index_by_torque(bag.scene, 1.0, 1.0 / line, 1.0))
+    unit, run = functools.cache(lambda line: index_by_torque(bag.scene, 1.0, 1.0 / line, 1.0)), 0
     for end in np.arange(time[0] + TIME_BASE, time[-1] + 1.01):
         first, middle, after = np.searchsorted(time, (end - 2 * TIME_BASE, end - TIME_BASE, end)).tolist()
         values, turn = torque[middle:after][known[middle:after]], math.nan
         if values.size < FEWEST or not (speed is None or (turn := _steady(speed[middle:after]))):
+            run = 0
             continue
         watched[middle:after] |= known[middle:after]
         size, mean = float(np.ptp(values)), float(values.mean())
@@ -151,9 +152,11 @@ def _torque_swing(
         return None, None, stuck, watched
     size, share, strong = max(swings)
     regular = max((one for one in lines if one[2] or not strong), key=lambda one: one[0], default=None)
-    found = {"largest_nm": size, "largest": share, "period_s": regular[3] if regular else None}
     large = [] if any(one[2] for one in lines) else [one for one in swings if one[2]]
-    return {**found, "irregular": max(large)[1] if large else 0.0}, regular[1] if regular else None, stuck, watched
+    return {
+        "largest_nm": size, "largest": share, "period_s": regular[3] if regular else None,
+        "irregular": max(large)[1] if large else 0.0,
+    }, regular[1] if regular else None, stuck, watched  # fmt: skip
 
 
 def regular_line(time: Array, values: Array) -> float | None:
@@ -162,20 +165,12 @@ def regular_line(time: Array, values: Array) -> float | None:
     The largest line after the trend is removed, from `SLOWEST` on, of like amplitude in both halves; a step, a pulse, a
     ramp and noise have none.
     """
-    known = np.isfinite(values)
-    even = np.linspace(time[0], time[-1], time.size)
-    whole = np.interp(even, time[known], values[known])
-    size = np.ptp(whole)
+    known, even = np.isfinite(values), np.linspace(time[0], time[-1], time.size)
+    size = np.ptp(whole := np.interp(even, time[known], values[known]))
     whole -= np.polynomial.Polynomial.fit(even, whole, 1)(even)
     half, step = time.size // 2, float(even[1] - even[0])
-    parts = (whole, whole[:half], whole[-half:])
-    powers = [float(part @ part) for part in parts]
-    if (
-        half < FEWEST
-        or min(powers) <= 0.0
-        or max(powers[1:]) > LIKE**2 * min(powers[1:])
-        or LIKE * np.ptp(whole) < size
-    ):
+    powers = [float(part @ part) for part in (parts := (whole, whole[:half], whole[-half:]))]
+    if half < FEWEST or max(powers[1:]) >= LIKE**2 * min(powers[1:]) or LIKE * np.ptp(whole) < size:
         return None
     lines = np.array([2.0 * np.abs(np.fft.rfft(part, 16 * half)) ** 2 / (part.size * power)
                       for part, power in zip(parts, powers, strict=True)])  # fmt: skip
