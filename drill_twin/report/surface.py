@@ -128,7 +128,7 @@ def _torque_swing(
     All windows where no speed is recorded. A string, where the bit's speed is not known, tells the windows that stick.
     """
     time, known, swings, lines = bag.rig.time, np.isfinite(torque), [], []
-    stuck, watched = np.zeros(time.size, bool), np.zeros(time.size, bool)
+    stuck, watched = np.zeros((2, time.size), bool)
     indexed = bag.scene_known and bag.summary.largest_stick_slip_index is None and speed is not None
     unit, run = functools.cache(lambda line: index_by_torque(bag.scene, 1.0, 1.0 / line, 1.0)), 0
     for end in np.arange(time[0] + TIME_BASE, time[-1] + 1.01):
@@ -169,7 +169,8 @@ def regular_line(time: Array, values: Array) -> float | None:
     size = np.ptp(whole := np.interp(even, time[known], values[known]))
     whole -= np.polynomial.Polynomial.fit(even, whole, 1)(even)
     half, step = time.size // 2, float(even[1] - even[0])
-    powers = [float(part @ part) for part in (parts := (whole, whole[:half], whole[-half:]))]
+    parts = (whole, whole[:half], whole[-half:])
+    powers = [float(part @ part) for part in parts]
     if half < FEWEST or max(powers[1:]) >= LIKE**2 * min(powers[1:]) or LIKE * np.ptp(whole) < size:
         return None
     lines = np.array([2.0 * np.abs(np.fft.rfft(part, 16 * half)) ** 2 / (part.size * power)
