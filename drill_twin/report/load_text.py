@@ -8,13 +8,15 @@ from typing import Any
 
 from drill_twin.core.units.system import UnitSystem, unit_system
 from drill_twin.report.severity import level_text
-from drill_twin.whirl.motion.stick_slip_index import FULL, TIME_BASE
+from drill_twin.whirl.motion.stick_slip_index import FULL, MODERATE, TIME_BASE
 
 Summary = Mapping[str, Any]
 Row = tuple[str, str]
 
 _STRETCHES = 5
 """Most periods of stick-slip that are listed."""
+_MOST = 0.95
+"""Share of a record from which a verdict is of all of it."""
 _VARIES = 0.05
 """Range of a set-point, over its mean, from which a sentence gives the range."""
 
@@ -29,7 +31,8 @@ def applied(summary: Summary) -> str:
         parts.append(f"weight on bit {_over_time(summary, weight, 'force')}{top}")
     if speed is not None:
         parts.append(f"top drive at {_over_time(summary, speed, 'rotation')}")
-    return f"From {summary['settled_s']:.1f} s on: {', '.join(parts) or 'no weight and no speed were recorded'}."
+    when = "While it stuck" if summary.get("spans") else f"From {summary['settled_s']:.1f} s on"
+    return f"{when}: {', '.join(parts) or 'no weight and no speed were recorded'}."
 
 
 def _over_time(summary: Summary, found: Mapping[str, float], quantity: str) -> str:
@@ -45,25 +48,31 @@ def answers(summary: Summary) -> Iterator[Row]:
     if not (found := summary.get("surface")):
         return
     index, most, spans = found["stick_slip_index_by_torque"], summary["largest_stick_slip_index"], found["spans"]
-    by, sure = "torque and string", "no, but the bit swings" if index is not None and index < FULL else "likely"
+    seen, total = found["watched_s"], found["duration_s"]
+    part = "" if seen >= _MOST * total else f" in the {seen:.0f} of {total:.0f} s with torque at steady rotation"
+    by, sure = "torque and string", "likely" if spans else "no"
     if most is not None:
-        by, sure = "the speed of the bit", "yes"
+        by, part, sure = "the speed of the bit", "", "yes" if spans else "no"
     elif index is None:
-        by = "the torque; the speed of the bit, or the string (--scene), tells more"
-    yield "did it stick", f"unknown: {found['unknown']}" if found["unknown"] else f"{sure if spans else 'no'}, by {by}"
+        more = ("", " has too few samples")["bit speed" in found["channels"]]
+        by = f"the torque; the speed of the bit{more or ', or the string (--scene), tells more'}"
+    elif not spans and MODERATE <= index < FULL:
+        sure = "no, but the bit swings"
+    sure += f",{part}" * bool(part and not spans)
+    yield "did it stick", f"unknown: {found['unknown']}" if found["unknown"] else f"{sure}, by {by}"
     yield "did it whirl", "not observable: no channel of the surface shows sideways motion; a downhole sub does"
     told = number_text(
         index, "index up to about {:.2f} (less with friction along the string)", "stick-slip index unknown"
     )
     told = number_text(most, "index {:.2f} at most", told)
     if swing := found["torque_swing"]:
-        last, largest = (units_of(summary).text(swing[key], "torque") for key in ("last_nm", "largest_nm"))
         period = f" every {swing['period_s']:.2f} s" if swing["period_s"] and spans else ""
-        told += f"; the torque swings by {last}{period}, {swing['last']:.2f} of its mean, at most by {largest}"
+        size = units_of(summary).text(swing["largest_nm"], "torque")
+        told += f"; the torque swings by {size} at most{period}, {swing['largest']:.2f} of its mean"
     yield "how much", told
-    shown = "".join(f"{start:.1f} to {end:.1f} s, " for start, end in spans[:_STRETCHES])
+    shown = "".join(f"{'about ' * (most is None)}{start:.1f} to {end:.1f} s, " for start, end in spans[:_STRETCHES])
     total = f"{shown}{sum(end - start for start, end in spans):.0f} s in all"
-    yield "when", total if spans else "unknown" if found["unknown"] else "never"
+    yield "when", total if spans else "unknown" if found["unknown"] else f"never{part}"
     yield "at which weight and speed", applied({**summary, **found})
 
 

@@ -61,10 +61,11 @@ def build_page(
     """
     scene = recording.scene if recording.scene_known else None
     name = scene.name if scene else recording.path.name
+    lead = applied({**summary, **(summary.get("surface") or {})})
     body = [
         f"<h1>{escape(name)}</h1>",
         f'<p class="lead">{escape(scene.description)}</p>' if scene else "",
-        f'<p class="lead">{escape(applied(summary))}</p>',
+        f'<p class="lead">{escape(lead)}</p>',
         _first_cards(summary) if recording.places else f"<section>{Table((), list(answers(summary))).html()}</section>",
         _view(scene) if scene and len(recording.poses) else "",
         _warning([*limitations(summary), *_not_drawn(recording)]),

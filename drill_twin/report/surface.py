@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import functools
 import math
 from collections.abc import Mapping
 from typing import Any
@@ -18,7 +19,7 @@ from drill_twin.report.recording import Recording
 from drill_twin.scene import Scene
 from drill_twin.scene.set_points.tables import find_spikes
 from drill_twin.whirl import AnalysisError, Peak, two_sided_spectrum
-from drill_twin.whirl.motion.stick_slip_index import REST, TIME_BASE
+from drill_twin.whirl.motion.stick_slip_index import FULL, REST, TIME_BASE
 
 CHANNELS = {
     "bit_force": "weight", "top_drive_speed": "rotation", "top_drive_torque": "torque", "hookload": "hookload",
@@ -27,14 +28,16 @@ CHANNELS = {
 """Channels that are looked at, and their short names."""
 GAP = 1.5
 """Samples that are more than this many usual intervals apart enclose a gap; a line of a figure is broken there."""
-SPIKE_WINDOW, FEWEST = 0.5, 7
-"""Window of the running median from which a spike departs [s], and its fewest samples."""
+SPIKE_WINDOW, FEWEST, BRIEF = 0.5, 7, 2
+"""Window of the running median from which a spike departs [s], its fewest samples; most of a spike of the torque."""
 EVEN = 0.1
 """Largest change of the speed of the top drive over a window that counts, over its mean."""
 SLOWEST = 0.1
 """Lowest frequency of a swing, and of oscillations of the bit's speed [Hz]."""
-STRONG, REGULAR = 0.5, 0.5
-"""Swing of the torque over its mean, and share of one line in it, from which stick-slip is likely; chosen."""
+STRONG, REGULAR, REGULAR_HALF, LIKE, QUICKEST, LASTS = 0.5, 0.6, 0.5, 2.0, 0.4, 5
+"""Swing of the torque over its mean from which stick-slip is likely, share of a line in 40 s and in each half,
+largest ratio of the amplitudes of the halves, highest frequency of the line over the rate, and least number of windows
+in succession that have it; chosen."""
 THIN, BENCH = 93.0, 100.0
 """Torsional impedance of drill pipe of 3 1/2 in, 13.3 lbf/ft [N m s], and largest swing of the torque of a bench [N m].
 
@@ -48,12 +51,12 @@ def surface(bag: Recording, kept: Mapping[str, Array]) -> dict[str, Any] | None:
     """Quantities of the channels of `without_spikes`; None for a recording with marks, or without states of the rig.
 
     Keys: `rate_hz`, samples in a second; `channels`, by name of the channel `gaps` (pairs of times [s]) and `spikes`
-    (times [s] of their samples, which the others leave out); `torque_swing`, None without torque: `last_nm` and
-    `largest_nm`, largest less least torque of the top drive over 20 s at a steady speed, their shares of the mean
-    `last` and `largest`, and `period_s` of the last, which is the last as in stick-slip if there is one;
-    `stick_slip_index_by_torque` (`index_by_torque`) of the last, None where the speed of the bit is known or the string
-    is not; `spans` of stick-slip (pairs of times [s]), `unknown`, why they are not known, and `settled_s` and `applied`
-    as in the summary, of the spans if there are any.
+    (times [s] of their samples, which the others leave out); `torque_swing`, None without torque: `largest_nm`, largest
+    less least torque of the top drive over 20 s at a steady speed, its share of the mean `largest`, `period_s` of the
+    largest regular swing, None without one, and `irregular`, the largest share where no swing so large is regular, or
+    0; `stick_slip_index_by_torque` (`index_by_torque`), None where the speed of the bit is known or the string is not;
+    `spans` of stick-slip (pairs of times [s]), `unknown`, why they are not known, `watched_s` of `duration_s`, time
+    with torque at steady rotation, and `settled_s` and `applied` as in the summary, of the spans if there are any.
     """
     if not kept:
         return None
@@ -63,13 +66,21 @@ def surface(bag: Recording, kept: Mapping[str, Array]) -> dict[str, Any] | None:
         known = np.isfinite(getattr(bag.rig, name))
         spikes = time[known & np.isnan(values)].tolist()
         channels[CHANNELS[name]] = {"gaps": gaps(time, known, interval), "spikes": spikes}
-    swing, index, torque, stuck = None, None, kept.get("top_drive_torque"), np.zeros(time.size, bool)
-    unknown = "no torque is recorded" if torque is None else f"no steady rotation of the top drive for {TIME_BASE} s"
-    if torque is not None and (found := _torque_swing(time, torque, kept.get("top_drive_speed"))):
-        swing, speed, stuck = found
-        unknown = "" if interval <= SPARSE else f"samples every {interval:.3g} s show no swing of 2 to 10 s"
-        if swing["period_s"] and bag.scene_known and "bit_speed" not in kept:
-            index = index_by_torque(bag.scene, swing["last_nm"], swing["period_s"], speed)
+    swing, index, torque, speed = None, None, kept.get("top_drive_torque"), kept.get("top_drive_speed")
+    stuck = watched = np.zeros(time.size, bool)
+    if torque is None:
+        unknown = "no torque is recorded"
+    elif interval > SPARSE:
+        unknown = f"samples every {interval:.3g} s show no swing of 2 to 10 s"
+    elif time[-1] - time[0] < TIME_BASE - interval:
+        unknown = f"the record is shorter than {TIME_BASE} s"
+    else:
+        swing, index, stuck, watched = _torque_swing(bag, torque, speed)
+        unknown = "" if swing else f"no steady rotation of the top drive for {TIME_BASE} s"
+        if swing and not swing["largest_nm"] and not np.nanmax(np.abs(torque)):
+            unknown = "the torque is zero"
+        elif swing and swing["irregular"]:
+            unknown = f"the torque swings by {swing['irregular']:.2f} of its mean, not regularly over {2 * TIME_BASE} s"
     if bag.summary.largest_stick_slip_index is not None:
         unknown, spans = "", [(one.start_s, one.end_s) for one in bag.summary.stick_slip]
         stuck = sum(((time >= start) & (time <= end) for start, end in spans), np.zeros(time.size, bool))
@@ -78,7 +89,8 @@ def surface(bag: Recording, kept: Mapping[str, Array]) -> dict[str, Any] | None:
     spans = [(float(time[first]), float(time[after - 1])) for first, after in ends.tolist()]
     return {
         "rate_hz": 1.0 / interval, "channels": channels, "torque_swing": swing, "stick_slip_index_by_torque": index,
-        "unknown": unknown, "spans": spans, "settled_s": spans[0][0] if spans else settled_from(bag),
+        "unknown": unknown, "watched_s": float(watched.sum() * interval), "spans": spans,
+        "duration_s": float(time[-1] - time[0]) + interval, "settled_s": spans[0][0] if spans else settled_from(bag),
         "applied": applied(bag, kept, stuck if spans else None),
     }  # fmt: skip
 
@@ -92,7 +104,12 @@ def without_spikes(bag: Recording) -> dict[str, Array]:
     for name in CHANNELS:
         values = getattr(rig, name).copy()
         if (known := np.flatnonzero(np.isfinite(values))).size:
-            values[known[find_spikes(values[known], window=window)]] = math.nan
+            odd = known[find_spikes(values[known], window=window)]
+            if name == "top_drive_torque":  # stick-slip at 1 Hz recurs
+                at = rig.time[odd]
+                near = np.searchsorted(at, at + TIME_BASE, "right") - np.searchsorted(at, at - TIME_BASE)
+                odd = odd[near <= BRIEF]
+            values[odd] = math.nan
             found[name] = values
     return found
 
@@ -103,33 +120,66 @@ def gaps(time: Array, known: Array, interval: float) -> list[tuple[float, float]
     return [(float(at[k]), float(at[k + 1])) for k in np.flatnonzero(np.diff(at) > GAP * interval)]
 
 
-def _torque_swing(time: Array, torque: Array, speed: Array | None) -> tuple[dict[str, Any], float, Mask] | None:
-    """Swing over the windows of 20 s in which the top drive turns steadily, its speed in the last [rad/s], and `stuck`.
+def _torque_swing(
+    bag: Recording, torque: Array, speed: Array | None
+) -> tuple[dict[str, Any] | None, float | None, Mask, Mask]:
+    """Swing over 20 s of steady rotation, its index, the samples of stick-slip and the watched ones, shape (T,).
 
-    All windows, and no speed (NaN), where that is not recorded; `stuck`, shape (T,), has the samples of stick-slip.
+    All windows where no speed is recorded. A string, where the bit's speed is not known, tells the windows that stick.
     """
-    swings, strong, stuck = [], [], np.zeros(time.size, bool)
-    for end in np.arange(time[0] + TIME_BASE, time[-1] + 1.0):
-        window = slice(*np.searchsorted(time, (end - TIME_BASE, end)).tolist())
-        values = torque[window][np.isfinite(torque[window])]
-        turn = math.nan if speed is None else _steady(speed[window])
-        if values.size >= FEWEST and (speed is None or turn):
-            swings.append((float(np.ptp(values)), float(values.mean()), window, turn))
-            size, mean, *_ = swings[-1]
-            if size >= STRONG * abs(mean) and not BENCH <= size < 2.0 * THIN * turn:
-                line = highest_line(time[window], torque[window])
-                if line and 4.0 * line.radius >= REGULAR * size:  # a sine swings by four times its line
-                    strong.append(swings[-1])
-                    stuck[window] = True
+    time, known, swings, lines = bag.rig.time, np.isfinite(torque), [], []
+    stuck, watched = np.zeros((2, time.size), bool)
+    indexed = bag.scene_known and bag.summary.largest_stick_slip_index is None and speed is not None
+    unit, run = functools.cache(lambda line: index_by_torque(bag.scene, 1.0, 1.0 / line, 1.0)), 0
+    for end in np.arange(time[0] + TIME_BASE, time[-1] + 1.01):
+        first, middle, after = np.searchsorted(time, (end - 2 * TIME_BASE, end - TIME_BASE, end)).tolist()
+        values, turn = torque[middle:after][known[middle:after]], math.nan
+        if values.size < FEWEST or not (speed is None or (turn := _steady(speed[middle:after]))):
+            run = 0
+            continue
+        watched[middle:after] |= known[middle:after]
+        size, mean = float(np.ptp(values)), float(values.mean())
+        strong = size >= max(STRONG * abs(mean), 1e-9) and not BENCH <= size < 2.0 * THIN * turn
+        swings.append((size, size / (abs(mean) or size or 1.0), strong))
+        steady = time[0] <= end - 2 * TIME_BASE and (speed is None or _steady(speed[first:middle]))
+        line = regular_line(time[first:after], torque[first:after]) if steady else None
+        run = run + 1 if line else 0
+        if line and run >= LASTS:
+            index = unit(round(line, 4)) * size / turn if indexed else None
+            lines.append((size, index, strong, 1.0 / line))
+            stuck[first:after] |= strong and (index is None or index >= FULL)
     if not swings:
-        return None
-    size, mean, window, turn = (strong or swings)[-1]
-    largest = max(swings, key=lambda one: one[0])
-    peak = highest_line(time[window], torque[window])
+        return None, None, stuck, watched
+    size, share, strong = max(swings)
+    regular = max((one for one in lines if one[2] or not strong), key=lambda one: one[0], default=None)
+    large = [] if any(one[2] for one in lines) else [one for one in swings if one[2]]
     return {
-        "last_nm": size, "largest_nm": largest[0], "last": size / abs(mean), "largest": largest[0] / abs(largest[1]),
-        "period_s": 1.0 / peak.frequency if peak else None,
-    }, turn, stuck  # fmt: skip
+        "largest_nm": size, "largest": share, "period_s": regular[3] if regular else None,
+        "irregular": max(large)[1] if large else 0.0,
+    }, regular[1] if regular else None, stuck, watched  # fmt: skip
+
+
+def regular_line(time: Array, values: Array) -> float | None:
+    """Frequency of a line that carries a channel, and each half of it, with its second harmonic [Hz]; None without.
+
+    The largest line after the trend is removed, from `SLOWEST` on, of like amplitude in both halves; a step, a pulse, a
+    ramp and noise have none.
+    """
+    known, even = np.isfinite(values), np.linspace(time[0], time[-1], time.size)
+    size = np.ptp(whole := np.interp(even, time[known], values[known]))
+    whole -= np.polynomial.Polynomial.fit(even, whole, 1)(even)
+    half, step = time.size // 2, float(even[1] - even[0])
+    parts = (whole, whole[:half], whole[-half:])
+    powers = [float(part @ part) for part in parts]
+    if half < FEWEST or max(powers[1:]) >= LIKE**2 * min(powers[1:]) or LIKE * np.ptp(whole) < size:
+        return None
+    lines = np.array([2.0 * np.abs(np.fft.rfft(part, 16 * half)) ** 2 / (part.size * power)
+                      for part, power in zip(parts, powers, strict=True)])  # fmt: skip
+    at = int(lines[0, : int(QUICKEST * 16 * half)].argmax())
+    twice = min(2 * at, 16 * half - 2 * at)  # as samples show it
+    share = lines[:, at] + (lines[:, twice] if at < 0.3 * 16 * half else 0.0)
+    frequency = at / (16 * half * step)
+    return frequency if frequency >= SLOWEST and share[0] >= REGULAR and share[1:].min() >= REGULAR_HALF else None
 
 
 def highest_line(time: Array, values: Array) -> Peak | None:
