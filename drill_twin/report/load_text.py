@@ -119,7 +119,7 @@ def surface_rows(summary: Summary) -> Iterator[Row]:
     if not (found := summary.get("surface")):
         return
     if block := summary.get("block"):
-        told = 'unknown, as the record shows no time that is surely in slips; drag needs it, as --channel "block_weight=32 klbf"'
+        told = 'unknown: no time that is surely in slips; drag needs it, as --channel "block_weight=32 klbf"'
         if (weight := block["weight_n"]) is not None:
             at = "given" if block["at_s"] is None else f"lowest steady one at rest, as in slips, {block['at_s']:.1f} s"
             told = f"{units_of(summary).text(weight, 'force')} of the hookload ({at})"
