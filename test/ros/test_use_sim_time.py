@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from rclpy.clock import ClockType
 from rclpy.node import Node
+from rosgraph_msgs.msg import Clock
 
 from drill_twin.io.messages.cdr import ClockTemplate
 from drill_twin.io.messages.diagnostics import decode_diagnostics
@@ -43,6 +44,20 @@ def test_a_foreign_node_follows_the_clock_of_the_simulator(bench):
     assert states
     assert 5 <= len(ticks) <= 21, ticks  # the first ones are missed until the clock is discovered
     assert all(later > before for before, later in pairwise(ticks))
+
+
+def test_a_foreign_clock_beyond_the_range_of_a_stamp_ends_no_node(bench):
+    analyzer = bench.start("analyzer", use_sim_time=True)
+    bench.until_status("analyzer", bool)
+    clock = bench.node.create_publisher(Clock, CLOCK_TOPIC, 1)
+    latest = Clock()
+    latest.clock.sec, latest.clock.nanosec = 2**31 - 1, 2**32 - 1
+    bench.until(lambda: clock.get_subscription_count() > 0, what="a reader of /clock")
+    clock.publish(latest)
+    stamps = []
+    bench.subscribe(DIAGNOSTICS, lambda raw: stamps.append(decode_diagnostics(bytes(raw))[0]))
+    bench.until(lambda: 2**31 * 10**9 - 1 in stamps, what="diagnostics with the last stamp that there is")
+    assert analyzer.end() == 0, analyzer.text
 
 
 @pytest.mark.long

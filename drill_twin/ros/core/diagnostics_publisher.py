@@ -16,6 +16,7 @@ from drill_twin.core import __version__
 from drill_twin.core.errors import MessageError
 from drill_twin.io.messages.diagnostics import Level, Status, decode_diagnostics, encode_diagnostics
 from drill_twin.io.messages.good_samples import GONE, GoodSamples
+from drill_twin.io.messages.stamps import within_range
 from drill_twin.io.messages.topics import DIAGNOSTICS, TOPICS
 from drill_twin.ros.core.spinning import SpinningNode
 from drill_twin.ros.core.topics import NodeTopics
@@ -50,7 +51,8 @@ class DiagnosticsPublisher:
             self._log(status)
         name, twin = self._node.get_fully_qualified_name().lstrip("/"), hardware_id(self._node)
         named = replace(status, name=name, hardware_id=twin, values={**status.values, **queues, "version": __version__})
-        self._publisher.publish(encode_diagnostics(self._node.get_clock().now().nanoseconds, [named]))
+        stamp = within_range(self._node.get_clock().now().nanoseconds)  # a foreign /clock may hold more
+        self._publisher.publish(encode_diagnostics(stamp, [named]))
 
     def _log(self, status: Status) -> None:
         """Log a problem unless it was seen in the last minute, perhaps with other numbers."""

@@ -167,7 +167,8 @@ class RigDriver(TwinNode):
             return
         end = within_range(clock + self._plan.period)
         by_clock = self.settings.follow == "clock"
-        self._publish(end if by_clock else self.get_clock().now().nanoseconds, self._plan.at(seconds(end)))
+        stamp = end if by_clock else within_range(self.get_clock().now().nanoseconds)
+        self._publish(stamp, self._plan.at(seconds(end)))
 
     def _publish(self, stamp: int, command: Command) -> None:
         self.topics.publish(RIG_COMMAND, self._encoder.command(stamp, command))

@@ -61,7 +61,7 @@ weigh at most what a bar weighs."""
 MARKED = ("stabiliser", "mwd", "lwd", "rss", "motor", "jar", "sub")
 """Kinds with a mark at their middle."""
 LEAST = {"bit": 0.0} | dict.fromkeys(MARKED[1:], 0.5)
-"""Least weight over that of the tube [-], else 1 less `ROUNDED`: the od of a tool is its largest."""
+"""Least weight over the weight of the tube [-], else 1 less `ROUNDED`: the od of a tool is its largest."""
 
 
 class TallyPiece(NamedTuple):
