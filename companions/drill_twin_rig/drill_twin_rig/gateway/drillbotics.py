@@ -27,7 +27,6 @@ from drill_twin.core.errors import BagError, MessageError, TableError, import_ex
 from drill_twin.core.numerals import number
 from drill_twin.core.table import Table
 from drill_twin.io.bag.reader import Bag
-from drill_twin.io.messages.good_samples import GoodSamples
 from drill_twin.io.messages.topics import RIG_STATE, TWIN_SCENE
 from drill_twin.report.rig_table import Channel, las_text
 from drill_twin.report.selection import Selection
@@ -122,12 +121,12 @@ def read_log(bag: Bag, selection: Selection, rate: float, start: datetime | None
     """
     signals = {one.name: one for one in read_signals(signals_path("dwis")).show if one.name not in _OF_SIMULATION}
     topics = sorted({QUANTITIES[signal.quantity].topic for signal in signals.values()} & set(bag.topics))
-    twin, next_run = TwinQuantities(GoodSamples(lambda: 0.0)), TwinQuantities(GoodSamples(lambda: 0.0))
+    twin, next_run = TwinQuantities(), TwinQuantities()
     first: tuple[float, float] | None = None
     rows: list[list[float]] = []
     for topic, recorded, raw in bag.messages((*topics, TWIN_SCENE)):
         if topic == TWIN_SCENE:
-            next_run = TwinQuantities(GoodSamples(lambda: 0.0))  # of this run, or the next one
+            next_run = TwinQuantities()  # of this run, or the next one
             continue
         with suppress(MessageError):
             next_run.take(topic, raw)
@@ -137,7 +136,7 @@ def read_log(bag: Bag, selection: Selection, rate: float, start: datetime | None
         time = twin.values["simulated_time"]
         if rows and time < rows[-1][0]:
             rows.clear()  # the bag holds several runs; the last one counts
-            first, twin, next_run = None, next_run, TwinQuantities(GoodSamples(lambda: 0.0))
+            first, twin, next_run = None, next_run, TwinQuantities()
         first = first or (1e-9 * recorded, time)
         rows.append([time, *(twin.values.get(s.quantity, math.nan) / s.factor for s in signals.values())])
     if len(rows) < 2 or first is None:

@@ -128,16 +128,16 @@ def measured_dimension(quantity: str) -> Dimension:
 class TwinQuantities:
     """Latest value of each quantity [SI], and the age of the last good sample of its topic."""
 
-    def __init__(self, samples: GoodSamples) -> None:
-        """Start without values; what comes is noted in samples by topic."""
+    def __init__(self, samples: GoodSamples | None = None) -> None:
+        """Start without values; what comes is noted in samples by topic, of a node or of its own."""
         self._marks: JointState | None = None
         self._bit: tuple[float, float] | None = None
         self._bit_motion = StickSlip()
         self.values: dict[str, float] = {}
         """Values by name [SI]; a quantity that does not exist in this run is missing."""
-        self.samples = samples
+        self.samples = samples or GoodSamples()
         """Good and bad samples by topic."""
-        samples.longest[ADVICE_STATE] = 1.0
+        self.samples.longest[ADVICE_STATE] = 1.0
         self.stamp = 0
         """Stamp of the last `/rig/state` [ns]."""
         self._take: dict[str, Callable[[Any], bool]] = {

@@ -68,7 +68,7 @@ class McapFile(BagFile):
         for begin, end, rows in self._blocks(self._spans):
             more = whole and is_read and groups and groups[-1][2] < _GROUP
             first, last, size, start, before = groups.pop() if more else (1 << 64, -1, 0, begin, end)
-            held = size
+            known = size
             for topic, stamp, raw in rows:
                 if whole:
                     self.topics[topic].count += 1
@@ -78,7 +78,7 @@ class McapFile(BagFile):
                     first, last = min(first, stamp), max(last, stamp)
                     late, latest = max(late, latest - stamp), max(latest, stamp)
                 size += _ROW + len(raw)
-            is_read = size > held  # what was left out is in no group, so it is not read again
+            is_read = size > known  # what was left out is in no group, so it is not read again
             if size:
                 groups.append((first, last, size, start, end if is_read else before))
         if whole and groups:
