@@ -8,6 +8,7 @@ import numpy as np
 from pydantic import Field
 
 from drill_twin.core.numerals import whole_number
+from drill_twin.core.severity import DEFAULT, Bounds
 from drill_twin.core.units.system import UnitSystem, unit_system
 from drill_twin.scene.blocks.effects import Effects
 from drill_twin.scene.blocks.hole import Hole
@@ -15,6 +16,7 @@ from drill_twin.scene.blocks.numerics import Numerics
 from drill_twin.scene.blocks.part import Label, Part, Problem
 from drill_twin.scene.blocks.rig import Rig
 from drill_twin.scene.blocks.sensors import Sensors
+from drill_twin.scene.blocks.severity import SeverityBounds
 from drill_twin.scene.blocks.string import String
 from drill_twin.scene.check import contradictions
 from drill_twin.scene.lines import yaml_text
@@ -63,6 +65,8 @@ class Scene(Part):
     """Resolution."""
     sensors: Sensors | None = None
     """Simulated measurements of a rig; left out: none."""
+    severity: SeverityBounds | None = None
+    """Bounds of the grades of severity; left out: bounds of this program."""
 
     def problems(self) -> Iterator[Problem]:
         """Contradictions between the parts."""
@@ -99,6 +103,11 @@ class Scene(Part):
         """Smallest radius of the hole minus largest radius of the string [m]."""
         hole, widest = self.hole, max(piece.contact_diameter for piece in self.string.pieces) / 2.0
         return min([hole.radius, *(i.radius for i in hole.intervals if i.top < self.length)]) - widest
+
+    @property
+    def severity_bounds(self) -> Bounds:
+        """Bounds of the grades of severity."""
+        return self.severity.bounds if self.severity else DEFAULT
 
     @property
     def effect_names(self) -> list[str]:

@@ -37,9 +37,9 @@ class MotionState(Enum):
     FIXED_AXIS = "rotation about a fixed axis"
     """No whirl: the asynchronous part is below `ONSET_RADIUS` or stands (`STANDING_RATIO`), and there is no synchronous
     onset. A bowed string that spins about its bent shape has this state, whether centred or lying on one side."""
-    LOW_SIDE_SWING = "swinging on the low side"
-    """In an inclined hole, no whirl: the mark moves to and fro on the low side, with an rms radius above
-    `ONSET_RADIUS` (`onset.low_side_swing`)."""
+    PLANE_SWING = "swinging in a plane"
+    """No whirl: the mark moves to and fro in a plane, as on the low side of an inclined hole, with an rms radius above
+    `ONSET_RADIUS`; its lines at +f and -f are equal (`onset.low_side_swing`)."""
     SYNCHRONOUS_WHIRL = "synchronous whirl"
     """Forced, not self-excited: the part that turns with the string (1x, of unbalance or bow) has grown, by a
     synchronous onset, and there is no asynchronous whirl. Its phase to the string is steady, or turns by half a turn in
@@ -61,6 +61,11 @@ class MotionState(Enum):
     """Regular whirl against the sense of rotation that does not roll: free of the wall, or sliding along it."""
     SPIRAL = "spiral"
     """Of the string only: whirl, with marks that do not lie in one plane (planarity below `PLANAR`): a helix."""
+    CREEPING = "creeping along the wall"
+    """Regular whirl against the sense of rotation, in contact, whose contact point slips by more than `ROLLING_SLIP` of
+    the rim speed: the string slides, and hardly accelerates."""
+    IMPACTS = "striking the wall"
+    """Whirl that leaves the wall and strikes it again and again."""
 
 
 class BitMotion(Enum):
@@ -80,6 +85,8 @@ class BitMotion(Enum):
     """Index from 0.5 to 1."""
     STICK_SLIP = "stick-slip"
     """Index of 1 or more: the swing reaches standstill."""
+    DECAYING = "free swing that dies away"
+    """The swing loses height from cycle to cycle: it was set off by a start or a jolt, and nothing feeds it."""
 
 
 class MotionCode(IntEnum):
@@ -88,7 +95,7 @@ class MotionCode(IntEnum):
     NOT_OBSERVABLE = 0
     AT_REST = 1
     FIXED_AXIS = 2
-    LOW_SIDE_SWING = 3
+    PLANE_SWING = 3
     SYNCHRONOUS_WHIRL = 4
     FORWARD_WHIRL = 5
     BACKWARD_WHIRL = 6
@@ -96,6 +103,8 @@ class MotionCode(IntEnum):
     SECOND_BENDING = 8
     SPIRAL = 9
     IRREGULAR = 10
+    CREEPING = 11
+    IMPACTS = 12
 
     @classmethod
     def of(cls, state: MotionState) -> Self:
@@ -123,6 +132,7 @@ class StickSlipCode(IntEnum):
     VIBRATION = 4
     STICK_SLIP = 5
     STANDS = 6
+    DECAYING = 7
 
     @classmethod
     def of(cls, motion: BitMotion) -> Self:

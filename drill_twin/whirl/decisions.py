@@ -74,7 +74,7 @@ def criterion_text(found: MotionState, state: Columns, mark: int, *, contact_kno
             return "rotation has begun, less than a revolution seen"
         case MotionState.FIXED_AXIS if row == 0 and abs(ratio) < criteria.STANDING_RATIO:
             return f"{orbit_text}: displaced, and stands there (slower than {criteria.STANDING_RATIO:.3f})"
-        case MotionState.LOW_SIDE_SWING:
+        case MotionState.PLANE_SWING:
             return f"to and fro on the low side, rms radius {100 * state.onsets.swing[mark]:.1f} % of the clearance"
         case MotionState.FIXED_AXIS:
             return f"asynchronous radius {100 * whirl:.1f} %, synchronous {100 * synchronous:.1f} % of the clearance"

@@ -100,7 +100,7 @@ def test_a_string_that_swings_on_the_low_side_does_not_whirl(pace, angle):
     moved = motion(time, marks=(INCLINED,), bow=0.02, offset=swing(time, pace, angle, 0.95)[:, None])
     summary = play(moved.with_noise(0.003, 4))[0].summary()
     assert summary.onset is None, summary.onset
-    assert summary.lasting_motion is MotionState.LOW_SIDE_SWING
+    assert summary.lasting_motion is MotionState.PLANE_SWING
 
 
 @pytest.mark.parametrize("ratio", [-0.4, 0.35, 0.6])

@@ -37,7 +37,7 @@ STATE_COLOURS = {
     MotionState.NOT_OBSERVABLE: "#fafafa",
     MotionState.AT_REST: "#eeeeee",
     MotionState.FIXED_AXIS: "#bdbdbd",
-    MotionState.LOW_SIDE_SWING: "#b2df8a",
+    MotionState.PLANE_SWING: "#b2df8a",
     MotionState.SYNCHRONOUS_WHIRL: ORANGE,
     MotionState.FORWARD_WHIRL: SKY,
     MotionState.ROLLING: BLUE,

@@ -22,9 +22,7 @@ from drill_twin.whirl.findings import MotionPeriod
 
 LARGEST_COUNT = 2000
 """Largest number of periods stored; later ones are counted only."""
-NO_WHIRL = frozenset(
-    {MotionState.NOT_OBSERVABLE, MotionState.AT_REST, MotionState.FIXED_AXIS, MotionState.LOW_SIDE_SWING}
-)
+NO_WHIRL = frozenset({MotionState.NOT_OBSERVABLE, MotionState.AT_REST, MotionState.FIXED_AXIS, MotionState.PLANE_SWING})
 
 OPEN, DURATION, WEIGHTED_SHARE, ENTERED, DESCRIBED = range(5)
 """Columns of the present periods: 1 where there is one; its duration and the integral of its share [rev]; revolutions

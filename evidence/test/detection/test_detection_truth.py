@@ -94,7 +94,7 @@ def test_synchronous_part_is_taken_off():
 
 
 def test_labels_are_the_analyzers_words():
-    inclined = {MotionState.LOW_SIDE_SWING}  # the records are of vertical holes
+    inclined = {MotionState.PLANE_SWING}  # the records are of vertical holes
     assert set(STATES) == {state.value for state in set(MotionState) - inclined}
     assert set(MOTIONS) < set(STATES)
 

@@ -49,7 +49,7 @@ class Regime(Enum):
     """No whirl; the bit comes to rest between its peaks, or stands."""
     BUCKLED = "buckled without whirl"
     """No whirl, vertical hole: the string is bent by more than `BUCKLED_RADIUS`, and spins about its bent shape."""
-    SWING = "swinging on the low side"
+    SWING = "swinging in a plane"
     """No whirl, inclined hole: the string swings across its low side, and bit and top drive turn steadily."""
     UNSETTLED = "not settled"
     """No whirl at the end, but a motion that grows, or a whirl that began and ended: a longer run decides."""
@@ -106,6 +106,6 @@ def regime_of(
         return Regime.BUCKLED
     if torsion.severity >= MODERATE:
         return Regime.VIBRATION
-    if state is MotionState.LOW_SIDE_SWING:
+    if state is MotionState.PLANE_SWING:
         return Regime.SWING
     return Regime.UNSETTLED if grows else Regime.SMOOTH

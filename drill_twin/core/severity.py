@@ -1,0 +1,105 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Severity of a motion by what it does to the string: one scale for reports, maps, comparisons, alarms and topics.
+
+A quantity (`Bounds`) has the grade of the highest bound that it reaches; a motion has the grade of its worst quantity.
+The bounds are parameters: a scene that has a block `severity` replaces them.
+"""
+
+from __future__ import annotations
+
+import math
+from bisect import bisect_right
+from collections.abc import Iterable
+from enum import IntEnum
+from typing import NamedTuple
+
+from drill_twin.core.units.dimension import GRAVITY
+
+OF_THIS_PROGRAM = "bounds of this program, not of a vendor"
+"""Source of the bounds that a scene does not give."""
+
+
+class Grade(IntEnum):
+    """Grade of a quantity or of a motion."""
+
+    NONE = 0
+    LOW = 1
+    MEDIUM = 2
+    HIGH = 3
+    SEVERE = 4
+
+    @property
+    def word(self) -> str:
+        """Name in text."""
+        return self.name.lower()
+
+
+def _in_g(*values: float) -> tuple[float, ...]:
+    return tuple(GRAVITY * value for value in values)
+
+
+class Bounds(NamedTuple):
+    """Values at which the grades low, medium, high and severe begin, by quantity, in SI."""
+
+    lateral_rms: tuple[float, ...] = _in_g(0.5, 2.0, 5.0, 8.0)
+    """Lateral acceleration of the centre line, root mean square [m/s^2]."""
+    lateral_peak: tuple[float, ...] = _in_g(10.0, 25.0, 50.0, 100.0)
+    """Lateral acceleration of the centre line, largest [m/s^2]."""
+    axial_rms: tuple[float, ...] = _in_g(0.5, 2.0, 5.0, 8.0)
+    """Axial acceleration, root mean square [m/s^2]."""
+    axial_peak: tuple[float, ...] = _in_g(10.0, 25.0, 50.0, 100.0)
+    """Axial acceleration, largest [m/s^2]."""
+    bending_stress: tuple[float, ...] = (35e6, 70e6, 140e6, 210e6)
+    """Half of the range of bending stress that a fibre of steel goes through [Pa]; 140 MPa are 20,000 psi, the
+    endurance of drill pipe in bending without tension (Lubinski 1961)."""
+    wall_force: tuple[float, ...] = (2.2e3, 4.4e3, 8.9e3, 17.8e3)
+    """Mean force of the wall at a contact [N]; 8.9 kN are 2000 lbf."""
+    stick_slip: tuple[float, ...] = (0.25, 0.5, 1.0, 1.2)
+    """Stick-slip index [-]; 0.5 and 1 by `whirl.criteria.BitMotion`, and beyond 1 the bit may turn backwards."""
+
+
+DEFAULT = Bounds()
+"""Bounds of a scene without a block `severity`, and of a record without a scene."""
+UNITS = dict(zip(Bounds._fields, ("m/s^2", "m/s^2", "m/s^2", "m/s^2", "Pa", "N", "-"), strict=True))
+"""SI unit of each quantity."""
+WORDS = dict(
+    zip(
+        Bounds._fields,
+        (
+            "lateral acceleration, rms", "lateral acceleration, peak", "axial acceleration, rms",
+            "axial acceleration, peak", "bending stress", "wall force", "stick-slip index",
+        ),
+        strict=True,
+    )
+)  # fmt: skip
+"""Each quantity in words."""
+
+
+class Severity(NamedTuple):
+    """Grade of a motion, and the quantity that decides it."""
+
+    grade: Grade
+    quantity: str
+    """Field of `Bounds`."""
+    value: float
+    """Value of the quantity in SI."""
+    place: str = ""
+    """Mark or part with this value; empty where the quantity is of the whole string."""
+
+
+def grade(quantity: str, value: float, bounds: Bounds = DEFAULT) -> Grade | None:
+    """Grade of the value of a quantity in SI; None for NaN."""
+    return None if math.isnan(value) else Grade(bisect_right(getattr(bounds, quantity), value))
+
+
+def worst(found: Iterable[tuple[str, float, str]], bounds: Bounds = DEFAULT) -> Severity | None:
+    """Severity of a motion, from its quantities, values in SI and places; None where no value is known.
+
+    Of quantities with the same grade the quantity decides that is nearest to, or furthest beyond, its severe bound.
+    """
+    known = [
+        Severity(at, quantity, value, place)
+        for quantity, value, place in found
+        if (at := grade(quantity, value, bounds)) is not None
+    ]
+    return max(known, default=None, key=lambda one: (one.grade, one.value / getattr(bounds, one.quantity)[-1]))
