@@ -54,7 +54,9 @@ class Bounds(NamedTuple):
     """Half of the range of bending stress that a fibre of steel goes through [Pa]; 140 MPa are 20,000 psi, the
     endurance of drill pipe in bending without tension (Lubinski 1961)."""
     wall_force: tuple[float, ...] = (2.2e3, 4.4e3, 8.9e3, 17.8e3)
-    """Mean force of the wall at a contact [N]; 8.9 kN are 2000 lbf."""
+    """Mean force of the wall on the length of a joint, 30 ft [N]; 8.9 kN are 2000 lbf, a limit of tool joints against
+    the wear of casing. Collars in an inclined hole exceed it by their weight: reports print the force without grade
+    unless a scene gives own bounds."""
     stick_slip: tuple[float, ...] = (0.25, 0.5, 1.0, 1.2)
     """Stick-slip index [-]; 0.5 and 1 by `whirl.criteria.BitMotion`, and beyond 1 the bit may turn backwards."""
 
@@ -68,7 +70,7 @@ WORDS = dict(
         Bounds._fields,
         (
             "lateral acceleration, rms", "lateral acceleration, peak", "axial acceleration, rms",
-            "axial acceleration, peak", "bending stress", "wall force", "stick-slip index",
+            "axial acceleration, peak", "bending stress", "wall force on 30 ft", "stick-slip index",
         ),
         strict=True,
     )

@@ -96,19 +96,20 @@ def load_rows(summary: Summary) -> Iterator[Row]:
 
 def severity_rows(summary: Summary) -> Iterator[Row]:
     """Rows on severity with what decided it, its quantities, wear, and drilling."""
-    units, bending = units_of(summary), summary["bending"] or {}
+    units = units_of(summary)
     if summary["severity"]:
         yield "severity", told(summary["severity"], units)
-    for quantity, row in summary["severity_by_quantity"].items():
+    for quantity, words in WORDS.items():
+        if (row := summary["severity_by_quantity"].get(quantity)) is None:
+            continue
         value = value_text(quantity, row["value"], units)
         more = f" at {row['place']}" * bool(row["place"])
-        if quantity == "bending_stress" and (cycles := bending["cycles_per_second"]) is not None:
+        if quantity == "bending_stress" and (cycles := summary["bending_cycles_per_second"]) is not None:
             more += f", {cycles:.2g} cycles a second"
         given = "not graded" if row["grade"] is None else Grade(row["grade"]).word
         why = f" ({row['why']})" if "why" in row else ""
-        yield WORDS[quantity], f"{value}{more}: {given}{why}"
-    wear = {mark: row["wear_power_w"] for mark, row in summary["contact"].items() if row["wear_power_w"] is not None}
-    if wear:
+        yield words, f"{value}{more}: {given}{why}"
+    if wear := {mark: power for mark, power in summary["wear_power_w"].items() if power is not None}:
         worst = max(wear, key=lambda mark: wear[mark])
         yield "wall force times sliding", f"{wear[worst]:.3g} W on average at {worst}: not graded, no bound is known"
     if summary["severity_by_quantity"]:

@@ -6,6 +6,7 @@ The forces are elastic: what internal damping and the damping of the wall add is
 
 from __future__ import annotations
 
+import math
 from typing import NamedTuple
 
 import numpy as np
@@ -42,7 +43,7 @@ class StringForces(NamedTuple):
     """Normal force of the wall per length [N/m], shape (T, n); of the soft string where it follows the hole."""
 
 
-def string_forces(recording: Recording, poses: slice = slice(None)) -> StringForces | None:
+def string_forces(recording: Recording, poses: slice | NDArray[np.int64] = slice(None)) -> StringForces | None:
     """Forces at the kept poses of a recording; None where they are none of a mesh of its scene."""
     scene, rod = recording.scene, _mesh(recording)
     if rod is None:
@@ -101,6 +102,25 @@ def fibre_stress(recording: Recording, poses: NDArray[np.int64]) -> tuple[float,
     element, end, fibre = np.unravel_index(np.argmax(half), half.shape)
     stress = (bent[:, element, end] * FIBRES[fibre]).real
     return float(half.max()), float(rod.arc[element + end]), stress - stress.mean()
+
+
+JOINT = 9.144
+"""Length of a joint of drill pipe [m], 30 ft, range 2 of API 5DP."""
+
+
+def force_on_joint(recording: Recording, poses: NDArray[np.int64]) -> tuple[float, float]:
+    """Largest mean force of the wall on the length of a joint at chosen poses [N], and where it is [m from the bit].
+
+    A shorter string counts as one joint. NaN where the poses are of no mesh.
+    """
+    if (found := string_forces(recording, poses)) is None:
+        return math.nan, math.nan
+    arc = found.depth[0] - found.depth
+    total = np.append(0.0, np.cumsum(found.side.mean(axis=0) * np.diff(arc)))
+    lower = np.concatenate((arc, np.maximum(arc - JOINT, 0.0)))  # ends of joints at all nodes
+    force = np.interp(lower + JOINT, arc, total) - np.interp(lower, arc, total)
+    at = int(np.argmax(force))
+    return float(force[at]), float(min(lower[at] + 0.5 * JOINT, arc[-1]))
 
 
 def _rows(recording: Recording, rod: Rod, poses: NDArray[np.int64]) -> Array:

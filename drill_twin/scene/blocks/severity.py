@@ -30,7 +30,7 @@ class SeverityBounds(Part):
     bending_stress: Annotated[tuple[Pressure, ...], _FOUR] = severity.DEFAULT.bending_stress
     """Half of the range of bending stress."""
     wall_force: Annotated[tuple[Force, ...], _FOUR] = severity.DEFAULT.wall_force
-    """Mean force of the wall at a contact."""
+    """Mean force of the wall on the length of a joint, 30 ft."""
     stick_slip: Annotated[tuple[Dimensionless, ...], _FOUR] = severity.DEFAULT.stick_slip
     """Stick-slip index of the bit."""
 
