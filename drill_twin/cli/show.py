@@ -67,8 +67,6 @@ def findings_shown(summary: Mapping[str, Any]) -> Iterator[Table]:
     yield Table((), [*rows, *provenance(summary)])
     if marks := list(_marks(summary)):
         yield Table(("mark", "largest radius", "over the threshold", "motion at the end"), marks, right=(2,))
-    if found := summary["acceleration"]:
-        yield _accelerations(found, summary)
     if periods := timeline_rows(summary["motion"]):
         yield Table(("from", "to", "motion of the string", "what decided it"), periods, right=(0, 1))
     if columns := list(column_rows(summary)):
@@ -97,20 +95,6 @@ def _marks(summary: Mapping[str, Any]) -> Iterable[tuple[str, str, str, str]]:
             "never" if onset is None else f"from {onset:.2f} s",
             motion[-1]["state"] if motion else "unknown",
         )
-
-
-def _accelerations(found: Mapping[str, Any], summary: Mapping[str, Any]) -> Table:
-    """Acceleration of the marks in g."""
-    from drill_twin.core.severity import value_text
-    from drill_twin.report.load_text import units_of
-
-    names, units = [f"{way}_{size}" for way in ("lateral", "axial") for size in ("rms", "peak")], units_of(summary)
-    rows = [
-        (mark, *(value_text(name, sizes[f"{name}_m_s2"], units) for name in names)) for mark, sizes in found.items()
-    ]
-    since, shortest = summary["settled_s"], 2e3 / summary["acceleration_rate_hz"]
-    title = f"acceleration from {since:.1f} s on, without shocks shorter than {shortest:.3g} ms"
-    return Table(("mark", "lateral rms", "peak", "axial rms", "peak"), rows, title=title, right=range(1, 5))
 
 
 _LINE_PERIOD = 10.0

@@ -7,12 +7,14 @@ The summary is what a dashboard wants, five times a simulated second, as numbers
 from __future__ import annotations
 
 import math
+from collections import deque
 from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
 import numpy as np
 
-from drill_twin.core.arrays import Array
+from drill_twin.core.arrays import Array, ComplexArray
+from drill_twin.core.severity import DEFAULT, Bounds, worst
 from drill_twin.io.messages.cdr import JointStateTemplate, finite_number
 from drill_twin.io.messages.stamps import NANOSECONDS, seconds
 from drill_twin.io.messages.topics import FRAME_ID, TWIN_SUMMARY, WHIRL_MOTION, WHIRL_ONSET, WHIRL_STATE
@@ -24,15 +26,24 @@ from drill_twin.io.messages.whirl_encode import (
     encode_motion,
     encode_onset,
 )
-from drill_twin.io.samples import UNKNOWN_RIG, RigSample
+from drill_twin.io.samples import UNKNOWN_RIG, RigSample, SampleRows
 from drill_twin.whirl import BitMotion, MarkInfo, MotionCode, MotionState, Onset, StickSlip, StickSlipCode
 from drill_twin.whirl.analyzer import NOT_OBSERVABLE
 from drill_twin.whirl.findings import Findings, FoundRows
+from drill_twin.whirl.marks import centre_lines
+from drill_twin.whirl.motion.stick_slip_index import TIME_BASE
+from drill_twin.whirl.severity import WINDOW, accelerations, sizes, torsion_grade, turns_backwards
 
 PERIOD = NANOSECONDS // 5
 """Simulated time between two messages [ns]."""
 _RIG = ("rate_of_penetration", "weight_on_bit", "rotation")
-_FINDINGS = ("whirl", "whirl_severity", "stick_slip", "stick_slip_severity", "onset", "realtime_factor")
+_FINDINGS = (
+    "whirl", "stick_slip", "stick_slip_severity", "severity", "lateral_severity", "onset", "realtime_factor",
+)  # fmt: skip
+LATERAL = ("lateral_rms", "lateral_peak")
+"""Quantities of `core.severity.Bounds`, each with a `/` and the name of a mark in the summary [m/s^2]."""
+UNKNOWN = -1.0
+"""Grade, or acceleration, that is not known: the summary has no NaN."""
 
 
 class Motion(NamedTuple):
@@ -40,8 +51,6 @@ class Motion(NamedTuple):
 
     string: MotionState
     """Motion state of the string."""
-    radius: Array
-    """Radius of the orbit of each mark [m], shape (m,)."""
     bit: BitMotion
     """Motion of the bit."""
     bit_index: float
@@ -57,9 +66,11 @@ class TwinSummary:
     samples lack stays.
     """
 
-    def __init__(self, marks: Sequence[MarkInfo]) -> None:
-        """Begin without samples of these marks."""
-        self._clearance = np.array([math.inf if mark.inclined else mark.clearance for mark in marks])
+    def __init__(self, marks: Sequence[MarkInfo], bounds: Bounds | None = None) -> None:
+        """Begin without samples of these marks; `bounds` of the grades of severity are by default of this program."""
+        self._marks, self._bounds = [mark.name for mark in marks], bounds or DEFAULT
+        self._centres: deque[tuple[int, ComplexArray]] = deque()  # stamps, and centre lines in the last `WINDOW`
+        self._backwards = -math.inf  # time at which the bit turned backwards last [s]
         self._factor = 0.0  # before the first is told
         self._due = -1
         self._samples: list[RigSample] = []
@@ -76,9 +87,20 @@ class TwinSummary:
         """
         self._factor = finite_number(TWIN_SUMMARY, "real-time factor", factor)
 
-    def add(self, stamp: int, rig: RigSample) -> bool:
-        """Add a sample at a stamp [ns]; returns whether a message is due, by `encode`."""
+    def add(self, stamp: int, rig: RigSample, centre: ComplexArray | None = None) -> bool:
+        """Add a sample at a stamp [ns]; returns whether a message is due, by `encode`.
+
+        Args:
+            stamp: Header stamp [ns].
+            rig: State of the rig.
+            centre: Centre line at the marks [m], shape (m,); None where it is not known. Of a stamp that is not later
+                than the last, it is left out.
+        """
         self._samples.append(rig)
+        if centre is not None and (not self._centres or stamp > self._centres[-1][0]):
+            self._centres.append((stamp, centre))
+        if turns_backwards(rig.bit_speed, rig.top_speed):
+            self._backwards = seconds(stamp)
         return stamp >= self._due
 
     def encode(self, stamp: int, motion: Motion, frame_id: str) -> bytes:
@@ -91,20 +113,41 @@ class TwinSummary:
         """
         self._due = stamp - stamp % PERIOD + PERIOD
         self._mean_of_rig(stamp)
-        whirl, share = MotionCode.of(motion.string), motion.radius / self._clearance
+        backwards = seconds(stamp) - self._backwards <= TIME_BASE
+        torsion = torsion_grade(motion.bit, motion.bit_index, self._bounds, backwards=backwards)
+        found = self._lateral(stamp, motion.string)
+        lateral = worst(found, self._bounds)
+        grades = [grade for grade in (torsion, lateral and lateral.grade) if grade is not None]
         values = (
-            whirl,
-            np.nanmax(share, initial=0.0) if whirl.whirls else 0.0,
+            *(value if math.isfinite(value) else UNKNOWN for _, value, _ in found),
+            MotionCode.of(motion.string),
             StickSlipCode.of(motion.bit),
             motion.bit_index if math.isfinite(motion.bit_index) else 0.0,
+            max(grades, default=UNKNOWN),
+            UNKNOWN if lateral is None else lateral.grade,
             0.0 if motion.onset is None else max(motion.onset.time_s, 1.0 / NANOSECONDS),
             self._factor,
         )
         if self._template is None or frame_id != self._frame_id:
-            names = (*self._rig, *_FINDINGS)
+            names = (*self._rig, *(f"{quantity}/{mark}" for quantity, _, mark in found), *_FINDINGS)
             self._template = JointStateTemplate(names, velocity=False, effort=False, frame_id=frame_id)
             self._frame_id = frame_id
         return self._template.fill(stamp, (*self._rig.values(), *values))
+
+    def _lateral(self, stamp: int, string: MotionState) -> list[tuple[str, float, str]]:
+        """Quantity, value [m/s^2] and mark of the lateral accelerations in the last `WINDOW`; NaN where not known."""
+        while self._centres and seconds(stamp - self._centres[0][0]) > WINDOW:
+            self._centres.popleft()
+        time = np.array([seconds(at) for at, _ in self._centres])
+        centres = np.array([centre for _, centre in self._centres]).reshape(time.size, len(self._marks))
+        _, found = accelerations(time, centres)
+        if string is MotionState.NOT_OBSERVABLE:
+            found = found[:0]
+        return [
+            (quantity, value, mark)
+            for column, mark in enumerate(self._marks)
+            for quantity, value in zip(LATERAL, sizes(found[:, column]), strict=True)
+        ]
 
     def _mean_of_rig(self, stamp: int) -> None:
         """Mean weight and rotation of the samples since the last message, and the rate at which the depth grew."""
@@ -135,9 +178,10 @@ _LONGEST_FRAME = 255  # letters; a longer name of a frame is not copied into eve
 class FindingsEncoder:
     """Encodes findings: `/whirl/state` for each, `/whirl/motion` on change and once a simulated second."""
 
-    def __init__(self, marks: Sequence[MarkInfo]) -> None:
+    def __init__(self, marks: Sequence[MarkInfo], bounds: Bounds | None = None) -> None:
+        self._marks = marks
         self._names = [mark.name for mark in marks]
-        self.summary = TwinSummary(marks)
+        self.summary = TwinSummary(marks, bounds)
         """Messages on `/twin/summary`."""
         self._state, self._frame_id = WhirlStateEncoder(self._names), FRAME_ID
         self._motion: tuple[object, ...] = ()
@@ -157,26 +201,36 @@ class FindingsEncoder:
         return WHIRL_MOTION, encode_motion(stamp, [whirl, SubjectMotion(BIT, bit.motion.value, bit.criterion)])
 
     def messages(
-        self, findings: Findings, frame_id: str = FRAME_ID, rig: RigSample | None = None
+        self,
+        findings: Findings,
+        frame_id: str = FRAME_ID,
+        rig: RigSample | None = None,
+        points: tuple[Array, Array] | None = None,
     ) -> list[tuple[str, bytes]]:
-        """Topics and bytes of the messages for these findings, in the frame of the samples, and the rig's state."""
-        return self.rows(FoundRows.of(findings), frame_id, [rig or UNKNOWN_RIG])[0]
+        """Topics and bytes of the messages for these findings, in the frame of the samples.
 
-    def _summary(self, stamp: int, findings: Findings, radius: Array, bit_index: float) -> tuple[str, bytes]:
-        motion = Motion(findings.motion, radius, findings.bit, bit_index, findings.onset)
-        return TWIN_SUMMARY, self.summary.encode(stamp, motion, self._frame_id)
+        `points` are the positions of the marks [m], shape (m, 3), and their spin [rad]; None where they are not known.
+        """
+        centres = None if points is None else centre_lines(self._marks, *points)[None]
+        return self._rows(FoundRows.of(findings), frame_id, [rig or UNKNOWN_RIG], centres)[0]
 
     def bit_summary(self, stamp: int, bit: StickSlip, rig: RigSample) -> list[tuple[str, bytes]]:
         """Topic and bytes of `/twin/summary` for a stream without marks, if it is due."""
         if not self.summary.add(stamp, rig):
             return []
-        motion = Motion(MotionState.NOT_OBSERVABLE, np.zeros(len(self._names)), bit.motion, bit.index)
+        motion = Motion(MotionState.NOT_OBSERVABLE, bit.motion, bit.index)
         return [(TWIN_SUMMARY, self.summary.encode(stamp, motion, self._frame_id))]
 
     def rows(
-        self, found: FoundRows, frame_id: str = FRAME_ID, rigs: Sequence[RigSample] | None = None
+        self, found: FoundRows, frame_id: str = FRAME_ID, samples: SampleRows | None = None
     ) -> list[list[tuple[str, bytes]]]:
         """As `messages`, for each of several samples; without states of the rig no `/twin/summary`."""
+        centres = samples and centre_lines(self._marks, samples.position, samples.spin)
+        return self._rows(found, frame_id, samples and samples.rigs, centres)
+
+    def _rows(
+        self, found: FoundRows, frame_id: str, rigs: Sequence[RigSample] | None, centres: ComplexArray | None
+    ) -> list[list[tuple[str, bytes]]]:
         self._set_frame(frame_id)
         messages = [[(WHIRL_STATE, raw)] for raw in self._state.rows(found.stamps, found.states())]
         present = found.before
@@ -184,9 +238,9 @@ class FindingsEncoder:
             if row in found.changes or stamp >= self._motion_due:
                 present = found.changes.get(row, present)
                 messages[row] += self._on_change(stamp, present)
-            if rigs is not None and self.summary.add(stamp, rigs[row]):
-                radius, index = found.values[row, :, 0], float(found.bit_index[row])
-                messages[row].append(self._summary(stamp, present, radius, index))
+            if rigs is not None and self.summary.add(stamp, rigs[row], None if centres is None else centres[row]):
+                motion = Motion(present.motion, present.bit, float(found.bit_index[row]), present.onset)
+                messages[row].append((TWIN_SUMMARY, self.summary.encode(stamp, motion, self._frame_id)))
         return messages
 
     def _set_frame(self, frame_id: str) -> None:

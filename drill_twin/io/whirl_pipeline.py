@@ -178,7 +178,7 @@ class WhirlPipeline:
     def encode_rows(self, found: FoundRows, frame_id: str, samples: SampleRows | None = None) -> list[list[Message]]:
         """Encode findings in the frame of the samples; where the samples are given, `/twin/summary` too."""
         try:
-            return [] if self._encoder is None else self._encoder.rows(found, frame_id, samples and samples.rigs)
+            return [] if self._encoder is None else self._encoder.rows(found, frame_id, samples)
         except MessageError as error:
             self.malformed += 1
             self.trouble = str(error)
@@ -232,7 +232,7 @@ class WhirlPipeline:
             self.marks = tuple(select_marks(infos, self._selected))
             self.bit_only = BitOnlyAnalyzer() if self._without_marks or not self.marks else None
             self._analyzer = None if self.bit_only is not None else Analyzer(self.marks)
-        self._encoder = FindingsEncoder(self.marks)
+        self._encoder = FindingsEncoder(self.marks, scene.severity_bounds if scene else None)
         self._mark_reader = MarkReader([mark.name for mark in self.marks])
         self._order = SampleOrder[Sample | ImuReading]()
         self.scene, self.findings, self.trouble = scene, None, ""
@@ -271,7 +271,7 @@ class WhirlPipeline:
         if analyzer is None or self._encoder is None:
             self._before_scene.append(sample)
             return
-        frame, rig = FRAME_ID, None
+        frame, rig, points = FRAME_ID, None, None
         over = self.over or (0 < self._run == self.runs and sample.stamp < self._order.latest)  # or of the next run
         if over:
             pass
@@ -280,13 +280,14 @@ class WhirlPipeline:
             rig, known_spin = sample.rig, self._known_spin(spin)
             self.findings = analyzer.push(sample.stamp, position, known_spin, rig.top_speed, force, rig.bit_speed)
             frame = sample.marks.frame_id
+            points = position, spin
         elif isinstance(sample, ImuReading) and isinstance(analyzer, SubAnalyzer):
             self.findings = analyzer.push(sample.stamp, sample.values)
             frame = sample.frame_id.rpartition(self._sub.rpartition("/")[2])[0] + FRAME_ID  # with its prefix
         if self.findings is None:
             return
         if not over:
-            yield from self._encoder.messages(self.findings, frame, rig)
+            yield from self._encoder.messages(self.findings, frame, rig, points)
         if behind := self._order.note(sample):
             yield from self._start_run(self.scene)
             for again in behind:

@@ -57,6 +57,7 @@ from drill_twin.report.string_curve import along_hole, smooth
 from drill_twin.scene import Scene
 from drill_twin.whirl import Findings, MarkInfo, Summary
 from drill_twin.whirl.analyzer import NOT_OBSERVABLE
+from drill_twin.whirl.marks import centre_lines
 
 SHAPES = 600
 """Most poses of the string that are kept, evenly over the run."""
@@ -285,10 +286,7 @@ class Recording:
     def centre_lines(self) -> ComplexArray:
         """Centre line z = x + i y at the marks [m], without the rotation of marks on the wall, shape (T, m)."""
         columns = [self.marks.names.index(place.name) for place in self.places]
-        position, spin = self.marks.position[:, columns], self.marks.spin[:, columns]
-        offset = np.array([place.wall_offset if place.on == "wall" else 0.0 for place in self.places])
-        centre: ComplexArray = position[..., 0] + 1j * position[..., 1] - offset * np.exp(1j * spin)
-        return centre
+        return centre_lines(self.places, self.marks.position[:, columns], self.marks.spin[:, columns])
 
 
 def read_recording(path: str | Path, scene: Scene | None = None, selection: Selection | None = None) -> Recording:

@@ -10,6 +10,7 @@ from typing import Literal
 
 import numpy as np
 
+from drill_twin.core.arrays import Array, ComplexArray
 from drill_twin.core.errors import DrillTwinError
 from drill_twin.whirl.columns import Columns, columns
 
@@ -56,6 +57,19 @@ class MarkInfo:
     def rolling_ratio(self) -> float:
         """Whirl ratio in pure rolling along the wall, -r_o / clearance (Johnson 1962; Jansen 1991)."""
         return -self.wall_offset / self.clearance
+
+
+def centre_lines(marks: Sequence[MarkInfo], position: Array, spin: Array) -> ComplexArray:
+    """Centre line z = x + i y at m marks [m], without the rotation of marks on the wall, shape (..., m).
+
+    Args:
+        marks: The marks.
+        position: Marked points [m], shape (..., m, 3).
+        spin: Spin at the marks [rad], shape (..., m).
+    """
+    offset = np.array([mark.wall_offset if mark.on == "wall" else 0.0 for mark in marks])
+    turned = np.where(offset > 0.0, offset * np.exp(1j * spin), 0.0)
+    return np.asarray(position[..., 0] + 1j * position[..., 1] - turned)
 
 
 def mark_columns(marks: Sequence[MarkInfo]) -> Columns:

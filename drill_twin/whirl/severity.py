@@ -53,8 +53,9 @@ def sizes(found: ArrayLike) -> tuple[float, float]:
     return (math.sqrt(np.mean(known**2)), float(known.max())) if known.size else (math.nan, math.nan)
 
 
-def turns_backwards(bit: Array, top: Array) -> Array:
+def turns_backwards(bit: ArrayLike, top: ArrayLike) -> Array:
     """Samples at which the bit turns against the rotation of the top drive, from their speeds [rad/s], shape (n,)."""
+    bit, top = np.asarray(bit), np.asarray(top)
     return np.asarray((np.abs(top) > REST) & (bit * np.sign(top) < -BACKWARDS * np.abs(top)))
 
 

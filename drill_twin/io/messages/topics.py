@@ -208,8 +208,10 @@ _ROWS = (
         "analyzer",
         "5 Hz of simulated time",
         "for a dashboard, in position, never NaN: `rate_of_penetration` [m/s], `weight_on_bit` [N], `rotation` [rad/s] "
-        "as means of 0.2 s; `whirl`, `stick_slip` (codes), `whirl_severity` (orbit over clearance while it whirls in a "
-        "vertical hole), `stick_slip_severity` (index); `onset` [s, 0 = none so far]; `realtime_factor`",
+        "as means of 0.2 s; `lateral_rms/<mark>`, `lateral_peak/<mark>` [m/s^2] over the last 5 s; `whirl`, "
+        "`stick_slip` (codes), `stick_slip_severity` (index); `severity` (grade 0 to 4 of lateral acceleration and "
+        "stick-slip), `lateral_severity` (of the former alone), -1 = unknown; `onset` [s, 0 = none so far]; "
+        "`realtime_factor`",
     ),
     Topic(
         REALTIME_FACTOR,

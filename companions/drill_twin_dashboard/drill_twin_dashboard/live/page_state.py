@@ -13,8 +13,9 @@ import numpy as np
 
 from drill_twin.core.arrays import Array
 from drill_twin.core.errors import DrillTwinError, MessageError
+from drill_twin.core.severity import worst
 from drill_twin.io.bag.skipped import SkippedMessages
-from drill_twin.io.findings_encoder import BIT
+from drill_twin.io.findings_encoder import BIT, LATERAL
 from drill_twin.io.messages.decode import JointState, PoseArray
 from drill_twin.io.messages.diagnostics import Level, Status
 from drill_twin.io.messages.encode import MARK_AXES
@@ -53,7 +54,7 @@ from drill_twin_dashboard.live.shown import (
     shown_scene,
     without_old_values,
 )
-from drill_twin_dashboard.live.supervision import UNKNOWN, Supervision, whirl_lamp
+from drill_twin_dashboard.live.supervision import UNKNOWN, Supervision, lamp
 
 _TRAIL = 400  # most positions of a mark between two snapshots
 _LARGEST = 1e6  # m
@@ -150,11 +151,13 @@ class PageState:
     def _on_summary(self, state: JointState) -> None:
         values = dict(zip(state.names, state.position.tolist(), strict=False))
         try:
-            code, severity = MotionCode(int(values["whirl"])), float(values["whirl_severity"])
+            code = MotionCode(int(values["whirl"]))
         except (KeyError, ValueError, OverflowError) as error:
-            raise MessageError(f"expected the code and the severity of whirl on {TWIN_SUMMARY}, found none") from error
+            raise MessageError(f"expected the code of the motion on {TWIN_SUMMARY}, found none") from error
         self.shown["motion"]["whirls"] = code.whirls
-        self._supervision.light("whirl", whirl_lamp(code, severity))
+        parts = ((*name.partition("/"), value) for name, value in values.items())
+        lateral = [(kind, value, short(mark)) for kind, _, mark, value in parts if kind in LATERAL and value >= 0.0]
+        self._supervision.light("whirl", lamp(code.state.value, worst(lateral, self._supervision.bounds)))
 
     def _on_motion(self, found: tuple[int, list[SubjectMotion]]) -> None:
         for motion in found[1]:
@@ -187,7 +190,7 @@ class PageState:
             self.shown["map"] = found
         self._hole = scene if scene.hole.survey else None
         self._weight = string_weight(scene)
-        self._supervision.begin(scene.name)
+        self._supervision.begin(scene.name, scene.severity_bounds)
         self.shown["scene"] = shown_scene(scene)
 
     def _on_diagnostics(self, message: tuple[int, list[Status]]) -> None:

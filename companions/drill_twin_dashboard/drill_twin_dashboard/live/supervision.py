@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Supervision of a run: trends, limits, alarms, the log of events, and a lamp each of whirl and stick-slip.
 
-The analyzer tells the severity of whirl, and the speed of the bit tells the severity of stick-slip.
+A lamp tells the motion; its colour and its alarm are of the severity: of the lateral acceleration, from the analyzer,
+and of the rotation of the bit.
 """
 
 import math
@@ -9,50 +10,46 @@ from collections.abc import Mapping
 from typing import Any, NamedTuple
 
 from drill_twin.core.errors import DrillTwinError
+from drill_twin.core.severity import DEFAULT, Bounds, Grade, Severity, told
+from drill_twin.core.units.system import SYSTEMS
 from drill_twin.io.messages.diagnostics import Level
-from drill_twin.whirl import BitMotion, MotionCode, StickSlip
+from drill_twin.whirl import StickSlip
+from drill_twin.whirl.motion.stick_slip_index import TIME_BASE
+from drill_twin.whirl.severity import torsion_grade, turns_backwards
 from drill_twin_dashboard.live.alarms import CHANNELS, SIDES, AlarmLimits, Alarms, Trends
 
-SEVERE_RADIUS = 0.9
-"""Radius of an orbit over its clearance from which a whirl is severe: the string is on the wall."""
-_BIT = {BitMotion.AT_REST: 0, BitMotion.STEADY: 0, BitMotion.VIBRATION: 1, BitMotion.STICK_SLIP: 2, BitMotion.STANDS: 2}
+LEVELS = {Grade.NONE: 0, Grade.LOW: 0, Grade.MEDIUM: 1, Grade.HIGH: 2, Grade.SEVERE: 2}
+"""Level of a lamp by its grade of severity: 1 is a warning, 2 an alarm."""
 
 
 class Lamp(NamedTuple):
     """Lamp of one kind of motion."""
 
     level: int | None
-    """0 none, 1 moderate, 2 severe; None if the motion is not known."""
+    """0 none or low, 1 medium, 2 high or severe; None where the severity is not known."""
     text: str
     """The motion."""
-    share: float | None
-    """Largest radius of an orbit over its clearance; or the stick-slip index."""
+    severity: str
+    """Grade, and what decided it: `medium: lateral acceleration 2.6 g rms at mark_2`."""
 
 
-def whirl_lamp(code: MotionCode, severity: float) -> Lamp:
-    """Lamp of whirl.
-
-    Args:
-        code: Motion of the string.
-        severity: Largest radius of an orbit over its clearance while the string whirls, in a vertical hole; else 0.
-    """
-    text, share = code.state.value, severity if severity > 0.0 else None
-    if code is MotionCode.NOT_OBSERVABLE:
-        return Lamp(None, text, None)
-    if not code.whirls:
-        return Lamp(0, text, None)
-    return Lamp(2 if code is MotionCode.ROLLING or severity >= SEVERE_RADIUS else 1, text, share)
+def lamp(text: str, found: Severity | None) -> Lamp:
+    """Lamp of a motion with its severity; None where it is not known."""
+    if found is None:
+        return Lamp(None, text, "severity unknown")
+    return Lamp(LEVELS[found.grade], text, told(found.entry, SYSTEMS["si"]))  # accelerations are in g in all systems
 
 
-def stick_slip_lamp(bit: StickSlip) -> Lamp:
-    """Lamp of stick-slip; not known during the start-up."""
-    index = bit.index
-    return Lamp(_BIT.get(bit.motion), bit.motion.value, index if math.isfinite(index) else None)
+def stick_slip_lamp(bit: StickSlip, bounds: Bounds = DEFAULT, *, backwards: bool = False) -> Lamp:
+    """Lamp of the rotation of the bit, which turned `backwards` in the time of the index; not known while it starts."""
+    grade = torsion_grade(bit.motion, bit.index, bounds, backwards=backwards)
+    found = lamp(bit.motion.value, None if grade is None else Severity(grade, "stick_slip", bit.index))
+    return found._replace(severity=f"{found.severity}, the bit turns backwards") if backwards and found.level else found
 
 
 _LIMITS = {f"{channel}_{side}" for channel in CHANNELS for side in SIDES}
 _LEVELS = (Level.OK, Level.WARN, Level.ERROR)
-UNKNOWN = Lamp(None, "unknown", None)
+UNKNOWN = Lamp(None, "unknown", "")
 """Lamp of a motion that nobody has told, or whose analyzer is gone."""
 
 
@@ -69,14 +66,16 @@ class Supervision:
         self._recorded = recorded
         self.time: float | None = None
         """Simulated time of the last rig state [s]."""
-        self._bit = StickSlip()
+        self._bit, self._backwards = StickSlip(), -math.inf
+        self.bounds = DEFAULT
+        """Bounds of the grades of severity."""
         self._motions: dict[str, str] = {}
         self.lamps = {"whirl": UNKNOWN, "stick_slip": UNKNOWN}
         """Lamps by name."""
 
-    def begin(self, name: str) -> None:
-        """Begin a run of a scene."""
-        self._bit, self.time = StickSlip(), None
+    def begin(self, name: str, bounds: Bounds = DEFAULT) -> None:
+        """Begin a run of a scene, with its bounds of the grades of severity."""
+        self._bit, self._backwards, self.time, self.bounds = StickSlip(), -math.inf, None, bounds
         self.limits.again()
         self.lamps = dict.fromkeys(self.lamps, UNKNOWN)
         if not self._recorded:
@@ -88,19 +87,23 @@ class Supervision:
         """Use the state of the rig at a time [s]."""
         if self.time is not None and time < self.time:
             self.limits.again()
-            self._bit = StickSlip()
+            self._bit, self._backwards = StickSlip(), -math.inf
         self.time = time
         if not self._recorded:
             self.trends.push(time, values)
-        self._bit.push(time, math.tau * values["bit_rps"], math.tau * values["rps"])
-        self.light("stick_slip", stick_slip_lamp(self._bit))
+        speeds = math.tau * values["bit_rps"], math.tau * values["rps"]
+        self._bit.push(time, *speeds)
+        if turns_backwards(*speeds):
+            self._backwards = time
+        backwards = time - self._backwards <= TIME_BASE
+        self.light("stick_slip", stick_slip_lamp(self._bit, self.bounds, backwards=backwards))
         for cause, text, beyond in self.limits.check(time, values):
             self.alarms.update(cause, Level.ERROR if beyond else Level.OK, text, time)
 
     def light(self, name: str, lamp: Lamp) -> None:
         """Light a lamp, raise or end its alarm, and note a change of its motion."""
         self.lamps[name] = lamp
-        said = f"{name.replace('_', '-')}: {lamp.text}"
+        said = f"{name.replace('_', '-')}: {lamp.text}" + f", {lamp.severity}" * bool(lamp.level)
         known = lamp.level is not None
         told = known and self.alarms.update(name, _LEVELS[lamp.level or 0], said, self.time)
         if not told and self._motions.get(name) != lamp.text:

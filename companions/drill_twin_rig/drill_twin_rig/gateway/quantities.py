@@ -12,6 +12,7 @@ import numpy as np
 
 from drill_twin.core.errors import MessageError
 from drill_twin.core.rig_channels import FIELDS, channel_of
+from drill_twin.core.severity import Grade
 from drill_twin.core.units import Dimension
 from drill_twin.core.units.dimension import ACCELERATION, ANGULAR_SPEED, DIMENSIONLESS, FORCE, LENGTH, TIME
 from drill_twin.dynamics.sensors.subs import SUMMARY
@@ -60,6 +61,11 @@ _KINDS = {
     "chaotic": (MotionCode.IRREGULAR,),
 }
 """Motion states of a mark that are a kind of whirl of D-WIS."""
+_SEVERITIES = {
+    "severity": "lateral acceleration and stick-slip",
+    "lateral_severity": "lateral acceleration in the last 5 s",
+}
+_GRADES = ", ".join(f"{grade:d} {grade.word}" for grade in Grade)
 _SAFE = {
     f"safe_{name}_{end}": f"{which} {words} of the window of the operating map that stays calm"
     for name, words in (("weight", "weight on bit"), ("rotation", "speed"))
@@ -96,7 +102,8 @@ QUANTITIES = {
         DIMENSIONLESS,
         "motion of the string: " + ", ".join(f"{code:d} {code.state.value}" for code in MotionCode),
     ),
-    "whirl_severity": RigQuantity(TWIN_SUMMARY, DIMENSIONLESS, "orbit over clearance while it whirls, else 0"),
+    **{name: RigQuantity(TWIN_SUMMARY, DIMENSIONLESS, f"grade of severity of {what}: " + _GRADES)
+       for name, what in _SEVERITIES.items()},
     "whirl_detected": RigQuantity(WHIRL_ONSET, DIMENSIONLESS, "1 once a whirl has begun, else 0"),
     "whirl_onset": RigQuantity(WHIRL_ONSET, TIME, "simulated time of the first onset of whirl"),
     "advised_weight_on_bit": RigQuantity(ADVICE_STATE, FORCE, "weight on bit of the nearest calmer set-point"),
@@ -225,7 +232,9 @@ class TwinQuantities:
 
     def _on_summary(self, message: JointState) -> bool:
         self.values["whirl_state"] = message.position[message.index("whirl")]
-        self.values["whirl_severity"] = message.position[message.index("whirl_severity")]
+        for name in _SEVERITIES:
+            grade = message.position[message.index(name)]
+            self.values[name] = grade if grade >= 0.0 else math.nan
         return message.has_number
 
     def _on_advice(self, message: JointState) -> bool:

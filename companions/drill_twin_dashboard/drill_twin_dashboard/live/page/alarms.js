@@ -3,20 +3,20 @@
 import { $, element, replace, state } from "./state.js";
 import { say } from "./connection.js";
 
-const SEVERITY = ["none", "moderate", "severe"], SHOWN = 200;
+const SHOWN = 200;
 let announced = 0;
 
-function lamp(id, { level, text, share }, words) {
-  const box = $(id), known = level === null ? "unknown" : SEVERITY[level], more = share === null || level === 0 ? "" : words(share);
+function lamp(id, { level, text, severity }) {
+  const box = $(id);
   box.className = `lamp level_${level}`;
-  box.querySelector("b").textContent = known;
-  box.querySelector("span").textContent = [text === known ? "" : text, more].filter(Boolean).join(", ");
-  box.setAttribute("aria-label", `${box.querySelector("h2").textContent}: ${known}, ${text}${more ? `, ${more}` : ""}`);
+  box.querySelector("b").textContent = text;
+  box.querySelector("span").textContent = severity;
+  box.setAttribute("aria-label", [box.querySelector("h2").textContent, [text, severity].filter(Boolean).join(", ")].join(": "));
 }
 
 export function showAlarms(picture) {
-  lamp("lamp_whirl", picture.lamps.whirl, (share) => share > 1.005 ? `on the wall, ${(100 * share - 100).toFixed(1)} % of the clearance into it` : `orbit ${Math.round(100 * share)} % of the clearance`);
-  lamp("lamp_stick_slip", picture.lamps.stick_slip, (index) => `index ${index.toFixed(2)}`);
+  lamp("lamp_whirl", picture.lamps.whirl);
+  lamp("lamp_stick_slip", picture.lamps.stick_slip);
   const waiting = picture.alarms.filter((alarm) => !alarm.acknowledged);
   $("acknowledge_all").disabled = !waiting.length;
   replace($("alarms"), picture.alarms, () => picture.alarms.length ? picture.alarms.map((alarm) => {

@@ -18,7 +18,7 @@ async function enter(refuse) {
 
 let socket = null, asking = false, heard = Date.now();
 const NOTHING = { time: null, advice: { text: "", level: 0 }, map: null, nodes: [], marks: [], trail: {}, rig: {}, motion: { state: "", criterion: "", whirls: false }, onset: null,
-  lamps: { whirl: { level: null, text: "unknown", share: null }, stick_slip: { level: null, text: "unknown", share: null } },
+  lamps: { whirl: { level: null, text: "unknown", severity: "" }, stick_slip: { level: null, text: "unknown", severity: "" } },
   simulator: { factor: "", text: "no answer of the page's server, trying again" }, graph: [] };
 
 async function askHistory() {
