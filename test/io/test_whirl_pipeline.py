@@ -1,17 +1,19 @@
 # SPDX-License-Identifier: Apache-2.0
 """One path from topics to findings: the same for any order of arrival, and no message can bring it down."""
 
+import math
 import random
 
 import numpy as np
 import pytest
 
 from drill_twin.core.errors import DrillTwinError
+from drill_twin.core.severity import DEFAULT, Grade, worst
 from drill_twin.io.bag.reader import Bag
 from drill_twin.io.findings_encoder import Motion, TwinSummary
 from drill_twin.io.messages.decode import read_joint_state, read_string
 from drill_twin.io.messages.encode import encode_string
-from drill_twin.io.messages.stamps import pack_stamp
+from drill_twin.io.messages.stamps import pack_stamp, seconds
 from drill_twin.io.messages.topics import (
     MARKS_STATE,
     RIG_STATE,
@@ -24,7 +26,9 @@ from drill_twin.io.messages.topics import (
 from drill_twin.io.messages.whirl_encode import decode_motion, decode_onset
 from drill_twin.io.samples import STUCK, WAITING, RigSample
 from drill_twin.io.whirl_pipeline import WhirlPipeline
+from drill_twin.report import read_recording
 from drill_twin.whirl import AnalysisError, BitMotion, MarkInfo, MotionCode, MotionState, StickSlipCode
+from drill_twin.whirl.severity import WINDOW, accelerations, sizes
 
 INPUTS = (TWIN_SCENE, MARKS_STATE, RIG_STATE)
 """Topics that the analysis needs."""
@@ -56,38 +60,94 @@ def test_the_summary_has_what_a_dashboard_wants_without_nan(bench_run):
     states = [read_joint_state(raw) for _, _, raw in Bag(bench_run.bag).messages((TWIN_SUMMARY,))]
     assert [state.stamp // 10_000_000 for state in states] == [1, *range(20, 301, 20)]
     assert {state.names for state in states} == {
-        ("rate_of_penetration", "weight_on_bit", "rotation", "whirl", "whirl_severity", "stick_slip",
-         "stick_slip_severity", "onset", "realtime_factor")
+        ("rate_of_penetration", "weight_on_bit", "rotation",
+         *(f"{size}/mark_{mark}" for mark in (1, 2, 3, 4) for size in ("lateral_rms", "lateral_peak")),
+         "whirl", "stick_slip", "stick_slip_severity", "severity", "lateral_severity", "onset", "realtime_factor")
     }  # fmt: skip
     assert np.isfinite([state.position for state in states]).all()
     last = dict(zip(states[-1].names, states[-1].position, strict=True))
     assert (last["rate_of_penetration"], last["weight_on_bit"]) == (0.0, pytest.approx(100.0))
     assert last["rotation"] == pytest.approx(4.0 * np.pi)
     assert MotionCode(int(last["whirl"])).whirls
-    assert 0.5 < last["whirl_severity"] < 1.1
     assert last["onset"] == bench_run.summary.onset.time_s
     assert last["realtime_factor"] > 0.0
-    assert [state.position[7] > 0.0 for state in states] == sorted(state.position[7] > 0.0 for state in states)
+    onset = states[0].names.index("onset")
+    assert [state.position[onset] > 0.0 for state in states] == sorted(state.position[onset] > 0.0 for state in states)
+
+
+def test_the_live_severity_is_that_of_the_same_window_of_the_bag(bench_run):
+    recording = read_recording(bench_run.bag)
+    *_, raw = (raw for _, _, raw in Bag(bench_run.bag).messages((TWIN_SUMMARY,)))
+    live = read_joint_state(raw)
+    time, centre = recording.marks.time, recording.centre_lines()
+    window = (time > seconds(live.stamp) - WINDOW - 1e-9) & (time <= seconds(live.stamp))
+    _, found = accelerations(time[window], centre[window])
+    values = [
+        (quantity, value, place.name)
+        for mark, place in enumerate(recording.places)
+        for quantity, value in zip(("lateral_rms", "lateral_peak"), sizes(found[:, mark]), strict=True)
+    ]
+    told = dict(zip(live.names, live.position, strict=True))
+    assert {f"{quantity}/{mark}": value for quantity, value, mark in values} == pytest.approx(
+        {name: value for name, value in told.items() if "/" in name}
+    )
+    assert told["lateral_severity"] == worst(values).grade
+    assert told["severity"] >= told["lateral_severity"]
+
+
+def test_the_live_severity_has_the_bounds_of_the_scene_and_is_unknown_where_it_is_not_observable():
+    marks, step = [MarkInfo("mark", 1.0, "centre", 0.0, 0.01)], 10_000_000
+    own = DEFAULT._replace(lateral_rms=(0.1, 0.2, 0.3, 0.4))
+    for bounds, state, grade in (
+        (None, MotionState.FIXED_AXIS, 0), (own, MotionState.FIXED_AXIS, 3), (own, MotionState.NOT_OBSERVABLE, -1)
+    ):  # fmt: skip
+        summary = TwinSummary(marks, bounds)
+        for stamp in range(step, 200 * step, step):
+            centre = np.array([1e-4 * np.exp(18.0j * stamp * 1e-9)])  # 0.032 m/s^2
+            centre += 0.01 * np.exp(6.0j * stamp * 1e-9)  # 0.36 m/s^2
+            summary.add(stamp, RigSample(6.0, 6.0, 1e3), centre)
+            summary.add(stamp, RigSample(6.0, 6.0, 1e3), centre + 1.0)  # late: left out
+        found = read_joint_state(summary.encode(stamp, Motion(state, BitMotion.STEADY, 0.1), "hole"))
+        told = dict(zip(found.names, found.position, strict=True))
+        assert told["lateral_severity"] == grade
+        assert told["severity"] == max(grade, 0)  # the bit turns steadily
+        expected = -1.0 if grade == -1 else pytest.approx(math.hypot(0.36, 0.0324), rel=0.01)
+        assert told["lateral_rms/mark"] == expected
+
+
+@pytest.mark.parametrize(
+    ("motion", "index", "bit", "grade"),
+    [
+        (BitMotion.STICK_SLIP, 1.1, 3.0, Grade.HIGH),
+        (BitMotion.STICK_SLIP, 1.1, -0.5, Grade.SEVERE),  # it turns backwards
+        (BitMotion.DECAYING, 1.1, 3.0, Grade.NONE),
+        (BitMotion.STANDS, math.nan, 0.0, Grade.SEVERE),
+        (BitMotion.STARTING, math.nan, -0.5, -1),
+        (BitMotion.AT_REST, math.nan, 0.0, Grade.NONE),
+    ],
+)
+def test_torsion_is_graded_by_its_kind(motion, index, bit, grade):
+    summary = TwinSummary([])
+    summary.add(10_000_000, RigSample(6.0, bit, 1e3))
+    found = read_joint_state(summary.encode(10_000_000, Motion(MotionState.NOT_OBSERVABLE, motion, index), "hole"))
+    assert found.position[found.names.index("severity")] == grade
+    assert found.position[found.names.index("lateral_severity")] == -1
 
 
 def test_the_rate_of_penetration_is_that_of_the_depth_and_what_a_rig_lacks_is_left_out():
     marks = [MarkInfo("mark", 1.0, "centre", 0.0, 0.01)]
-    calm = Motion(MotionState.FIXED_AXIS, np.full(1, np.nan), BitMotion.STEADY, np.nan)
+    calm = Motion(MotionState.FIXED_AXIS, BitMotion.STEADY, np.nan)
     summary, poor = TwinSummary(marks), TwinSummary(marks)
     for stamp in range(10_000_000, 400_000_001, 10_000_000):
         if summary.add(stamp, RigSample(6.0, 6.0, 1e3, 0.01 * stamp * 1e-9)):
             last = read_joint_state(summary.encode(stamp, calm, "hole"))
         if poor.add(stamp, RigSample(6.0, np.nan)):
             least = read_joint_state(poor.encode(stamp, calm, "hole"))
-    assert last.position[:6].tolist() == [
-        pytest.approx(0.01),
-        1e3,
-        6.0,
-        MotionCode.FIXED_AXIS,
-        0.0,
-        StickSlipCode.STEADY,
-    ]
-    assert least.names[:2] == ("rotation", "whirl")
+    told = dict(zip(last.names, last.position, strict=True))
+    assert [told[name] for name in ("rate_of_penetration", "weight_on_bit", "rotation", "whirl", "stick_slip")] == [
+        pytest.approx(0.01), 1e3, 6.0, MotionCode.FIXED_AXIS, StickSlipCode.STEADY
+    ]  # fmt: skip
+    assert least.names[:2] == ("rotation", "lateral_rms/mark")
 
 
 def test_a_bag_gives_what_was_found_live_byte_for_byte(inputs, live):

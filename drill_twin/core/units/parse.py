@@ -10,7 +10,7 @@ import re
 from functools import cache
 
 from drill_twin.core.numerals import NUMBER
-from drill_twin.core.units.dimension import DIMENSIONLESS, DIMENSIONS, Dimension
+from drill_twin.core.units.dimension import ACCELERATION, DIMENSIONLESS, DIMENSIONS, GRAVITY, Dimension
 from drill_twin.core.units.registry import (
     UNIT_NAMES,
     Dimensionality,
@@ -100,9 +100,14 @@ def _accepted(dimension: Dimension) -> dict[Dimensionality, float]:
     return same | {si_factor(unit)[1]: factor for unit, factor in dimension.converted}
 
 
+def _factor(unit: str, dimension: Dimension) -> tuple[float, Dimensionality]:
+    """SI factor and dimensionality; `g` is the gram, and of an acceleration standard gravity."""
+    return (GRAVITY, si_factor(dimension.unit)[1]) if (unit, dimension) == ("g", ACCELERATION) else si_factor(unit)
+
+
 def _factor_or_raise(unit: str, text: str, dimension: Dimension) -> tuple[float, Dimensionality]:
     try:
-        return si_factor(unit)
+        return _factor(unit, dimension)
     except UnknownUnitError as error:
         what = _unknown_unit(str(error), dimension)
         raise UnitError(f'expected {dimension.expected}, found "{short(text)}": {what}') from None
@@ -140,7 +145,7 @@ def _unknown_unit(name: str, dimension: Dimension) -> str:
 @cache
 def _simple_units(dimension: Dimension, names: tuple[str, ...]) -> list[str]:
     """Select the names that are units of the dimension."""
-    return [name for name in names if si_factor(name)[1] in _accepted(dimension)]
+    return [name for name in names if _factor(name, dimension)[1] in _accepted(dimension)]
 
 
 _PRODUCT = str.maketrans("", "", " .*·-_")

@@ -8,20 +8,22 @@ import numpy as np
 import pytest
 
 from drill_twin.core.errors import DrillTwinError
+from drill_twin.core.severity import Grade, Severity
 from drill_twin.dynamics.twin.frame import Frames
 from drill_twin.io.findings_encoder import Motion, TwinSummary
 from drill_twin.io.messages.cdr import JointStateTemplate
 from drill_twin.io.messages.diagnostics import Level, Status, encode_diagnostics
-from drill_twin.io.messages.encode import TwinEncoder
-from drill_twin.io.messages.topics import DIAGNOSTICS, ESTIMATE_STATE, RIG_STATE, TWIN_SUMMARY
+from drill_twin.io.messages.encode import TwinEncoder, encode_string
+from drill_twin.io.messages.topics import DIAGNOSTICS, ESTIMATE_STATE, RIG_STATE, TWIN_SCENE, TWIN_SUMMARY
 from drill_twin.io.samples import RigSample
 from drill_twin.io.scene_geometry import mark_infos
 from drill_twin.scene import load_scene
+from drill_twin.scene.blocks.severity import SeverityBounds
 from drill_twin.whirl import BitMotion, MotionCode, MotionState, StickSlip
 from drill_twin_dashboard.live.alarms import CHANNELS, SECONDS, Alarms, Trends, parse_limit
 from drill_twin_dashboard.live.page_state import PageState
 from drill_twin_dashboard.live.shown import Sources
-from drill_twin_dashboard.live.supervision import Supervision, stick_slip_lamp, whirl_lamp
+from drill_twin_dashboard.live.supervision import Supervision, lamp, stick_slip_lamp
 
 VALUES = dict.fromkeys(CHANNELS, 1.0) | {"rop": math.nan}
 
@@ -88,13 +90,28 @@ def test_a_limit_of_the_command_line_has_a_unit():
             parse_limit(wrong)
 
 
-def test_severity_of_the_lamps():
-    assert whirl_lamp(MotionCode.NOT_OBSERVABLE, 0.0).level is None
-    assert whirl_lamp(MotionCode.FIXED_AXIS, 0.3).level == 0
-    assert whirl_lamp(MotionCode.FORWARD_WHIRL, 0.4).level == 1
-    assert whirl_lamp(MotionCode.FORWARD_WHIRL, 0.95).level == 2
-    assert whirl_lamp(MotionCode.ROLLING, 0.0).level == 2
-    assert stick_slip_lamp(StickSlip()).level is None
+def test_a_lamp_tells_the_motion_and_its_colour_is_the_severity():
+    assert lamp("spiral", None) == (None, "spiral", "severity unknown")
+    found = [
+        lamp("spiral", Severity(grade, "lateral_rms", 9.80665 * value, "mark_2"))
+        for grade, value in zip(Grade, (0.02, 0.6, 2.6, 6.0, 12.0), strict=True)
+    ]
+    assert [one.level for one in found] == [0, 0, 1, 2, 2]
+    assert found[2].severity == "medium: lateral acceleration 2.6 g rms at mark_2"
+    assert stick_slip_lamp(StickSlip()) == (None, "not observable", "severity unknown")
+
+
+def test_a_bit_that_turns_backwards_is_severe():
+    seen = Supervision(recorded=False)
+    for k in range(4000):
+        swing = 1.1 * math.sin(math.tau * 0.02 * k / 5.5)
+        seen.rig(0.02 * k, {**VALUES, "rps": 2.0, "bit_rps": 2.0 + 2.0 * swing})
+    assert seen.lamps["stick_slip"].level == 2
+    assert seen.lamps["stick_slip"].text == "stick-slip"
+    assert seen.lamps["stick_slip"].severity.startswith("severe: stick-slip index 1.1")
+    assert seen.lamps["stick_slip"].severity.endswith(", the bit turns backwards")
+    (alarm,) = seen.snapshot()["alarms"]
+    assert alarm["text"].startswith("stick-slip: stick-slip, severe: stick-slip index 1.1")
 
 
 def test_the_lamp_of_stick_slip_goes_by_the_index_and_not_by_the_start_up():
@@ -109,33 +126,46 @@ def test_the_lamp_of_stick_slip_goes_by_the_index_and_not_by_the_start_up():
         seen.rig(time, {**VALUES, "rps": top / 60.0, "bit_rps": (bit + jitter) / 60.0})
         levels.setdefault(seen.lamps["stick_slip"].text, []).append(time)
         if round(time, 3) == 66.0:
-            assert seen.lamps["stick_slip"].share == pytest.approx(105.0 / 120.0, rel=0.08)
+            index = float(seen.lamps["stick_slip"].severity.removeprefix("medium: stick-slip index "))
+            assert index == pytest.approx(105.0 / 120.0, rel=0.08)
     assert list(levels) == ["start-up", "steady rotation", "torsional vibration", "at rest"]
     assert levels["torsional vibration"][0] < 40.0 + 5.5
     assert levels["at rest"][-1] > 150.0
     assert [(row["text"], row["active"]) for row in seen.snapshot()["alarms"]] == [
-        ("stick-slip: torsional vibration", False)
+        ("stick-slip: torsional vibration, medium: stick-slip index 0.88", False)
     ]
 
 
-def test_a_string_on_the_low_side_of_a_deviated_hole_is_not_severe_for_its_radius():
-    levels = {}
-    for name in ("pa6_bench", "well_b"):
-        page, marks = PageState(), mark_infos(load_scene(name))
-        summary = TwinSummary(marks)
-        summary.add(0, RigSample(1.0, 1.0, 1.0, 0.0))
-        radii = np.array([mark.clearance for mark in marks])
-        motion = Motion(MotionState.FORWARD_WHIRL, radii, BitMotion.STEADY, math.nan)
-        page.update(TWIN_SUMMARY, summary.encode(0, motion, "hole"))
-        picture = page.snapshot()
-        assert picture["motion"]["whirls"]
-        levels[name] = picture["lamps"]["whirl"]["level"]
-    assert levels == {"pa6_bench": 2, "well_b": 1}
+@pytest.mark.parametrize(
+    ("state", "size", "own", "level", "told"),
+    [
+        (MotionState.ROLLING, 0.03, None, 0, "none: lateral acceleration 0.03 g rms at mark_2"),  # it creeps
+        (MotionState.ROLLING, 2.6, None, 1, "medium: lateral acceleration 2.6 g rms at mark_2"),
+        (MotionState.FIXED_AXIS, 9.0, None, 2, "severe: lateral acceleration 9 g rms at mark_2"),  # and no whirl
+        (MotionState.ROLLING, 0.03, (0.01, 0.02, 0.03, 0.04), 2, "severe: lateral acceleration 0.03 g rms at mark_2"),
+        (MotionState.NOT_OBSERVABLE, 2.6, None, None, "severity unknown"),
+    ],
+)  # fmt: skip
+def test_the_lamp_of_whirl_has_the_severity_of_the_lateral_acceleration(state, size, own, level, told):
+    scene = load_scene("pa6_bench")
+    if own:
+        block = SeverityBounds(source="manual of a tool", lateral_rms=own)
+        scene = scene.model_copy(update={"severity": block})
+    page, marks, step = PageState(), mark_infos(scene), 10_000_000
+    page.update(TWIN_SCENE, encode_string(scene.to_yaml()))
+    summary, omega = TwinSummary(marks, scene.severity_bounds), 12.0
+    for stamp in range(step, 100 * step, step):
+        orbit = size * 9.80665 / omega**2 * np.exp(1j * omega * stamp * 1e-9)
+        summary.add(stamp, RigSample(1.0, 1.0, 1.0, 0.0), orbit * np.array([0.5, 1.0, 0.5, 0.5]))
+    page.update(TWIN_SUMMARY, summary.encode(stamp, Motion(state, BitMotion.STEADY, math.nan), "hole"))
+    shown = page.snapshot()["lamps"]["whirl"]
+    assert shown == {"level": level, "text": state.value, "severity": told}
+    assert [row["text"] for row in page.snapshot()["alarms"]] == [f"whirl: {state.value}, {told}"] * bool(level)
 
 
 def test_a_code_that_nobody_knows_is_skipped_and_counted():
     page = PageState()
-    odd = JointStateTemplate(("whirl", "whirl_severity"), velocity=False, effort=False)
+    odd = JointStateTemplate(("whirl", "lateral_rms/mark"), velocity=False, effort=False)
     for number, code in enumerate((99.0, math.nan, math.inf)):
         page.update(TWIN_SUMMARY, odd.fill(number, [code, 1.0]))
     assert len(page.skipped) == 3
@@ -185,10 +215,12 @@ def test_estimates_are_shown_with_their_bands_until_the_estimator_is_gone():
 def test_motions_raise_alarms_and_are_logged_once():
     seen = Supervision(recorded=False)
     calm, forward = MotionCode.FIXED_AXIS, MotionCode.FORWARD_WHIRL
-    for code in (calm, calm, forward, forward, MotionCode.SPIRAL):
-        seen.light("whirl", whirl_lamp(code, 0.5))
-    assert [row["text"] for row in seen.snapshot()["alarms"]] == ["whirl: spiral"]
-    said = [f"whirl: {calm.state.value}", "whirl: forward whirl", "whirl: spiral"]
+    told = "medium: lateral acceleration 2.5 g rms at mark_1"
+    hard = Severity(Grade.MEDIUM, "lateral_rms", 25.0, "mark_1")
+    for code, found in ((calm, None), (calm, None), (forward, hard), (forward, hard), (MotionCode.SPIRAL, hard)):
+        seen.light("whirl", lamp(code.state.value, found))
+    assert [row["text"] for row in seen.snapshot()["alarms"]] == [f"whirl: spiral, {told}"]
+    said = [f"whirl: {calm.state.value}", f"whirl: forward whirl, {told}", f"whirl: spiral, {told}"]
     assert _texts(seen.alarms) == said
 
 
