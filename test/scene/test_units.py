@@ -50,6 +50,8 @@ from drill_twin.core.units.registry import registry
         ("2 N/m", dim.FORCE_PER_LENGTH, 2.0),
         ("20 cP", dim.VISCOSITY, 0.02),
         ("2 min", dim.TIME, 120.0),
+        ("2 g", dim.ACCELERATION, 2.0 * 9.80665),
+        ("2 g", dim.MASS, 0.002),
         ("30 %", dim.DIMENSIONLESS, 0.3),
         ("-.5e-3 m", dim.LENGTH, -0.0005),
     ],
