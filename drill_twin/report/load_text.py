@@ -107,7 +107,7 @@ def severity_rows(summary: Summary) -> Iterator[Row]:
         if quantity == "bending_stress" and (cycles := summary["bending_cycles_per_second"]) is not None:
             more += f", {cycles:.2g} cycles a second"
         given = "not graded" if row["grade"] is None else Grade(row["grade"]).word
-        why = f" ({row['why']})" if "why" in row else ""
+        why = f" ({row['why']})" * bool(row["why"])
         yield words, f"{value}{more}: {given}{why}"
     if wear := {mark: power for mark, power in summary["wear_power_w"].items() if power is not None}:
         worst = max(wear, key=lambda mark: wear[mark])

@@ -26,7 +26,7 @@ from drill_twin.report.string_curve import along_hole, arc_of, refined
 from drill_twin.scene import Scene
 from drill_twin.scene.set_points import extremes
 from drill_twin.whirl.motion.stick_slip_index import REST
-from drill_twin.whirl.spectrum import WINDOW, centre_line, precession_record
+from drill_twin.whirl.spectrum import WINDOW, precession_record
 
 
 def settled_from(bag: Recording) -> float:
@@ -172,16 +172,13 @@ def precession(recording: Recording) -> dict[str, Any]:
         return result
     mark = [place.name for place in recording.places].index(found.frequency_mark)
     end = math.inf if found.whirl_end_s is None else found.whirl_end_s
-    whirl, marks, place = recording.whirl, recording.marks, recording.places[mark]
+    whirl, marks = recording.whirl, recording.marks
     common, of_whirl, of_marks = np.intersect1d(whirl.time, marks.time, return_indices=True)
     chosen = (common >= found.onset_s) & (common <= end)
     time, at, seen = common[chosen], of_whirl[chosen], of_marks[chosen]
-    column = marks.names.index(place.name)
-    x, y = np.moveaxis(marks.position[seen, column, :2], -1, 0)
-    spin = marks.spin[seen, column] if place.on == "wall" else None
     record = precession_record(
         time, whirl.precession[at, mark], whirl.ratio[at, mark], whirl.orbit_radius[at, mark],
-        centre_line(x, y, spin, place.wall_offset), rotation,
+        recording.centre_lines()[seen, mark], rotation,
     )  # fmt: skip
     result["whirl_frequency_interval_hz"] = record.interval_hz
     result["spectrum_lines"] = [{"frequency_hz": line.frequency, "radius_m": line.radius} for line in record.lines]

@@ -32,8 +32,8 @@ def severity(bag: Recording) -> dict[str, Any]:
     * `severity`: the worst of `severity_by_quantity`: `grade` (0 to 4), `word`, `quantity`, `value` [SI], `place`, and
       `why`, empty where the value alone decides.
     * `severity_by_quantity`: by field of `core.severity.Bounds` the `value` where it is largest, its `place` and
-      `grade`; with `why`, where the grade is None, since bounds of this program do not hold there (wall force on
-      collars, stress of another material than steel), or where something else than the value decides.
+      `grade`; `why` is not empty where the grade is None, since bounds of this program do not hold there (wall force
+      on collars, stress of another material than steel), or where something else than the value decides.
     * `severity_source`: source of the bounds that the scene gives; None where none is given.
     * `acceleration`: by mark `lateral_rms_m_s2`, `lateral_peak_m_s2`, `axial_rms_m_s2`, `axial_peak_m_s2`; of the
       centre line, without gravity, from positions at the rate `acceleration_rate_hz`: a shock shorter than two samples
@@ -47,72 +47,60 @@ def severity(bag: Recording) -> dict[str, Any]:
     """
     own = bag.scene.severity if bag.scene_known else None
     bounds = DEFAULT if own is None else own.bounds
-    rate, found = _accelerations(bag)
+    rate, found, wear = _of_marks(bag)
     values = [(key.removesuffix("_m_s2"), size, mark) for mark, row in found.items() for key, size in row.items()]
     time = bag.poses.time if bag.scene_known and len(bag.poses) else np.zeros(0)
     late, cycles = np.flatnonzero(time >= settled_from(bag)), None
     if (fibre := fibre_stress(bag, late)) is not None:
-        force, where = force_on_joint(bag, late)
-        values.append(("wall_force", force, f"{bag.units.text(where, 'length')} from the bit"))
-        values.append(("bending_stress", fibre[0], f"{bag.units.text(fibre[1], 'length')} from the bit"))
+        for quantity, (value, place) in (("wall_force", force_on_joint(bag, late)), ("bending_stress", fibre[:2])):
+            values.append((quantity, value, f"{bag.units.text(place, 'length')} from the bit"))
         cycles = _cycles(bag, time[late], fibre[2])
     rows: dict[str, dict[str, Any]] = {}
-    for quantity, value, place in sorted((one for one in values if math.isfinite(one[1])), key=itemgetter(1)):
-        rows[quantity] = {"grade": grade(quantity, value, bounds), "value": value, "place": place}  # the largest last
-    for quantity, holds, why in (
-        ("wall_force", False, "its bounds are of tool joints in casing"),
-        ("bending_stress", rows and _of_steel(bag), "its bounds are of steel"),
-    ):
-        if quantity in rows and not holds and getattr(bounds, quantity) == getattr(DEFAULT, quantity):
-            rows[quantity] |= {"grade": None, "why": why}
+    for quantity, value, mark in sorted((one for one in values if math.isfinite(one[1])), key=itemgetter(1)):
+        why = _not_graded(bag, quantity) if getattr(bounds, quantity) == getattr(DEFAULT, quantity) else ""
+        known = None if why else grade(quantity, value, bounds)
+        rows[quantity] = {"grade": known, "value": value, "place": mark, "why": why}  # the largest is the last
     if torsion := _torsion(bag, bounds):
         rows["stick_slip"] = torsion
     graded = [Severity(row["grade"], name, row["value"], row["place"]) for name, row in rows.items()
               if row["grade"] is not None]  # fmt: skip
     decides = max(graded, default=None, key=lambda one: one.order(bounds))
     return {
-        "severity": decides and {**decides.entry, "why": rows[decides.quantity].get("why", "")},
+        "severity": decides and {**decides.entry, "why": rows[decides.quantity]["why"]},
         "severity_by_quantity": rows,
         "severity_source": own and own.source,
         "acceleration_rate_hz": rate,
         "acceleration": found,
-        "wear_power_w": _wear(bag),
+        "wear_power_w": wear,
         "bending_cycles_per_second": cycles,
         **_drilling(bag),
     }
 
 
-def _accelerations(bag: Recording) -> tuple[float | None, dict[str, dict[str, float]]]:
-    """Rate of the samples [Hz] and, by mark, `acceleration` of `severity`; empty without marks or of a sub."""
+def _of_marks(bag: Recording) -> tuple[float | None, dict[str, dict[str, float]], dict[str, float]]:
+    """Rate of the samples [Hz] and, by mark, `acceleration` and `wear_power_w`; empty without marks or of a sub."""
     late = bag.marks.time >= settled_from(bag)
     if late.sum() < 3 or bag.sub or not bag.places or bag.summary.quality.samples_per_revolution < FEWEST_SAMPLES:
-        return None, {}
+        return None, {}, {}
     time, columns = bag.marks.time[late], [bag.marks.names.index(place.name) for place in bag.places]
-    step, lateral = accelerations(time, bag.centre_lines()[late])
+    centre, push = bag.centre_lines()[late], bag.marks.wall_force[late][:, columns, :2]
+    step, lateral = accelerations(time, centre)
     _, axial = accelerations(time, bag.marks.position[late][:, columns, 2])
-    found = {}
-    for mark, place in enumerate(bag.places):
-        values = (*sizes(lateral[:, mark]), *sizes(axial[:, mark]))
-        names = (f"{way}_{size}_m_s2" for way in ("lateral", "axial") for size in ("rms", "peak"))
-        found[place.name] = dict(zip(names, values, strict=True))
-    return 1.0 / step, found
-
-
-def _of_steel(bag: Recording) -> bool:
-    return bag.scene_known and all(STEEL[0] <= tube.youngs_modulus <= STEEL[1] for tube in tubes_of(bag.scene))
-
-
-def _wear(bag: Recording) -> dict[str, float]:
-    """By mark, `wear_power_w` of `severity`; empty without forces."""
-    late = bag.marks.time >= settled_from(bag)
-    if late.sum() < 3 or bag.sub or not bag.places or not np.isfinite(bag.marks.wall_force).any():
-        return {}
-    centre, columns = bag.centre_lines()[late], [bag.marks.names.index(place.name) for place in bag.places]
-    force = np.linalg.norm(bag.marks.wall_force[late][:, columns, :2], axis=-1)
-    around = (np.gradient(centre, bag.marks.time[late], axis=0) * np.exp(-1j * np.angle(centre))).imag
+    around = (np.gradient(centre, time, axis=0) * np.exp(-1j * np.angle(centre))).imag
     rim = np.array([place.wall_offset for place in bag.places]) * bag.marks.spin_rate[late][:, columns]
-    power = force * np.abs(around + rim)
-    return {place.name: float(power[:, mark].mean()) for mark, place in enumerate(bag.places)}
+    power, found = (np.linalg.norm(push, axis=-1) * np.abs(around + rim)).mean(axis=0), {}
+    names = [f"{way}_{size}_m_s2" for way in ("lateral", "axial") for size in ("rms", "peak")]
+    for mark, place in enumerate(bag.places):
+        found[place.name] = dict(zip(names, (*sizes(lateral[:, mark]), *sizes(axial[:, mark])), strict=True))
+    return 1.0 / step, found, dict(zip(found, power.tolist(), strict=True))
+
+
+def _not_graded(bag: Recording, quantity: str) -> str:
+    """Why the bounds of this program do not hold for a quantity; empty where they do."""
+    if quantity == "wall_force":
+        return "its bounds are of tool joints in casing"
+    steel = quantity != "bending_stress" or all(STEEL[0] <= t.youngs_modulus <= STEEL[1] for t in tubes_of(bag.scene))
+    return "" if steel else "its bounds are of steel"
 
 
 def _cycles(bag: Recording, time: Array, stress: Array) -> float | None:
@@ -132,11 +120,10 @@ def _torsion(bag: Recording, bounds: Bounds) -> dict[str, Any] | None:
     found = torsion_grade(motion, math.nan if index is None else index, bounds, backwards=backwards)
     if found is None:
         return None
-    backwards = backwards and found is Grade.SEVERE
-    told = motion in {BitMotion.AT_REST, BitMotion.STANDS, BitMotion.DECAYING}
-    why = {"why": "the bit turns backwards" if backwards else motion.value} if backwards or told else {}
+    why = motion.value if motion in {BitMotion.AT_REST, BitMotion.STANDS, BitMotion.DECAYING} else ""
+    why = "the bit turns backwards" if backwards and found is Grade.SEVERE else why
     none = 0.0 if motion is BitMotion.AT_REST else math.inf
-    return {"grade": found, "value": none if index is None else index, "place": "", **why}
+    return {"grade": found, "value": none if index is None else index, "place": "", "why": why}
 
 
 def _drilling(bag: Recording) -> dict[str, float | None]:

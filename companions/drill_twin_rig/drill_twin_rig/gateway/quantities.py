@@ -12,7 +12,6 @@ import numpy as np
 
 from drill_twin.core.errors import MessageError
 from drill_twin.core.rig_channels import FIELDS, channel_of
-from drill_twin.core.severity import Grade
 from drill_twin.core.units import Dimension
 from drill_twin.core.units.dimension import ACCELERATION, ANGULAR_SPEED, DIMENSIONLESS, FORCE, LENGTH, TIME
 from drill_twin.dynamics.sensors.subs import SUMMARY
@@ -65,7 +64,6 @@ _SEVERITIES = {
     "severity": "lateral acceleration and stick-slip",
     "lateral_severity": "lateral acceleration in the last 5 s",
 }
-_GRADES = ", ".join(f"{grade:d} {grade.word}" for grade in Grade)
 _SAFE = {
     f"safe_{name}_{end}": f"{which} {words} of the window of the operating map that stays calm"
     for name, words in (("weight", "weight on bit"), ("rotation", "speed"))
@@ -102,7 +100,7 @@ QUANTITIES = {
         DIMENSIONLESS,
         "motion of the string: " + ", ".join(f"{code:d} {code.state.value}" for code in MotionCode),
     ),
-    **{name: RigQuantity(TWIN_SUMMARY, DIMENSIONLESS, f"grade of severity of {what}: " + _GRADES)
+    **{name: RigQuantity(TWIN_SUMMARY, DIMENSIONLESS, f"severity of {what}, 0 none to 4 severe")
        for name, what in _SEVERITIES.items()},
     "whirl_detected": RigQuantity(WHIRL_ONSET, DIMENSIONLESS, "1 once a whirl has begun, else 0"),
     "whirl_onset": RigQuantity(WHIRL_ONSET, TIME, "simulated time of the first onset of whirl"),
