@@ -16,8 +16,10 @@ from typing import Any, NamedTuple
 from drill_twin.core.units.dimension import GRAVITY
 from drill_twin.core.units.system import QUANTITIES, UnitSystem
 
-OF_THIS_PROGRAM = "bounds of this program, not of a vendor"
+OF_THIS_PROGRAM = "of this program, not of a vendor"
 """Source of the bounds that a scene does not give."""
+LAB = "lab"
+"""System of units of a bench, for which the bounds of downhole tools are not meant."""
 
 
 class Grade(IntEnum):
@@ -109,6 +111,11 @@ def told(entry: Mapping[str, Any] | None, units: UnitSystem) -> str:
     return (
         f"{entry['word']}: {decided}{' (' * bool(entry.get('why'))}{entry.get('why', '')}{')' * bool(entry.get('why'))}"
     )
+
+
+def whose_bounds(source: str | None, units: str) -> str:
+    """Text on where the bounds come from, for a page or a table: the source of the scene's, by its system of units."""
+    return source or f"{OF_THIS_PROGRAM}{', for tools of the field, not of a bench' * (units == LAB)}"
 
 
 def value_text(quantity: str, value: float | None, units: UnitSystem) -> str:

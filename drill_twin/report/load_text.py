@@ -6,15 +6,13 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from typing import Any
 
-from drill_twin.core.severity import OF_THIS_PROGRAM, WORDS, Grade, told, value_text
+from drill_twin.core.severity import WORDS, Grade, told, value_text, whose_bounds
 from drill_twin.core.units.system import UnitSystem, unit_system
 from drill_twin.whirl.motion.stick_slip_index import FULL, MODERATE, TIME_BASE
 
 Summary = Mapping[str, Any]
 Row = tuple[str, str]
 
-LAB = "lab"
-"""System of units of a bench, for which the bounds of downhole tools are not meant."""
 _STRETCHES = 5
 """Most periods of stick-slip that are listed."""
 _MOST = 0.95
@@ -113,8 +111,7 @@ def severity_rows(summary: Summary) -> Iterator[Row]:
         worst = max(wear, key=lambda mark: wear[mark])
         yield "wall force times sliding", f"{wear[worst]:.3g} W on average at {worst}: not graded, no bound is known"
     if summary["severity_by_quantity"]:
-        field = ", for tools of the field, not of a bench" * (summary["units"] == LAB)
-        yield "bounds of severity", summary["severity_source"] or f"{OF_THIS_PROGRAM.removeprefix('bounds ')}{field}"
+        yield "bounds of severity", whose_bounds(summary["severity_source"], summary["units"])
     assumed = ", of the rock that the scene assumes" if summary["version"] else ""
     if summary["rate_of_penetration_m_s"] is not None:
         yield "rate of penetration", f"{units.text(summary['rate_of_penetration_m_s'], 'rate', '.3g')}{assumed}"

@@ -43,7 +43,8 @@ def test_less_than_two_windows_has_no_interval():
 SUMMARY = {
     "run": 1, "runs": 1, "start_utc": None,
     "units": "si", "version": None, "acceleration": {}, "rate_of_penetration_m_s": None, "specific_energy_pa": None,
-    "severity": None, "severity_by_quantity": {}, "severity_source": None, "wear_power_w": {}, "applied": {"rotation_rad_s": None},
+    "severity": None, "severity_by_quantity": {}, "severity_source": None, "wear_power_w": {},
+    "bending_cycles_per_second": None, "applied": {"rotation_rad_s": None},
     "whirl_observable": True, "onset_s": 5.0, "onset_mark": "m", "onset_confidence": 1.0, "whirl_end_s": None,
     "lasting_motion": "irregular", "whirl_frequency_hz": None, "frequency_mark": "m", "whirl_ratio": None,
     "whirl_frequency_interval_hz": [-0.04, 0.63], "window_rev": 10.0, "rotation_rev_s": 2.0, "max_radius_m": {},

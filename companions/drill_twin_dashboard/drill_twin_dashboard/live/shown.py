@@ -13,6 +13,7 @@ from typing import Any
 
 from drill_twin.core.errors import MessageError, printable
 from drill_twin.core.files.json_files import read_json
+from drill_twin.core.severity import whose_bounds
 from drill_twin.core.units.system import QUANTITIES
 from drill_twin.dynamics.twin.frame import RigState
 from drill_twin.io.messages.decode import JointState
@@ -154,6 +155,7 @@ def shown_scene(scene: Scene) -> dict[str, Any]:
     return {
         "name": scene.name,
         "units": scene.unit_system.name,
+        "bounds": whose_bounds(scene.severity.source if scene.severity else None, scene.unit_system.name),
         "length": scene.length,
         "hole": scene.hole.radius,
         "well": well_geometry(scene, _STATIONS),

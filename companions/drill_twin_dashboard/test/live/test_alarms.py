@@ -160,6 +160,8 @@ def test_the_lamp_of_whirl_has_the_severity_of_the_lateral_acceleration(state, s
     page.update(TWIN_SUMMARY, summary.encode(stamp, Motion(state, BitMotion.STEADY, math.nan), "hole"))
     shown = page.snapshot()["lamps"]["whirl"]
     assert shown == {"level": level, "text": state.value, "severity": told}
+    ours = "of this program, not of a vendor, for tools of the field, not of a bench"
+    assert page.snapshot()["scene"]["bounds"] == ("manual of a tool" if own else ours)
     assert [row["text"] for row in page.snapshot()["alarms"]] == [f"whirl: {state.value}, {told}"] * bool(level)
 
 

@@ -51,6 +51,7 @@ function begin(scene, units) {
   sceneText = JSON.stringify(scene);
   state.trails = {};
   $("name").textContent = scene.name;
+  $("bounds").textContent = `bounds of severity: ${scene.bounds}`;
   unitsFor(scene, units);
   beginOrbits(scene);
   beginControls(scene);
