@@ -102,6 +102,8 @@ def severity_rows(summary: Summary) -> Iterator[Row]:
             continue
         value = value_text(quantity, row["value"], units)
         more = f" at {row['place']}" * bool(row["place"])
+        if (far := row["distance_from_bit_m"]) is not None:
+            more += f", {units.text(far, 'length')} from the bit"
         if quantity == "bending_stress" and (cycles := summary["bending_cycles_per_second"]) is not None:
             more += f", {cycles:.2g} cycles a second"
         given = "not graded" if row["grade"] is None else Grade(row["grade"]).word

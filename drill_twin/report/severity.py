@@ -21,7 +21,7 @@ from drill_twin.whirl.motion.stick_slip_index import TIME_BASE
 from drill_twin.whirl.severity import accelerations, sizes, torsion_grade, turns_backwards
 
 STEEL = (150e9, 230e9)
-"""Young's moduli of steel [Pa], 207 GPa, or less where a scene has that of a pipe with its joints; of titanium 115."""
+"""Young's moduli of steel [Pa], 207 GPa, or less where a scene has one modulus of pipe and joints; of titanium 115."""
 POSES_IN_A_CYCLE = 4.0
 """Fewest poses in a cycle of bending, by rotation and whirl, for cycles to be counted; 2 are the limit of Nyquist."""
 
@@ -31,9 +31,10 @@ def severity(bag: Recording) -> dict[str, Any]:
 
     * `severity`: the worst of `severity_by_quantity`: `grade` (0 to 4), `word`, `quantity`, `value` [SI], `place`, and
       `why`, empty where the value alone decides.
-    * `severity_by_quantity`: by field of `core.severity.Bounds` the `value` where it is largest, its `place` and
-      `grade`; `why` is not empty where the grade is None, since bounds of this program do not hold there (wall force
-      on collars, stress of another material than steel), or where something else than the value decides.
+    * `severity_by_quantity`: by field of `core.severity.Bounds` the `value` where it is largest, its `place` (mark, or
+      section, with its `distance_from_bit_m`) and `grade`; `why` is not empty where the grade is None, since bounds of
+      this program do not hold there (wall force on collars, stress of another material than steel), or where something
+      else than the value decides.
     * `severity_source`: source of the bounds that the scene gives; None where none is given.
     * `acceleration`: by mark `lateral_rms_m_s2`, `lateral_peak_m_s2`, `axial_rms_m_s2`, `axial_peak_m_s2`; of the
       centre line, without gravity, from positions at the rate `acceleration_rate_hz`: a shock shorter than two samples
@@ -51,15 +52,18 @@ def severity(bag: Recording) -> dict[str, Any]:
     values = [(key.removesuffix("_m_s2"), size, mark) for mark, row in found.items() for key, size in row.items()]
     time = bag.poses.time if bag.scene_known and len(bag.poses) else np.zeros(0)
     late, cycles = np.flatnonzero(time >= settled_from(bag)), None
+    distance: dict[str, float] = {}
     if (fibre := fibre_stress(bag, late)) is not None:
         for quantity, (value, place) in (("wall_force", force_on_joint(bag, late)), ("bending_stress", fibre[:2])):
-            values.append((quantity, value, f"{bag.units.text(place, 'length')} from the bit"))
+            values.append((quantity, value, bag.scene.string.section_at(place).name))
+            distance[quantity] = place
         cycles = _cycles(bag, time[late], fibre[2])
     rows: dict[str, dict[str, Any]] = {}
     for quantity, value, mark in sorted((one for one in values if math.isfinite(one[1])), key=itemgetter(1)):
         why = _not_graded(bag, quantity) if getattr(bounds, quantity) == getattr(DEFAULT, quantity) else ""
         known = None if why else grade(quantity, value, bounds)
         rows[quantity] = {"grade": known, "value": value, "place": mark, "why": why}  # the largest is the last
+        rows[quantity]["distance_from_bit_m"] = distance.get(quantity)
     if torsion := _torsion(bag, bounds):
         rows["stick_slip"] = torsion
     graded = [Severity(row["grade"], name, row["value"], row["place"]) for name, row in rows.items()
@@ -96,7 +100,7 @@ def _of_marks(bag: Recording) -> tuple[float | None, dict[str, dict[str, float]]
 
 
 def _not_graded(bag: Recording, quantity: str) -> str:
-    """Why the bounds of this program do not hold for a quantity; empty where they do."""
+    """Reason for which the bounds of this program do not hold for a quantity; empty where they do."""
     if quantity == "wall_force":
         return "its bounds are of tool joints in casing"
     steel = quantity != "bending_stress" or all(STEEL[0] <= t.youngs_modulus <= STEEL[1] for t in tubes_of(bag.scene))
@@ -123,7 +127,13 @@ def _torsion(bag: Recording, bounds: Bounds) -> dict[str, Any] | None:
     why = motion.value if motion in {BitMotion.AT_REST, BitMotion.STANDS, BitMotion.DECAYING} else ""
     why = "the bit turns backwards" if backwards and found is Grade.SEVERE else why
     none = 0.0 if motion is BitMotion.AT_REST else math.inf
-    return {"grade": found, "value": none if index is None else index, "place": "", "why": why}
+    return {
+        "grade": found,
+        "value": none if index is None else index,
+        "place": "",
+        "why": why,
+        "distance_from_bit_m": None,
+    }
 
 
 def _drilling(bag: Recording) -> dict[str, float | None]:

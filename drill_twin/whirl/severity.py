@@ -47,7 +47,7 @@ def accelerations(time: Array, values: ArrayLike) -> tuple[float, Array]:
 
 
 def sizes(found: ArrayLike) -> tuple[float, float]:
-    """Root mean square and largest size of the finite ones of accelerations, shape (T,); NaN without any."""
+    """Root mean square and largest size of the finite accelerations, shape (T,); NaN without any."""
     size = np.abs(found)
     known = size[np.isfinite(size)]
     return (math.sqrt(np.mean(known**2)), float(known.max())) if known.size else (math.nan, math.nan)

@@ -18,7 +18,7 @@ class SeverityBounds(Part):
     """Bounds of the grades low, medium, high and severe, rising; what is left out has a bound of this program."""
 
     source: Annotated[str, Field(min_length=1, max_length=500)]
-    """Where the bounds come from, such as the manual of a tool."""
+    """Source of the bounds, such as the manual of a tool."""
     lateral_rms: Annotated[tuple[Acceleration, ...], _FOUR] = severity.DEFAULT.lateral_rms
     """Lateral acceleration of the centre line, root mean square."""
     lateral_peak: Annotated[tuple[Acceleration, ...], _FOUR] = severity.DEFAULT.lateral_peak
