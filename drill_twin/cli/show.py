@@ -100,21 +100,17 @@ def _marks(summary: Mapping[str, Any]) -> Iterable[tuple[str, str, str, str]]:
 
 
 def _accelerations(found: Mapping[str, Any], summary: Mapping[str, Any]) -> Table:
-    """Acceleration of the marks in g, and the level of each."""
-    from drill_twin.core.units.dimension import GRAVITY
+    """Acceleration of the marks in g."""
+    from drill_twin.core.severity import value_text
+    from drill_twin.report.load_text import units_of
 
-    keys = [f"{way}_{size}" for way in ("lateral", "axial") for size in ("rms_m_s2", "peak_m_s2", "level")]
+    names, units = [f"{way}_{size}" for way in ("lateral", "axial") for size in ("rms", "peak")], units_of(summary)
     rows = [
-        (mark, *(f"{sizes[key]}" if key.endswith("level") else f"{sizes[key] / GRAVITY:.2g}" for key in keys))
-        for mark, sizes in found.items()
+        (mark, *(value_text(name, sizes[f"{name}_m_s2"], units) for name in names)) for mark, sizes in found.items()
     ]
     since, shortest = summary["settled_s"], 2e3 / summary["acceleration_rate_hz"]
-    title = (
-        f"acceleration in g from {since:.1f} s on, and level (0 to 7), without shocks shorter than {shortest:.3g} ms"
-    )
-    return Table(
-        ("mark", "lateral rms", "peak", "level", "axial rms", "peak", "level"), rows, title=title, right=range(1, 7)
-    )
+    title = f"acceleration from {since:.1f} s on, without shocks shorter than {shortest:.3g} ms"
+    return Table(("mark", "lateral rms", "peak", "axial rms", "peak"), rows, title=title, right=range(1, 5))
 
 
 _LINE_PERIOD = 10.0

@@ -9,11 +9,12 @@ from __future__ import annotations
 
 import math
 from bisect import bisect_right
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from enum import IntEnum
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from drill_twin.core.units.dimension import GRAVITY
+from drill_twin.core.units.system import QUANTITIES, UnitSystem
 
 OF_THIS_PROGRAM = "bounds of this program, not of a vendor"
 """Source of the bounds that a scene does not give."""
@@ -86,6 +87,36 @@ class Severity(NamedTuple):
     place: str = ""
     """Mark or part with this value; empty where the quantity is of the whole string."""
 
+    def order(self, bounds: Bounds) -> tuple[int, float]:
+        """Key by which of two severities the worse decides: the grade, then the value over its severe bound."""
+        return self.grade, self.value / getattr(bounds, self.quantity)[-1]
+
+    @property
+    def entry(self) -> dict[str, Any]:
+        """Entry of a summary: `grade`, `word`, `quantity`, `value` [SI] and `place`, in plain types."""
+        return {**self._asdict(), "grade": int(self.grade), "word": self.grade.word}
+
+
+def told(entry: Mapping[str, Any] | None, units: UnitSystem) -> str:
+    """Severity of a summary as text, with what decided it: `medium: lateral acceleration 2.6 g rms at mark_2`."""
+    if entry is None:
+        return "unknown"
+    name, _, kind = WORDS[entry["quantity"]].partition(", ")
+    value = value_text(entry["quantity"], entry["value"], units)
+    decided = " ".join(filter(None, (name, value, kind, entry["place"] and f"at {entry['place']}")))
+    return (
+        f"{entry['word']}: {decided}{' (' * bool(entry.get('why'))}{entry.get('why', '')}{')' * bool(entry.get('why'))}"
+    )
+
+
+def value_text(quantity: str, value: float | None, units: UnitSystem) -> str:
+    """Value in SI as text in the reader's unit, two digits or all before the point; "unknown" for None."""
+    if value is None:
+        return "unknown"
+    shown = QUANTITIES.get(UNITS[quantity])
+    number = float(units.show(value, shown)) if shown else value
+    return f"{number:{'.0f' if abs(number) >= 99.5 else '.2g'}} {getattr(units, shown) if shown else ''}".strip()
+
 
 def grade(quantity: str, value: float, bounds: Bounds = DEFAULT) -> Grade | None:
     """Grade of the value of a quantity in SI; None for NaN."""
@@ -102,4 +133,4 @@ def worst(found: Iterable[tuple[str, float, str]], bounds: Bounds = DEFAULT) -> 
         for quantity, value, place in found
         if (at := grade(quantity, value, bounds)) is not None
     ]
-    return max(known, default=None, key=lambda one: (one.grade, one.value / getattr(bounds, one.quantity)[-1]))
+    return max(known, default=None, key=lambda one: one.order(bounds))

@@ -6,13 +6,15 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from typing import Any
 
+from drill_twin.core.severity import OF_THIS_PROGRAM, WORDS, Grade, told, value_text
 from drill_twin.core.units.system import UnitSystem, unit_system
-from drill_twin.report.severity import level_text
 from drill_twin.whirl.motion.stick_slip_index import FULL, MODERATE, TIME_BASE
 
 Summary = Mapping[str, Any]
 Row = tuple[str, str]
 
+LAB = "lab"
+"""System of units of a bench, for which the bounds of downhole tools are not meant."""
 _STRETCHES = 5
 """Most periods of stick-slip that are listed."""
 _MOST = 0.95
@@ -93,20 +95,25 @@ def load_rows(summary: Summary) -> Iterator[Row]:
 
 
 def severity_rows(summary: Summary) -> Iterator[Row]:
-    """Rows on acceleration, its level, and drilling."""
-    units, found = units_of(summary), summary["acceleration"]
-    for name in ("lateral", "axial"):
-        if found:
-            mark = max(found, key=lambda mark: found[mark][f"{name}_rms_m_s2"])
-            rms, peak = (
-                units.text(found[mark][f"{name}_{size}_m_s2"], "acceleration", ".2g") for size in ("rms", "peak")
-            )
-            yield (
-                f"{name} acceleration",
-                f"{rms} rms, {peak} peak at {mark}: {level_text(found[mark][f'{name}_level'])}",
-            )
-    if (at := summary["stick_slip_level"]) is not None:
-        yield "stick-slip severity", level_text(at)
+    """Rows on severity with what decided it, its quantities, wear, and drilling."""
+    units, bending = units_of(summary), summary["bending"] or {}
+    if summary["severity"]:
+        yield "severity", told(summary["severity"], units)
+    for quantity, row in summary["severity_by_quantity"].items():
+        value = value_text(quantity, row["value"], units)
+        more = f" at {row['place']}" * bool(row["place"])
+        if quantity == "bending_stress" and (cycles := bending["cycles_per_second"]) is not None:
+            more += f", {cycles:.2g} cycles a second"
+        given = "not graded" if row["grade"] is None else Grade(row["grade"]).word
+        why = f" ({row['why']})" if "why" in row else ""
+        yield WORDS[quantity], f"{value}{more}: {given}{why}"
+    wear = {mark: row["wear_power_w"] for mark, row in summary["contact"].items() if row["wear_power_w"] is not None}
+    if wear:
+        worst = max(wear, key=lambda mark: wear[mark])
+        yield "wall force times sliding", f"{wear[worst]:.3g} W on average at {worst}: not graded, no bound is known"
+    if summary["severity_by_quantity"]:
+        field = ", for tools of the field, not of a bench" * (summary["units"] == LAB)
+        yield "bounds of severity", summary["severity_source"] or f"{OF_THIS_PROGRAM.removeprefix('bounds ')}{field}"
     assumed = ", of the rock that the scene assumes" if summary["version"] else ""
     if summary["rate_of_penetration_m_s"] is not None:
         yield "rate of penetration", f"{units.text(summary['rate_of_penetration_m_s'], 'rate', '.3g')}{assumed}"

@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from drill_twin.core import __version__
+from drill_twin.core.severity import Grade, told
 from drill_twin.core.table import Column, Table
 from drill_twin.io.bag.virtual_bags import RecordBag
 from drill_twin.io.messages.drawing.geometry import default_exaggeration
@@ -19,7 +20,6 @@ from drill_twin.report.charts import plotly_packed, view_data
 from drill_twin.report.figures import CAPTIONS, OVER_TIME, left_out
 from drill_twin.report.load_text import answers, applied, units_of
 from drill_twin.report.recording import Recording
-from drill_twin.report.severity import level_text
 from drill_twin.report.string_curve import FLAT, deviated
 from drill_twin.report.text import (
     NOT_VALIDATED,
@@ -33,6 +33,7 @@ from drill_twin.report.text import (
     transient,
 )
 from drill_twin.scene import Scene
+from drill_twin.whirl.motion.stick_slip_index import TIME_BASE
 
 _WIDTHS = (
     "The well as it is drilled; hole, string and its motion across the hole are drawn {:g} times as wide as they are. "
@@ -136,17 +137,16 @@ def card(value: float | str | None, form: str, name: str, none: str = "none") ->
 
 
 def _first_cards(summary: Mapping[str, Any]) -> str:
-    """Three numbers that tell a run: onset of whirl, stick-slip and lateral acceleration, with their levels."""
-    found, at = summary["acceleration"], summary["stick_slip_level"]
-    mark = max(found, key=lambda mark: found[mark]["lateral_rms_m_s2"], default=None)
-    rms = None if mark is None else units_of(summary).text(found[mark]["lateral_rms_m_s2"], "acceleration", ".2g")
-    level = "" if mark is None else f" rms at {mark}, {level_text(found[mark]['lateral_level'])}"
+    """Three things that tell a run: severity with what decided it, onset of whirl, stick-slip."""
+    word, _, decided = told(summary["severity"], units_of(summary)).partition(": ")
     ended = transient(summary)
     onset = f"onset of a transient, ended at {summary['whirl_end_s']:.2f} s" if ended else "onset of whirl"
-    index = "stick-slip index of the bit, last 20 s" + ("" if at is None else f", {level_text(at)}")
+    row = summary["severity_by_quantity"].get("stick_slip", {})
+    index = f"stick-slip index of the bit, last {TIME_BASE} s" + (f", {Grade(row['grade']).word}" if row else "")
     return _row(
-        card(summary["onset_s"], "{:.2f} s", onset), card(summary["stick_slip_index"], "{:.2f}", index, "unknown"),
-        card(rms, "{}", f"lateral acceleration{level}", "unknown"),
+        card(word, "{}", f"severity: {decided}" if decided else "severity"),
+        card(summary["onset_s"], "{:.2f} s", onset),
+        card(summary["stick_slip_index"], "{:.2f}", index, "unknown"),
     )  # fmt: skip
 
 

@@ -19,7 +19,7 @@ from drill_twin.dynamics.discretisation.resolution import mesh
 from drill_twin.dynamics.torque_drag.analysis import hole_and_string
 from drill_twin.physics.effects.wall import parameters as wall_parameters
 from drill_twin.physics.model.mesh import SPIN, Rod
-from drill_twin.physics.model.section_stress import bending_stress
+from drill_twin.physics.model.section_stress import bending_stress, curvature, outer_fibre
 from drill_twin.physics.model.wellbore import offsets
 from drill_twin.report.recording import Recording
 
@@ -72,13 +72,42 @@ def string_forces(recording: Recording, poses: slice = slice(None)) -> StringFor
 
 def bending_stress_at(recording: Recording, poses: NDArray[np.int64]) -> Array | None:
     """Largest bending stress of each element at chosen poses [Pa], shape (k, n); None where they are of no mesh."""
-    scene, rod = recording.scene, _mesh(recording)
-    if rod is None:
+    rod = _mesh(recording)
+    return None if rod is None else bending_stress(rod, tubes_of(recording.scene), _rows(recording, rod, poses))
+
+
+FIBRES = np.exp(-1j * np.pi * np.arange(12) / 12.0)
+"""Directions of the fibres on half of the circumference, the other half of which has the same ranges: 15 degrees
+apart, a range of stress in one plane is too small by 1 % at most."""
+
+
+def fibre_stress(recording: Recording, poses: NDArray[np.int64]) -> tuple[float, float, Array] | None:
+    """Fibre whose bending stress goes through the largest range over chosen poses, at an end of an element.
+
+    Returns:
+        Half of the range [Pa], distance from the bit [m], and stress at the poses [Pa], shape (k,), less what is
+        constant in the turning material, as a bow; None where the poses are of no mesh.
+    """
+    if (rod := _mesh(recording)) is None or not len(poses):
         return None
+    u, n = _rows(recording, rod, poses), rod.length.size
+    about, tangent = curvature(rod, u)[:, :, ::2], u[:, :, 3:6] / np.linalg.norm(u[:, :, 3:6], axis=-1, keepdims=True)
+    ends = np.stack((np.arange(n), np.arange(n) + 1), axis=-1)  # nodes of the elements
+    t, spin = tangent[:, ends], recording.poses.spin[poses][:, ends]
+    along = about[..., 2] / (1.0 + t[..., 2])  # as in `section_stress.material_strain`
+    bent = (about[..., 0] - t[..., 0] * along + 1j * (about[..., 1] - t[..., 1] * along)) * np.exp(-1j * spin)
+    bent *= outer_fibre(rod, tubes_of(recording.scene))[:, None]
+    half = np.stack([0.5 * np.ptp((bent * way).real, axis=0) for way in FIBRES], axis=-1)
+    element, end, fibre = np.unravel_index(np.argmax(half), half.shape)
+    stress = (bent[:, element, end] * FIBRES[fibre]).real
+    return float(half.max()), float(rod.arc[element + end]), stress - stress.mean()
+
+
+def _rows(recording: Recording, rod: Rod, poses: NDArray[np.int64]) -> Array:
+    """Node rows (r, r', 0) at chosen poses, shape (k, n + 1, 7)."""
     position = recording.poses.position[poses]
     slopes = _strain(rod, position, recording.poses.tangent[poses])[1]
-    rows = np.concatenate([position, slopes, np.zeros((*position.shape[:2], 1))], axis=2)
-    return np.stack([bending_stress(rod, tubes_of(scene), u) for u in rows])
+    return np.concatenate([position, slopes, np.zeros((*position.shape[:2], 1))], axis=2)
 
 
 def _mesh(recording: Recording) -> Rod | None:

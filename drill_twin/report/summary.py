@@ -72,8 +72,8 @@ def summarise(bag: Recording | Bag | str | Path) -> dict[str, Any]:
         * `loads`: `mean` from `settled_s` on, `min` and `max` in all, of weight on bit, hookload and drag [N] and of
           the torques of top drive and bit [N m] (`drill_twin.report.quantities`); `block`: of the record of a rig,
           the weight of block and top drive in its hookload, and the time of the slips that show it.
-        * `acceleration`, `acceleration_rate_hz`, `stick_slip_level`, `rate_of_penetration_m_s`, `specific_energy_pa`:
-          `drill_twin.report.severity`.
+        * `severity`, `severity_by_quantity`, `severity_source`, `acceleration`, `acceleration_rate_hz`, `contact`,
+          `bending`, `rate_of_penetration_m_s`, `specific_energy_pa`: `drill_twin.report.severity`.
         * `surface`: of a recording without marks, gaps and spikes of the channels of the rig, swing of the torque, and
           the stick-slip index that it means for the string of the scene (`drill_twin.report.surface`).
         * `fatigue`: by section of the effect `fatigue`, stress, cycles, damage and time to a damage of 1

@@ -26,8 +26,6 @@ _OF_THE_STRING = {MotionState.SPIRAL.value, MotionState.SECOND_BENDING.value}
 """States of the string's shape, which no single mark can have."""
 FIELD_NAMES = {MotionState.ROLLING.value: "backward whirl", MotionState.IRREGULAR.value: "chaotic whirl"}
 """Field names of states that have another name here (vocabulary of D-WIS)."""
-LAB = "lab"
-"""System of units of a bench, for which the levels of downhole tools are not meant."""
 ON_THE_WALL = 1.005
 """Radius over the clearance from which a row tells how deep in the wall a mark was; not measured."""
 NOT_VALIDATED = """\
@@ -56,7 +54,7 @@ def findings(summary: Summary) -> Iterator[Row]:
         for rows in (load_rows, surface_rows, severity_rows, fatigue_rows, bit_rows):
             yield from rows(summary)
         return
-    yield "motion that lasts", f"{lasting(summary)}{_weak(summary)}"
+    yield "motion that lasts", lasting(summary)
     yield "onset of whirl", _onset(summary)
     yield "whirl frequency", _frequency(summary)
     if summary["spectrum_lines"]:
@@ -163,13 +161,6 @@ def lasting(summary: Summary) -> str:
         return state
     marks = sorted({periods[-1]["state"] for periods in summary["mark_motion"].values() if periods})
     return f"{state}, the shape of the string (its marks at the end: {', '.join(marks)})"
-
-
-def _weak(summary: Summary) -> str:
-    """Remark on whirl that is too weak for the levels of downhole tools; empty for a summary in laboratory units."""
-    levels = [found["lateral_level"] for found in summary["acceleration"].values()]
-    weak = summary["onset_s"] is not None and levels and max(levels) == 0 and summary["units"] != LAB
-    return "; its lateral acceleration is of level 0, which a downhole tool does not report" if weak else ""
 
 
 def _onset(summary: Summary) -> str:

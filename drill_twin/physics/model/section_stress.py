@@ -99,28 +99,36 @@ PLACES = np.array([0.0, 0.5, 1.0])
 
 
 def curvature(rod: Rod, u: Array) -> Array:
-    """Curvature |r' x r''| / |r'|^3 of the centre line at the ends and the middle of each element [1/m], shape (n, 3).
+    """Curvature r' x r'' / |r'|^3 of the centre line at the ends and the middle of each element [1/m].
 
     Args:
         rod: The string, n elements.
-        u: Node rows (r, r', psi), shape (n + 1, 7).
+        u: Node rows (r, r', psi), shape (..., n + 1, 7).
+
+    Returns:
+        Vectors about which the string is bent, shape (..., n, 3 places, 3).
     """
     n = rod.length.size
     shape = hermite(np.tile(PLACES, n), np.repeat(rod.length, 3)).reshape(n, 3, 3, 4)
-    ends = np.stack([u[:-1, 0:3], u[:-1, 3:6], u[1:, 0:3], u[1:, 3:6]], 1)
-    first, second = (np.einsum("npk,nkx->npx", shape[:, :, order], ends) for order in (1, 2))
-    return np.asarray(np.linalg.norm(np.cross(first, second), axis=-1) / np.linalg.norm(first, axis=-1) ** 3)
+    lower, upper = u[..., :-1, :], u[..., 1:, :]
+    ends = np.stack([lower[..., 0:3], lower[..., 3:6], upper[..., 0:3], upper[..., 3:6]], -2)
+    first, second = (np.einsum("npk,...nkx->...npx", shape[:, :, order], ends) for order in (1, 2))
+    return np.asarray(np.cross(first, second) / np.linalg.norm(first, axis=-1, keepdims=True) ** 3)
 
 
-def bending_stress(rod: Rod, tubes: list[Tube], u: Array) -> Array:
-    """Largest bending stress E r_o |q| of each element, at the outer fibre of its body [Pa], shape (n,).
+def outer_fibre(rod: Rod, tubes: list[Tube]) -> Array:
+    """Stress of the outer fibre over the curvature, E r_o, of each element [Pa m], shape (n,).
 
     Args:
         rod: The string, n elements.
         tubes: Its uniform pieces from the bit up.
-        u: Node rows (r, r', psi), shape (n + 1, 7).
     """
     tops = np.cumsum([tube.length for tube in tubes])
     middles = 0.5 * (rod.arc[:-1] + rod.arc[1:])
     modulus = np.array([tube.youngs_modulus for tube in tubes])[np.searchsorted(tops[:-1], middles)]
-    return np.asarray(modulus * rod.outer_radius * curvature(rod, u).max(axis=1))
+    return np.asarray(modulus * rod.outer_radius)
+
+
+def bending_stress(rod: Rod, tubes: list[Tube], u: Array) -> Array:
+    """Largest bending stress of each element, at the outer fibre of its body [Pa], shape (..., n); as `curvature`."""
+    return np.asarray(outer_fibre(rod, tubes) * np.linalg.norm(curvature(rod, u), axis=-1).max(axis=-1))
