@@ -7,18 +7,28 @@ from collections.abc import Callable, Iterator
 from dataclasses import asdict, dataclass
 from typing import Any
 
-from drill_twin.api.growth_limits import buckling, limits, rate
-from drill_twin.api.repeats import Repeats, Trial
+import numpy as np
+
+from drill_twin.api.repeats import Repeats, Trial, rate
 from drill_twin.api.result import Result
-from drill_twin.api.run_motion import SWING, TORSION, WHIRL
+from drill_twin.api.rotordynamics import modes_under, untimed_at
+from drill_twin.api.run_motion import TORSION, WHIRL
 from drill_twin.core.errors import BagError, RunError
 from drill_twin.core.table import Table
+from drill_twin.core.units.system import UnitSystem
+from drill_twin.dynamics.rotordynamics.campbell import growth_map
+from drill_twin.dynamics.rotordynamics.equations import EquationsOfMotion
 from drill_twin.dynamics.rotordynamics.modes import LATERAL, Mode, ModeTable
 from drill_twin.io.bag.virtual_bags import RecordBag
 from drill_twin.report.load_text import Summary
 from drill_twin.report.recording import Recording
 from drill_twin.report.text import lasting
-from drill_twin.whirl import BitMotion, MotionState
+from drill_twin.scene import Scene
+from drill_twin.scene.set_points.command import Command
+from drill_twin.whirl import MotionState
+
+STEPS = 20
+"""Shares of weight or speed at which the end of growth is sought."""
 
 
 @dataclass(frozen=True)
@@ -90,33 +100,32 @@ class _Search(Repeats):
         if not self.problems:
             calm = f"The run has no problem: it does not whirl, at {self.point} at its end."
             return Cause((calm, self.mode_text(table, fastest)))
-        sentences, sought, ends = [], "The cause", list[str]()
+        sentences, buckled, ends = [], "", list[str]()
         if WHIRL in self.problems:
             sentences += [self.what(), self.mode_text(table, fastest)]
         if table is not None and table.on_axis and fastest is not None and fastest.growth > 0.0:
             try:
-                if buckled := buckling(self.scene, self.steady):
-                    sentences[-1] += buckled
-                    sought = "Buckling takes it off the axis; what then makes it whirl"
+                buckled = buckling(self.scene, self.steady)
+                sentences[-1] += buckled
                 ends = [limits(self.scene, self.steady, self.units)]
             except RunError as error:
                 ends = [f"The weight and speed at which the growth ends are not known ({error})."]
         sentences += [self.motion_text(problem) for problem in self.problems if problem != WHIRL]
         trials, causes = tuple(self.trials()), list[str]()
         for problem in self.problems:
-            named = self.causes(problem, trials)
+            named = self.causes(problem, trials, buckled=bool(buckled))
             causes += [trial.change for trial in named if trial.change not in causes]
-            sentences.append(self.named(problem, named, trials, sought if problem == WHIRL else "The cause"))
+            sentences.append(self.named(problem, named, trials))
         for problem in self.problems:
             ends.append(self.cures(problem, [trial for trial in trials[1:] if not trial.of_effects]))
         return Cause((*sentences, *ends), tuple(causes), trials)
 
     def what(self) -> str:
         """Whirl or swing of the run."""
-        size = self.recorded.text(WHIRL, self.units)
+        size = self.recorded.text(WHIRL)
         if self.onset is None:
-            kind = "Swing in a plane, which is no whirl" if self.summary["lasting_motion"] == SWING else "No whirl"
-            return f"{kind}: {size}, at {self.point}."
+            kind = "Swing in a plane, which is no whirl" if self.recorded.swings else "No whirl"
+            return f"{kind}, at {self.point}; {size}."
         frequency, ratio = self.summary["whirl_frequency_hz"], self.summary["whirl_ratio"]
         pace = "" if frequency is None else f" at {frequency:.2f} Hz, {ratio:.2f} of the rotation"
         end = self.summary["whirl_end_s"]
@@ -129,7 +138,7 @@ class _Search(Repeats):
     def motion_text(self, problem: str) -> str:
         """Axial motion or torsion of the run."""
         kind = f"{self.summary['bit']}".capitalize() if problem == TORSION else "Axial motion"
-        return f"{kind} at {self.point}: {self.recorded.text(problem, self.units)}."
+        return f"{kind}, at {self.point}; {self.recorded.text(problem)}."
 
     def mode_text(self, table: ModeTable | None, fastest: Mode | None) -> str:
         """The mode that grows fastest and the one nearest to the whirl."""
@@ -153,25 +162,28 @@ class _Search(Repeats):
             f"whirl, at {near.frequency:.2f} Hz, {rate(near.growth)}."
         )
 
-    def causes(self, problem: str, trials: tuple[Trial, ...]) -> list[Trial]:
-        """Repeats that name the cause of a problem: the longer one where the motion dies away, else effects."""
-        dies = problem == TORSION and self.summary["bit"] == BitMotion.DECAYING.value
-        if dies or problem in trials[0].cures:
+    def causes(self, problem: str, trials: tuple[Trial, ...], *, buckled: bool) -> list[Trial]:
+        """Repeats that name the cause: the longer one where the motion dies away, else effects, else less weight."""
+        if (problem == TORSION and self.recorded.decays) or problem in trials[0].cures:
             return [trials[0]]
-        return [trial for trial in trials if trial.of_effects and problem in trial.cures]
+        cures = [trial for trial in trials if problem in trial.cures]
+        of_weight = [trial for trial in cures if buckled and problem == WHIRL and "of the weight" in trial.change]
+        return [trial for trial in cures if trial.of_effects] or of_weight
 
-    def named(self, problem: str, causes: list[Trial], trials: tuple[Trial, ...], sought: str) -> str:
-        """The cause of a problem, or what is sought and was checked."""
+    def named(self, problem: str, causes: list[Trial], trials: tuple[Trial, ...]) -> str:
+        """The cause of a problem, or what was checked."""
         of = f" of the {problem}" * (len(self.problems) > 1 or problem != WHIRL)
-        if causes and causes[0] is trials[0]:
-            return f"Cause{of}: what the start set off, it dies away; {causes[0].change}: {causes[0].outcome}."
-        told = [f"{trial.change}: {trial.outcome}" for trial in trials if trial.of_effects]
-        if causes:
-            forced = problem == WHIRL and self.summary["lasting_motion"] == MotionState.SYNCHRONOUS_WHIRL.value
-            each = " (each change alone takes it away)" * (len(causes) > 1)
-            found = "; ".join(f"{trial.change} the same run gives {trial.outcome}" for trial in causes)
-            return f"Cause{of}{' (forced, at the speed of rotation)' * forced}{each}: {found}."
-        return f"{sought}{of} is not known; repeats of the run that were checked: {'; '.join(told) or 'none'}."
+        if not causes:
+            told = "; ".join(f"{trial.change}: {trial.outcome}" for trial in trials if trial.of_effects)
+            return f"The cause{of} is not known; repeats of the run that were checked: {told or 'none'}."
+        found = "; ".join(f"{trial.change}: {trial.outcome}" for trial in causes)
+        if causes[0] is trials[0]:
+            return f"Cause{of}: what the start set off, which dies away; {found}."
+        if not causes[0].of_effects:
+            return f"Cause{of}: the weight buckles the string; {found}."
+        forced = problem == WHIRL and self.summary["lasting_motion"] == MotionState.SYNCHRONOUS_WHIRL.value
+        each = " (each change alone takes it away)" * (len(causes) > 1)
+        return f"Cause{of}{' (forced, at the speed of rotation)' * forced}{each}: {found}."
 
     def cures(self, problem: str, trials: list[Trial]) -> str:
         """Sentence on which of less weight, speed or wall friction cures a problem."""
@@ -179,3 +191,37 @@ class _Search(Repeats):
         if found := [f"{trial.change}: {trial.outcome}" for trial in trials if problem in trial.cures]:
             return f"Cure{of}: {'; '.join(found)}."
         return f"None of these cures it{of}: {', '.join(trial.change for trial in trials)}." if trials else ""
+
+
+def buckling(scene: Scene, command: Command) -> str:
+    """Sentence that the weight buckles a string on the axis, with a space before it; empty where it does not.
+
+    Raises:
+        RunError: There is no balance.
+    """
+    at_rest = modes_under(scene, Command(command.weight_on_bit, 0.0)).fastest(LATERAL)
+    if at_rest is None or at_rest.growth <= 0.0:
+        return ""
+    return f" The weight buckles the string: without rotation, too, it leaves the axis with {at_rest.growth:.2g} 1/s."
+
+
+def limits(scene: Scene, command: Command, units: UnitSystem) -> str:
+    """Sentence on the largest lower weight and speed at which no lateral mode about the axis grows.
+
+    Raises:
+        RunError: The hole is not vertical, or there is no balance.
+    """
+    equations, shares = EquationsOfMotion(untimed_at(scene, command)), np.arange(1, STEPS + 1) / STEPS
+    weight, speed = command.weight_on_bit, command.rotation
+    by_weight = growth_map(equations, weight * shares, np.array([speed])).lateral[:, 0]
+    by_speed = growth_map(equations, np.array([weight]), speed * shares).lateral[0]
+    found = []
+    for name, quantity, value, growth in (
+        ("weight", "force", weight, by_weight),
+        ("speed", "rotation", speed, by_speed),
+    ):
+        if (quiet := np.flatnonzero(growth <= 0.0)).size:
+            found.append(f"when the {name} alone falls to {units.text(value * shares[quiet[-1]], quantity)}")
+        else:
+            found.append(f"at no lower {name} alone")
+    return f"The growth about the axis ends {', and '.join(found)} (sought in steps of {1 / STEPS:.0%})."

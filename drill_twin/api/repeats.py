@@ -10,9 +10,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from drill_twin.api.growth_limits import modes_under, rate
 from drill_twin.api.recorded_run import planned
-from drill_twin.api.run_motion import PROBLEMS, TORSION, WHIRL, Motion, graded
+from drill_twin.api.rotordynamics import modes_under
+from drill_twin.api.run_motion import PROBLEMS, TORSION, WHIRL, Motion
 from drill_twin.api.simulation import Simulation
 from drill_twin.core.errors import RunError, SceneError
 from drill_twin.core.severity import Grade
@@ -26,7 +26,7 @@ from drill_twin.scene.blocks.top_drive import TopDrive
 from drill_twin.scene.load import override
 from drill_twin.scene.schema import number_at
 from drill_twin.scene.set_points import Command
-from drill_twin.whirl import BitMotion, MotionState
+from drill_twin.whirl import MotionState
 
 AFTER_ONSET = 30.0
 """Simulated time after the onset at which repeats end, where the run is longer [s]."""
@@ -102,7 +102,7 @@ class Repeats:
             frames = min(frames, math.ceil((self.onset + AFTER_ONSET) / self.period))
         self.is_whole = frames == len(recorded.commands)
         self.commands, self.rig, self.unknown_modes = recorded.commands[:frames], recording.rig, ""
-        self.recorded = Motion(summary, graded(summary, self.scene.severity_bounds))
+        self.recorded = Motion(summary, self.scene.severity_bounds)
         self.problems = tuple(problem for problem in PROBLEMS if self.recorded.has(problem))
 
     @cached_property
@@ -195,7 +195,7 @@ class Repeats:
         self, change: str, scene: Scene, weight: float = 1.0, speed: float = 1.0, *, of_effects: bool = False,
         more: float = 0.0,
     ) -> Trial:  # fmt: skip
-        """A repeat with shares of weight and speed, or `more` time [s]; where it cures the run, repeats beside it too."""
+        """A repeat with shares of weight and speed, or `more` time [s]; repeats beside it where it cures the run."""
         try:
             found, growth = self.played(scene, weight, speed, more), None
             if not found.whirls:
@@ -230,7 +230,7 @@ class Repeats:
         commands = [*self.commands, *held]
         simulation.play([Command(weight * one.weight_on_bit, speed * one.rotation, one.block) for one in commands])
         summary = simulation.result().summary
-        return Motion(summary, graded(summary, self.scene.severity_bounds))
+        return Motion(summary, self.scene.severity_bounds)
 
     @cached_property
     def beside(self) -> dict[float, Motion]:
@@ -248,10 +248,8 @@ class Repeats:
             growth: Of the repeat's fastest lateral mode [1/s]; None where it is not known.
             less: A set-point is lowered: then the grade alone decides, where it has fallen.
         """
-        falls = run.grade(problem) >= Grade.MEDIUM and found.grade(problem) <= Grade.LOW
+        falls = run.grade(problem) > Grade.LOW >= found.grade(problem)
         half = not found.size(problem) > LEFT * run.size(problem)  # NaN: not known
-        if problem == TORSION and found.summary["bit"] == BitMotion.STANDS.value:
-            return False
         if problem != WHIRL:
             return falls and (less or half)
         if not found.whirls:
@@ -263,19 +261,24 @@ class Repeats:
 
     def told(self, problem: str, found: Motion, growth: float | None) -> str:
         """What a repeat did, of one problem, in words."""
-        size, summary = found.text(problem, self.units), found.summary
+        size, summary = f"({found.text(problem)})", found.summary
         if problem != WHIRL:
-            return f"{size}, {summary['bit']}" if problem == TORSION else size
+            return f"{summary['bit'] if problem == TORSION else problem} {size}"
         left = found.size(WHIRL) / self.run.size(WHIRL)
         size += f", {left:.0%} of the run's" if math.isfinite(left) else ""
         if not found.whirls:
-            told = f"no whirl, {size}"
+            told = f"no whirl {size}"
             if growth is not None:
                 told += f"; {'but a' if growth > 0.0 else 'the slowest'} mode {rate(growth)}"
             return told + ", so it comes later" * (growth is not None and growth > 0.0)
         if (end := summary["whirl_end_s"]) is not None:
-            return f"the whirl ends at {end:.2f} s, {size}"
+            return f"the whirl ends at {end:.2f} s {size}"
         if (motion := summary["lasting_motion"]) in CALM:
-            return f"whirls from {summary['onset_s']:.2f} s, for a part of the time, {size}"
+            return f"whirls from {summary['onset_s']:.2f} s, for a part of the time {size}"
         pace = "" if (frequency := summary["whirl_frequency_hz"]) is None else f" at {frequency:.2f} Hz"
-        return f"{motion}{pace}, {size}"
+        return f"{motion}{pace} {size}"
+
+
+def rate(growth: float) -> str:
+    """Growth or decay [1/s] in words."""
+    return f"grows with {growth:.2g} 1/s" if growth > 0.0 else f"decays with {-growth:.2g} 1/s"
