@@ -79,6 +79,7 @@ def rod(effects: dict[str, Any], weight: float, **changes: Any) -> Callable[[], 
     return run
 
 
+BRISK = {"rig.rotation.value": 5.0, "rig.rotation.duration": 0.5}
 SOFT = {"model": "speed_controller", "inertia": 200, "proportional_gain": 5.0, "integral_gain": 50.0}
 CASES = {
     "unbalance at a critical speed": Known(
@@ -103,7 +104,7 @@ CASES = {
         ),
         (FRICTION, BUCKLING),
     ),
-    "buckling": Known(bench(wob=12, rpm=40, duration=30), (BUCKLING, FRICTION)),
+    "buckling": Known(bench(wob=14, rpm=40, duration=60), (BUCKLING, FRICTION)),
     "shaken top": Known(
         rod(
             {**NO_DAMPING, "top_shake": {"amplitude": 2e-3, "frequency": FIRST / tau}, "drag": {"linear": 0.02}},
@@ -126,11 +127,11 @@ CASES = {
     ),
     "cutting": Known(lambda: Simulation(two_mass({"bit_cutting": {}}, 60.0, 0.05), {"wob": 100e3}).run(), (CUTTING,)),
     "soft top drive": Known(
-        lambda: Simulation(two_mass(stribeck(0.5, 0.53, 0.3), 100.0, 0.05, SOFT)).run(), (STIFF, BIT)
+        lambda: Simulation(two_mass(stribeck(0.5, 0.53, 0.3), 120.0, 0.05, SOFT)).run(), (STIFF, BIT)
     ),
     "regenerative bit": Known(
         lambda: Simulation(drag_bit(0.0, 4.0, 2e-3), {"rig.duration": 50, "effects.bit_mass.damping": 40.0}).run(),
         (REGENERATION,),
     ),
-    "start-up": Known(lambda: Simulation(two_mass(stribeck(0.5, 0.5, 0.0), 40.0, 0.01)).run(), (START,)),
+    "start-up": Known(lambda: Simulation(two_mass(stribeck(0.5, 0.5, 0.0), 22.0, 0.04), BRISK).run(), (START,)),
 }

@@ -110,9 +110,12 @@ def costs(runs: Sequence[Sequence[Case]], tolerance: float) -> list[ComparedCost
             )
             if any(values):
                 least = tables[0][name].matters
-                graded = what.key and least and WORDS[what.key] == cost
-                grades = [int(grade(what.key, float(np.mean(row)), bounds) or 0) if row else 0 for row in values]
-                found.append((cost, tables[0][name].unit, values, what.sign, least, tuple(grades if graded else ())))
+                grades = tuple(
+                    int(grade(what.key, float(np.mean(row)), bounds) or 0) if row else 0
+                    for row in values
+                    if what.key and least and WORDS[what.key] == cost
+                )
+                found.append((cost, tables[0][name].unit, values, what.sign, least, grades))
     return [
         ComparedCost(cost, unit, values, tuple(
             _better(values[0], other, sign, (tolerance, least), chr(ord("A") + k), len(found))
@@ -180,7 +183,8 @@ def _side(case: int, force: float, units: UnitSystem) -> str:
 
 def _verdict(found: Sequence[ComparedCost], case: int, units: UnitSystem) -> str:
     letter = chr(ord("B") + case)
-    shown = sorted((cost for cost in found if cost.better[case] in {"A", letter}), key=lambda cost: cost.rank(case))
+    wins = (cost for cost in found if cost.better[case] in {"A", letter})
+    shown = sorted(wins, key=lambda cost: cost.rank(case), reverse=True)
     if not shown:
         unsure = [cost for cost in found if cost.better[case] == CHANCE]
         runs = min((len(row) for cost in unsure for row in (cost.values[0], cost.values[case + 1])), default=0)
@@ -189,7 +193,7 @@ def _verdict(found: Sequence[ComparedCost], case: int, units: UnitSystem) -> str
             f"; {names}: the means differ, which {runs} runs do not tell from chance (more --seeds)" if unsure else ""
         )
         return f"A and {letter}: {NONE}{more}"
-    first, *others = reversed(shown)
+    first, *others = shown
     better = first.better[case]
     told = {way: ", ".join(_told(cost, case, units) for cost in others if (cost.better[case] == better) is way)
             for way in (True, False)}  # fmt: skip

@@ -9,11 +9,13 @@ import pytest
 from typer.testing import CliRunner
 
 import drill_twin as dt
-from drill_twin.api.compare import Case, ComparedQuantity, prepare, quantities
+from drill_twin.api.compare import prepare, settled
+from drill_twin.api.compared_quantities import Case, ComparedQuantity, quantities
 from drill_twin.cli.app import app
 from drill_twin.core.errors import ArgumentError
 from drill_twin.core.units.system import SYSTEMS
 
+SOON = ["--set", "rig.weight_on_bit.duration=0.3 s", "--set", "rig.rotation.duration=0.3 s"]
 HEAVIER = "pa6_bench,wob=60 N,effects.wall_friction.coefficient=0.1"
 
 
@@ -49,9 +51,10 @@ def test_a_case_is_a_scene_with_changes_or_a_bag(tmp_path: Path) -> None:
 
 
 def test_the_command_compares_a_run_with_a_bag(tmp_path: Path) -> None:
-    bag = dt.Simulation("pa6_bench").run(duration=1.0).to_bag(tmp_path / "bag_0")
+    soon = {"rig.weight_on_bit.duration": 0.3, "rig.rotation.duration": 0.3}
+    bag = dt.Simulation("pa6_bench", soon).run(duration=1.0).to_bag(tmp_path / "bag_0")
     out = tmp_path / "out"
-    arguments = ["compare", str(bag), HEAVIER, "--duration", "1", "--out", str(out)]
+    arguments = ["compare", str(bag), HEAVIER, "--duration", "1", "--out", str(out), *SOON]
     said = CliRunner().invoke(app, arguments)
     assert said.exit_code == 0, said.output
     assert f"B: {HEAVIER}" in said.stdout
