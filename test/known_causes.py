@@ -104,7 +104,9 @@ CASES = {
         ),
         (FRICTION, BUCKLING),
     ),
-    "buckling": Known(bench(wob=14, rpm=40, duration=60), (BUCKLING, FRICTION)),
+    "buckling": Known(
+        bench(wob=18, rpm=40, effects__internal_damping__bending_time=0, duration=20), (BUCKLING, FRICTION)
+    ),
     "shaken top": Known(
         rod(
             {**NO_DAMPING, "top_shake": {"amplitude": 2e-3, "frequency": FIRST / tau}, "drag": {"linear": 0.02}},

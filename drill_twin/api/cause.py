@@ -7,17 +7,12 @@ from collections.abc import Callable, Iterator
 from dataclasses import asdict, dataclass
 from typing import Any
 
-import numpy as np
-
 from drill_twin.api.repeats import Repeats, Trial, rate
 from drill_twin.api.result import Result
-from drill_twin.api.rotordynamics import modes_under, untimed_at
+from drill_twin.api.rotordynamics import modes_under
 from drill_twin.api.run_motion import TORSION, WHIRL
 from drill_twin.core.errors import BagError, RunError
 from drill_twin.core.table import Table
-from drill_twin.core.units.system import UnitSystem
-from drill_twin.dynamics.rotordynamics.campbell import growth_map
-from drill_twin.dynamics.rotordynamics.equations import EquationsOfMotion
 from drill_twin.dynamics.rotordynamics.modes import LATERAL, Mode, ModeTable
 from drill_twin.io.bag.virtual_bags import RecordBag
 from drill_twin.report.load_text import Summary
@@ -26,9 +21,6 @@ from drill_twin.report.text import lasting
 from drill_twin.scene import Scene
 from drill_twin.scene.set_points.command import Command
 from drill_twin.whirl import MotionState
-
-STEPS = 20
-"""Shares of weight or speed at which the end of growth is sought."""
 
 
 @dataclass(frozen=True)
@@ -100,25 +92,24 @@ class _Search(Repeats):
         if not self.problems:
             calm = f"The run has no problem: it does not whirl, at {self.point} at its end."
             return Cause((calm, self.mode_text(table, fastest)))
-        sentences, buckled, ends = [], "", list[str]()
+        sentences, buckled = list[str](), ""
         if WHIRL in self.problems:
             sentences += [self.what(), self.mode_text(table, fastest)]
         if table is not None and table.on_axis and fastest is not None and fastest.growth > 0.0:
             try:
                 buckled = buckling(self.scene, self.steady)
                 sentences[-1] += buckled
-                ends = [limits(self.scene, self.steady, self.units)]
             except RunError as error:
-                ends = [f"The weight and speed at which the growth ends are not known ({error})."]
+                sentences[-1] += f" Whether the weight buckles it is not known ({error})."
         sentences += [self.motion_text(problem) for problem in self.problems if problem != WHIRL]
         trials, causes = tuple(self.trials()), list[str]()
         for problem in self.problems:
             named = self.causes(problem, trials, buckled=bool(buckled))
             causes += [trial.change for trial in named if trial.change not in causes]
             sentences.append(self.named(problem, named, trials))
-        for problem in self.problems:
-            ends.append(self.cures(problem, [trial for trial in trials[1:] if not trial.of_effects]))
-        return Cause((*sentences, *ends), tuple(causes), trials)
+        less = [trial for trial in trials[1:] if not trial.of_effects]
+        sentences += [told for problem in self.problems if (told := self.cures(problem, less))]
+        return Cause(tuple(sentences), tuple(causes), trials)
 
     def what(self) -> str:
         """Whirl or swing of the run."""
@@ -203,25 +194,3 @@ def buckling(scene: Scene, command: Command) -> str:
     if at_rest is None or at_rest.growth <= 0.0:
         return ""
     return f" The weight buckles the string: without rotation, too, it leaves the axis with {at_rest.growth:.2g} 1/s."
-
-
-def limits(scene: Scene, command: Command, units: UnitSystem) -> str:
-    """Sentence on the largest lower weight and speed at which no lateral mode about the axis grows.
-
-    Raises:
-        RunError: The hole is not vertical, or there is no balance.
-    """
-    equations, shares = EquationsOfMotion(untimed_at(scene, command)), np.arange(1, STEPS + 1) / STEPS
-    weight, speed = command.weight_on_bit, command.rotation
-    by_weight = growth_map(equations, weight * shares, np.array([speed])).lateral[:, 0]
-    by_speed = growth_map(equations, np.array([weight]), speed * shares).lateral[0]
-    found = []
-    for name, quantity, value, growth in (
-        ("weight", "force", weight, by_weight),
-        ("speed", "rotation", speed, by_speed),
-    ):
-        if (quiet := np.flatnonzero(growth <= 0.0)).size:
-            found.append(f"when the {name} alone falls to {units.text(value * shares[quiet[-1]], quantity)}")
-        else:
-            found.append(f"at no lower {name} alone")
-    return f"The growth about the axis ends {', and '.join(found)} (sought in steps of {1 / STEPS:.0%})."

@@ -168,7 +168,9 @@ class Repeats:
         plans = self.plans()
         self.progress("repeat held for longer", 0, len(plans) + 1)
         more = max(LONGER, self.period * len(self.commands))
-        yield self.trial(f"held for {more:.3g} s longer", self.scene, more=more)
+        yield (trial := self.trial(f"held for {more:.3g} s longer", self.scene, more=more))
+        if len(trial.cures) == len(self.problems):
+            return
         cured = set[str]()
         for done, (less, change, scene, weight, speed) in enumerate(plans, 1):
             if less not in cured:
@@ -251,7 +253,7 @@ class Repeats:
         falls = run.grade(problem) > Grade.LOW >= found.grade(problem)
         half = not found.size(problem) > LEFT * run.size(problem)  # NaN: not known
         if problem != WHIRL:
-            return falls and (less or half)
+            return falls and found.worst(problem) is not None and (less or half)
         if not found.whirls:
             return half and not (growth is not None and growth > 0.0)
         if found.summary["whirl_end_s"] is not None and run.summary["whirl_end_s"] is None:

@@ -86,12 +86,6 @@ def held_at(scene: Scene, command: Command, **rig: object) -> Scene:
     return scene.model_copy(update={"rig": scene.rig.model_copy(update=rig)})
 
 
-def untimed_at(scene: Scene, command: Command) -> Scene:
-    """The scene under constant set-points, without effects that depend on time."""
-    left_out = [key for key in scene.effect_names if key in TIME_DEPENDENT]
-    return steady_scene(held_at(scene, command), None, left_out)
-
-
 def modes_under(scene: Scene, command: Command) -> ModeTable:
     """Modes of a scene under constant set-points, without effects that depend on time.
 
@@ -99,7 +93,8 @@ def modes_under(scene: Scene, command: Command) -> ModeTable:
         SceneError: The scene has no modes.
         RunError: There is no balance.
     """
-    return modes(untimed_at(scene, command))
+    left_out = [key for key in scene.effect_names if key in TIME_DEPENDENT]
+    return modes(held_at(scene, command), without=left_out)
 
 
 def fastest_of(command: Command) -> float:

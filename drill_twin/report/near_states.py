@@ -57,10 +57,7 @@ def near_states(bag: Recording, summary: dict[str, Any]) -> dict[str, Any]:
         return {"notes": [f"no whirl states: {error}"]}
     if not found.is_whole:
         notes.append(f"the search for states was cut short after {EVALUATIONS:,} evaluations: others may exist")
-    findings = [
-        {"finding": "onset of whirl", "state": None, "sentence": _leaves(float(axis), "the string on the axis")}
-    ]
-    findings += [_placed(name, frequency, command, states) for name, frequency in _frequencies(summary)]
+    findings = [_placed(name, frequency, command, states) for name, frequency in _frequencies(summary)]
     return {
         "weight_on_bit_n": command.weight_on_bit,
         "rotation_rev_s": command.rotation / math.tau,
