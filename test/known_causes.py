@@ -105,7 +105,7 @@ CASES = {
         (FRICTION, BUCKLING),
     ),
     "buckling": Known(
-        bench(wob=18, rpm=40, effects__internal_damping__bending_time=0, duration=20), (BUCKLING, FRICTION)
+        bench(wob=20, rpm=40, duration=20), (BUCKLING, FRICTION)
     ),
     "shaken top": Known(
         rod(
