@@ -104,9 +104,7 @@ CASES = {
         ),
         (FRICTION, BUCKLING),
     ),
-    "buckling": Known(
-        bench(wob=20, rpm=40, duration=20), (BUCKLING, FRICTION)
-    ),
+    "buckling": Known(bench(wob=20, rpm=40, duration=20), (BUCKLING, FRICTION)),
     "shaken top": Known(
         rod(
             {**NO_DAMPING, "top_shake": {"amplitude": 2e-3, "frequency": FIRST / tau}, "drag": {"linear": 0.02}},

@@ -31,8 +31,9 @@ def test_the_same_assembly_in_other_seeds_is_no_better(first):
 
 def test_the_worse_assembly_is_named_with_figures(first):
     said = verdict(first, "pa6_bench,wob=80 N")
-    assert said.startswith("A is better than B: ")
-    assert "decided by bending stress" in said
+    assert said.startswith("A is better than B, decided by lateral acceleration, rms ")
+    assert "(low) against" in said
+    assert "; also: bending stress" in said
     assert "MPa" in said
 
 
