@@ -1,15 +1,16 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Cause of the whirl of a run: growth of its modes, and repeats of the run with one effect or set-point taken back."""
+"""Cause of the whirl or torsion of a run: growth of its modes, and repeats of the run with one change."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from dataclasses import asdict, dataclass
 from typing import Any
 
-from drill_twin.api.growth_limits import buckling, limits, rate
-from drill_twin.api.repeats import SWINGS, Repeats, Trial
+from drill_twin.api.repeats import Repeats, Trial, rate
 from drill_twin.api.result import Result
+from drill_twin.api.rotordynamics import modes_under
+from drill_twin.api.run_motion import TORSION, WHIRL
 from drill_twin.core.errors import BagError, RunError
 from drill_twin.core.table import Table
 from drill_twin.dynamics.rotordynamics.modes import LATERAL, Mode, ModeTable
@@ -17,17 +18,19 @@ from drill_twin.io.bag.virtual_bags import RecordBag
 from drill_twin.report.load_text import Summary
 from drill_twin.report.recording import Recording
 from drill_twin.report.text import lasting
+from drill_twin.scene import Scene
+from drill_twin.scene.set_points.command import Command
 from drill_twin.whirl import MotionState
 
 
 @dataclass(frozen=True)
 class Cause:
-    """Cause of the whirl of a run; `str` gives the sentences."""
+    """Cause of the whirl or torsion of a run; `str` gives the sentences."""
 
     sentences: tuple[str, ...]
-    """Motion, mode, the cause, and what would stop it."""
+    """Motion and its severity, mode, the cause of each problem, and what would cure it."""
     causes: tuple[str, ...] = ()
-    """Changes of effects that end the whirl; empty: the cause is not known, or there is none."""
+    """Changes that take a problem away and name its cause; empty: the cause is not known, or there is no problem."""
     trials: tuple[Trial, ...] = ()
     """All repeats."""
 
@@ -46,13 +49,14 @@ class Cause:
 
 
 def why(result: Result, *, progress: Callable[[str, float, float], None] | None = None) -> Cause:
-    """Find why a run whirled.
+    """Find why a run whirled, swung or stuck and slipped.
 
     The lateral modes under the set-points at the onset say whether the string leaves its balance by itself.
     Then the run is repeated under its recorded set-points, to 30 s after the onset at most, each time with one change:
-    an effect that can feed whirl left out, a tenth of bow and eccentricity, less of the weight, the speed, the wall
-    friction. An effect is named as a cause only where the repeat without it does not whirl, no mode grows in it, and
-    its lateral motion is less than half; and so at 0.98 and 1.02 of the speed, where the run itself whirls there.
+    held for longer; an effect left out that can feed the motion; less of the weight, the speed, the wall friction.
+    An effect is a cause only where the repeat without it has no problem any more (no whirl and no growing mode, or
+    another kind and a grade of low at most) and half of the motion at most; and so at 0.98 and 1.02 of the speed, where
+    the run itself has the problem there.
 
     >>> print(why(Simulation("pa6_bench", {"wob": 5}).run()))
 
@@ -83,38 +87,49 @@ class _Search(Repeats):
     def cause(self) -> Cause:
         """Sentences, from the modes and all repeats."""
         self.progress("modes", 0, len(self.plans()))
-        table = self.modes(self.scene, self.steady)
+        table = self.modes(self.scene, self.steady) if WHIRL in self.problems or not self.problems else None
         fastest = table.fastest(LATERAL) if table else None
-        if self.onset is None:
-            return Cause((f"The run does not whirl, at {self.point} at its end.", self.mode_text(table, fastest)))
-        sentences = [self.what(), self.mode_text(table, fastest)]
-        on_axis, sought = table is not None and table.on_axis, "The cause"
-        if on_axis and fastest is not None and fastest.growth > 0.0:
+        if not self.problems:
+            calm = f"The run has no problem: it does not whirl, at {self.point} at its end."
+            return Cause((calm, self.mode_text(table, fastest)))
+        sentences, buckled = list[str](), ""
+        if WHIRL in self.problems:
+            sentences += [self.what(), self.mode_text(table, fastest)]
+        if table is not None and table.on_axis and fastest is not None and fastest.growth > 0.0:
             try:
-                if buckled := buckling(self.scene, self.steady):
-                    sentences[-1] += buckled
-                    sought = "Buckling takes it off the axis; what then makes it whirl"
-                sentences.append(limits(self.scene, self.steady, self.units))
+                buckled = buckling(self.scene, self.steady)
+                sentences[-1] += buckled
             except RunError as error:
-                sentences.append(f"The weight and speed at which the growth ends are not known ({error}).")
-        trials = tuple(self.trials())
-        sentences.insert(2, self.named(trials, sought))
-        sentences.append(_stops([trial for trial in trials if not trial.of_effects]))
-        causes = tuple(trial.change for trial in trials if trial.of_effects and trial.ends_whirl)
-        return Cause(tuple(sentences), causes, trials)
+                sentences[-1] += f" Whether the weight buckles it is not known ({error})."
+        sentences += [self.motion_text(problem) for problem in self.problems if problem != WHIRL]
+        trials, causes = tuple(self.trials()), list[str]()
+        for problem in self.problems:
+            named = self.causes(problem, trials, buckled=bool(buckled))
+            causes += [trial.change for trial in named if trial.change not in causes]
+            sentences.append(self.named(problem, named, trials))
+        less = [trial for trial in trials[1:] if not trial.of_effects]
+        sentences += [told for problem in self.problems if (told := self.cures(problem, less))]
+        return Cause(tuple(sentences), tuple(causes), trials)
 
     def what(self) -> str:
-        """Whirl of the run."""
+        """Whirl or swing of the run."""
+        size = self.recorded.text(WHIRL)
+        if self.onset is None:
+            kind = "Swing in a plane, which is no whirl" if self.recorded.swings else "No whirl"
+            return f"{kind}, at {self.point}; {size}."
         frequency, ratio = self.summary["whirl_frequency_hz"], self.summary["whirl_ratio"]
         pace = "" if frequency is None else f" at {frequency:.2f} Hz, {ratio:.2f} of the rotation"
         end = self.summary["whirl_end_s"]
         until = "" if end is None else f", which ends at {end:.2f} s"
-        motion = lasting(self.summary)
-        index, where = self.summary["stick_slip_index"], self.summary["onset_mark"]
-        bit = f", with a stick-slip index of {index:.2f}" if index is not None and index >= SWINGS else ""
         then = "" if self.at_onset == self.point else f", with {self.at_onset} then"
         last = " at the end" if then else ""
-        return f"Whirl from {self.onset:.2f} s at {where}{then}: {motion}{pace}{until}, at {self.point}{last}{bit}."
+        start = f"Whirl from {self.onset:.2f} s at {self.summary['onset_mark']}{then}"
+        return f"{start}: {lasting(self.summary)}{pace}{until}, at {self.point}{last}; {size}."
+
+    def motion_text(self, problem: str) -> str:
+        """Axial motion or torsion of the run."""
+        kind = f"{self.summary['bit']}".capitalize() if problem == TORSION else "Axial motion"
+        return f"{kind}, at {self.point}; {self.recorded.text(problem)}."
 
     def mode_text(self, table: ModeTable | None, fastest: Mode | None) -> str:
         """The mode that grows fastest and the one nearest to the whirl."""
@@ -138,26 +153,44 @@ class _Search(Repeats):
             f"whirl, at {near.frequency:.2f} Hz, {rate(near.growth)}."
         )
 
-    def named(self, trials: tuple[Trial, ...], sought: str) -> str:
-        """The cause, or what is sought and was checked."""
-        told = [f"{trial.change}: {trial.outcome}" for trial in trials if trial.of_effects]
-        causes = [
-            f"{trial.change} the same run gives {trial.outcome}"
-            if trial.outcome.startswith("no ")
-            else f"{trial.change} {trial.outcome}"
-            for trial in trials
-            if trial.of_effects and trial.ends_whirl
-        ]
-        if causes:
-            forced = self.summary["lasting_motion"] == MotionState.SYNCHRONOUS_WHIRL.value
-            return f"Cause{' (forced, at the speed of rotation)' * forced}: {'; '.join(causes)}."
-        calm = [trial.change for trial in trials if trial.of_effects and trial.moves]
-        alone = f"; {', '.join(calm)} it is no whirl, but more than half of the motion stays" if calm else ""
-        return f"{sought} is not known{alone}; repeats of the run that were checked: {'; '.join(told) or 'none'}."
+    def causes(self, problem: str, trials: tuple[Trial, ...], *, buckled: bool) -> list[Trial]:
+        """Repeats that name the cause: the longer one where the motion dies away, else effects, else less weight."""
+        if (problem == TORSION and self.recorded.decays) or problem in trials[0].cures:
+            return [trials[0]]
+        cures = [trial for trial in trials if problem in trial.cures]
+        of_weight = [trial for trial in cures if buckled and problem == WHIRL and "of the weight" in trial.change]
+        return [trial for trial in cures if trial.of_effects] or of_weight
+
+    def named(self, problem: str, causes: list[Trial], trials: tuple[Trial, ...]) -> str:
+        """The cause of a problem, or what was checked."""
+        of = f" of the {problem}" * (len(self.problems) > 1 or problem != WHIRL)
+        if not causes:
+            told = "; ".join(f"{trial.change}: {trial.outcome}" for trial in trials if trial.of_effects)
+            return f"The cause{of} is not known; repeats of the run that were checked: {told or 'none'}."
+        found = "; ".join(f"{trial.change}: {trial.outcome}" for trial in causes)
+        if causes[0] is trials[0]:
+            return f"Cause{of}: what the start set off, which dies away; {found}."
+        if not causes[0].of_effects:
+            return f"Cause{of}: the weight buckles the string; {found}."
+        forced = problem == WHIRL and self.summary["lasting_motion"] == MotionState.SYNCHRONOUS_WHIRL.value
+        each = " (each change alone takes it away)" * (len(causes) > 1)
+        return f"Cause{of}{' (forced, at the speed of rotation)' * forced}{each}: {found}."
+
+    def cures(self, problem: str, trials: list[Trial]) -> str:
+        """Sentence on which of less weight, speed or wall friction cures a problem."""
+        of = f" of the {problem}" * (len(self.problems) > 1)
+        if found := [f"{trial.change}: {trial.outcome}" for trial in trials if problem in trial.cures]:
+            return f"Cure{of}: {'; '.join(found)}."
+        return f"None of these cures it{of}: {', '.join(trial.change for trial in trials)}." if trials else ""
 
 
-def _stops(trials: Sequence[Trial]) -> str:
-    """Sentence on which of less weight, speed or wall friction ends the whirl."""
-    if ends := [f"{trial.change}: {trial.outcome}" for trial in trials if trial.ends_whirl]:
-        return f"It ends {'; '.join(ends)}."
-    return f"None of these ends it: {', '.join(trial.change for trial in trials)}." if trials else ""
+def buckling(scene: Scene, command: Command) -> str:
+    """Sentence that the weight buckles a string on the axis, with a space before it; empty where it does not.
+
+    Raises:
+        RunError: There is no balance.
+    """
+    at_rest = modes_under(scene, Command(command.weight_on_bit, 0.0)).fastest(LATERAL)
+    if at_rest is None or at_rest.growth <= 0.0:
+        return ""
+    return f" The weight buckles the string: without rotation, too, it leaves the axis with {at_rest.growth:.2g} 1/s."

@@ -5,44 +5,27 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
 from html import escape
 from pathlib import Path
-from typing import NamedTuple
 
-import numpy as np
-
-from drill_twin.api.growth_limits import modes_under
+from drill_twin.api.compared_quantities import Case, ComparedQuantity
 from drill_twin.api.result import Result, read_bag
-from drill_twin.api.rotordynamics import final_command
+from drill_twin.api.rotordynamics import final_command, modes_under
 from drill_twin.api.scenes import load_scene
 from drill_twin.api.simulation import Simulation
 from drill_twin.api.torque_drag import statics
-from drill_twin.core.arrays import Array, number_or_nan
 from drill_twin.core.errors import ArgumentError, RunError, SceneError
 from drill_twin.core.table import Column, Table
 from drill_twin.core.units.system import UnitSystem
 from drill_twin.dynamics.rotordynamics.modes import LATERAL
-from drill_twin.dynamics.torque_drag.analysis import OperationLoads
 from drill_twin.report.page import html_page, picture
-from drill_twin.report.string_forces import bending_stress_at
 from drill_twin.scene import Scene
+from drill_twin.scene.load import override
 
+SETTLED = 4.0 / 3.0
+"""Least duration over the end of the ramps, so that a quarter of the run follows (`report.quantities.settled_from`)."""
 _CHANGE = re.compile(r",\s*(?=[A-Za-z_][\w.]*=)")
-
-
-@dataclass(frozen=True, eq=False)
-class Case:
-    """A case: its run, and its loads in a balance of forces."""
-
-    name: str
-    result: Result
-    loads: OperationLoads | None
-    """Loads of the last operation of the rig, which is drilling where the scene drills; None if there is no balance."""
-    critical: float = math.nan
-    """Distance of the final rotation from the nearest critical speed (of a long string: of its collars), as a share of
-    it; NaN where it is not known."""
 
 
 def prepare(text: str, common: Mapping[str, str]) -> Scene | Result:
@@ -68,6 +51,33 @@ def prepare(text: str, common: Mapping[str, str]) -> Scene | Result:
             )
         return read_bag(path)
     return load_scene(base, {**common, **own})
+
+
+def settled(what: Sequence[Scene | Result]) -> tuple[list[Scene | Result], list[str]]:
+    """Prolong scenes whose set-points still move near the end of the run; and a sentence where one does.
+
+    Raises:
+        ArgumentError: The run of a bag ends so.
+    """
+    ends, lengths = [], []
+    for one in what:
+        rig = one.scene.rig if isinstance(one, Result) else one.rig
+        ramps = [point for point in (rig.weight_on_bit, rig.rotation) if point.shape in {"step", "ramp"}]
+        ends.append(max((point.start + point.duration for point in ramps if rig.start == "axis"), default=0.0))
+        lengths.append(one.recording.duration if isinstance(one, Result) else rig.duration)
+        if isinstance(one, Result) and lengths[-1] < SETTLED * ends[-1]:
+            raise ArgumentError(
+                f"{one.recording.path}: expected a run that goes on after its set-points have settled "
+                f"at {ends[-1]:g} s, found one of {lengths[-1]:.4g} s; record a longer run"
+            )
+    short = [end for end, length in zip(ends, lengths, strict=True) if length < SETTLED * end]
+    if not short:
+        return list(what), []
+    least = 2.0 * max(short)
+    longer: list[Scene | Result] = [
+        override(one, {"rig.duration": max(least, one.rig.duration)}) if isinstance(one, Scene) else one for one in what
+    ]
+    return longer, [f"Set-points settle at {max(short):g} s: the runs were prolonged to {least:g} s."]
 
 
 def finish(text: str, what: Scene | Result, progress: Callable[[float], None] | None = None) -> Case:
@@ -96,121 +106,6 @@ def _critical(scene: Scene) -> float:
     return (
         abs(table.nearest_critical() - rotation) / rotation if rotation and not table.growing.get(LATERAL) else math.nan
     )
-
-
-NOTHING = 1e-9
-"""Number that is zero but for rounding."""
-REST = 0.05
-"""Share of the mean speed below which the bit counts as at rest."""
-POSES = 40
-"""Shapes of the string, over the second half of the run, of which the largest bending stress is taken."""
-
-
-class ComparedQuantity(NamedTuple):
-    """Quantity in each case: numbers in SI, or words."""
-
-    name: str
-    unit: str
-    values: tuple[float | str, ...]
-    """NaN or an empty text where a case does not have it."""
-
-    def differs(self, tolerance: float) -> bool:
-        """True if a case differs from the first by more than a share of the larger one; words: at all."""
-        first = self.values[0]
-        return any(_differ(first, other, tolerance) for other in self.values[1:])
-
-    def text(self, case: int, units: UnitSystem) -> str:
-        """Value as text in the units of the reader, with its difference from the first case."""
-        value, first = self.values[case], self.values[0]
-        if isinstance(value, str) or isinstance(first, str):
-            return str(value) or "none"
-        if not math.isfinite(value):
-            return "none"
-        shown = f"{units.in_unit(self.unit)[0] * value:.4g}"
-        if case == 0 or not math.isfinite(first) or first == 0.0:
-            return shown
-        return f"{shown} ({100.0 * (value - first) / abs(first):+.0f} %)"
-
-
-def _differ(one: float | str, other: float | str, tolerance: float) -> bool:
-    if isinstance(one, str) or isinstance(other, str):
-        return one != other
-    if math.isnan(one) or math.isnan(other):
-        return math.isnan(one) != math.isnan(other)
-    larger = max(abs(one), abs(other))
-    return larger > NOTHING and abs(one - other) > tolerance * larger
-
-
-def quantities(cases: Sequence[Case]) -> list[ComparedQuantity]:
-    """All compared quantities, the balance's quantities first; a quantity that no case has is left out."""
-    rows = [dict(_of(case)) for case in cases]
-    names = dict.fromkeys(key for row in rows for key in row)
-    found = []
-    for name, unit in names:
-        known = next(row[name, unit] for row in rows if (name, unit) in row)
-        missing: float | str = "" if isinstance(known, str) else math.nan
-        found.append(ComparedQuantity(name, unit, tuple(row.get((name, unit), missing) for row in rows)))
-    return [row for row in found if any(value == value and value != "" for value in row.values)]  # noqa: PLR0124  NaN
-
-
-def _of(case: Case) -> Iterator[tuple[tuple[str, str], float | str]]:
-    if (loads := case.loads) is not None:
-        what, margins = f"balance, {loads.operation.name}: ", loads.margins
-        yield (what + "hookload", "N"), loads.hookload
-        yield (what + "surface torque", "N m"), loads.surface_torque
-        yield (what + "neutral point from the bit", "m"), loads.neutral_point
-        yield (what + "margin to sinusoidal buckling", "-"), margins[0] if math.isfinite(margins[0]) else math.nan
-        yield (what + "yield margin", "-"), loads.yield_margin
-        yield (what + "make-up margin", "-"), loads.make_up_margin
-        for contact in loads.contacts:
-            yield (f"{what}side force, {contact.name}", "N"), contact.force
-    yield ("margin to the nearest critical speed of the assembly", "-"), case.critical
-    yield from _run(case)
-
-
-def _run(case: Case) -> Iterator[tuple[tuple[str, str], float | str]]:
-    summary, rig = case.result.summary, case.result.rig
-    half = rig.time >= 0.5 * (rig.time[0] + rig.time[-1]) if len(rig) else np.zeros(0, bool)
-    yield ("motion that lasts", ""), summary["lasting_motion"] or ""
-    yield ("onset of whirl", "s"), number_or_nan(summary["onset_s"])
-    yield ("whirl frequency", "Hz"), number_or_nan(summary["whirl_frequency_hz"])
-    yield ("whirl ratio", "-"), number_or_nan(summary["whirl_ratio"])
-    for mark, radius in summary["max_radius_m"].items():
-        yield (
-            (f"largest radius, {mark}, of its clearance (above 100: into the wall)", "%"),
-            100.0 * number_or_nan(radius) / summary["clearance_m"][mark],
-        )
-    yield ("bit at the end", ""), summary["bit"] or ""
-    yield ("stick-slip index", "-"), number_or_nan(summary["stick_slip_index"])
-    for way in ("lateral", "axial"):
-        found = [sizes[f"{way}_rms_m_s2"] for sizes in summary["acceleration"].values()]
-        yield (f"{way} acceleration, rms", "m/s^2"), max(found, default=math.nan)
-    damage = [section["damage"] for section in (summary["fatigue"] or {}).values()]
-    yield ("fatigue damage", "-"), max(damage, default=math.nan)
-    yield ("rate of penetration", "m/s"), number_or_nan(summary["rate_of_penetration_m_s"])
-    yield ("specific energy", "Pa"), number_or_nan(summary["specific_energy_pa"])
-    if half.any():
-        speed = rig.bit_speed[half]
-        yield ("speed of the bit, least", "rad/s"), _least(speed)
-        yield ("speed of the bit, largest", "rad/s"), -_least(-speed)
-        yield ("time of the bit at rest", "%"), 100.0 * float(np.mean(np.abs(speed) < REST * abs(np.nanmean(speed))))
-        for name, unit, values in (
-            ("torque of the top drive", "N m", rig.top_drive_torque[half]), ("weight on bit", "N", rig.bit_force[half]),
-            ("hookload", "N", rig.hookload[half]),
-        ):  # fmt: skip
-            yield (f"{name}, mean", unit), float(np.nanmean(values))
-            yield (f"{name}, swing", unit), -_least(-values) - _least(values)
-    if (force := case.result.wall_force).size:
-        yield ("largest force of the wall at a mark", "N"), float(np.nanmax(force[len(force) // 2 :]))
-    if poses := len(case.result.recording.poses):
-        chosen = np.linspace(poses // 2, poses - 1, POSES).astype(np.int64)
-        if (stress := bending_stress_at(case.result.recording, chosen)) is not None:
-            yield ("largest bending stress", "Pa"), float(stress.max())
-
-
-def _least(values: Array) -> float:
-    known = values[np.isfinite(values)]
-    return float(known.min()) if known.size else math.nan
 
 
 def page(

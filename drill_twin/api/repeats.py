@@ -10,17 +10,19 @@ from typing import NamedTuple
 
 import numpy as np
 
-from drill_twin.api.growth_limits import modes_under, rate
 from drill_twin.api.recorded_run import planned
-from drill_twin.api.result import Result
+from drill_twin.api.rotordynamics import modes_under
+from drill_twin.api.run_motion import PROBLEMS, TORSION, WHIRL, Motion
 from drill_twin.api.simulation import Simulation
 from drill_twin.core.errors import RunError, SceneError
+from drill_twin.core.severity import Grade
 from drill_twin.dynamics.rotordynamics.modes import LATERAL, ModeTable
 from drill_twin.io.messages.stamps import NANOSECONDS
 from drill_twin.report.load_text import Summary, units_of
 from drill_twin.report.recording import Recording
 from drill_twin.runs.recorded_commands import recorded_commands
 from drill_twin.scene import Scene
+from drill_twin.scene.blocks.top_drive import TopDrive
 from drill_twin.scene.load import override
 from drill_twin.scene.schema import number_at
 from drill_twin.scene.set_points import Command
@@ -31,32 +33,39 @@ AFTER_ONSET = 30.0
 BEFORE = 1.0
 """Time before the onset over which weight and speed there are averaged [s]."""
 LESS = (0.7, 0.5)
-"""Shares of weight, speed or wall friction in repeats; the second is tried where the first does not end the whirl."""
+"""Shares of weight, speed or wall friction in repeats; the second is tried where the first does not cure the run."""
 BESIDE = (0.98, 1.02)
-"""Shares of the speed in further repeats of a change that ends the whirl: in one run it may end by chance."""
+"""Shares of the speed in further repeats of a change that cures the run: in one run it may do so by chance."""
 LEFT = 0.5
-"""Share of the run's lateral motion above which a repeat without whirl still moves as the run does."""
-SWINGS = 0.5
-"""Stick-slip index of the run from which the repeats tell theirs: friction at the wall brakes the rotation too."""
-SMALL = 0.1
-"""Share of bow and eccentricity that is left. Not zero: a perfect string never leaves the axis of a vertical hole."""
+"""Share of the run's deciding quantity above which a repeat still moves as the run does; chosen, not measured. What
+unbalance forces is proportional to the unbalance: of a cause almost nothing is left."""
+PUSH = 1e-4
+"""Lateral velocity that takes the place of bow and eccentricity [m/s]: a perfect string never leaves the axis of a
+vertical hole."""
+LONGER = 30.0
+"""Time for which a repeat holds the last set-points after the run's end, at least; the run's length where that is more
+[s]. What the start set off dies away, and the stick-slip index is of the last 20 s."""
 
-BACKWARD = (MotionState.BACKWARD_WHIRL.value, MotionState.ROLLING.value)
+BACKWARD = (MotionState.BACKWARD_WHIRL.value, MotionState.ROLLING.value, MotionState.IMPACTS.value)
 CALM = (MotionState.FIXED_AXIS.value, MotionState.AT_REST.value)
 FORWARD = (MotionState.FORWARD_WHIRL.value, MotionState.SYNCHRONOUS_WHIRL.value)
-
-_FRICTION = ("wall_friction.coefficient", "wall_friction.sliding")
-_EFFECTS = {
-    "without internal damping": {"internal_damping.bending_time": 0.0},
-    "without wall friction": dict.fromkeys(_FRICTION, 0.0),
-    "without friction at the bit": {"bit_friction.coefficient": 0.0},
-    "without the random force": {"random_force.rms": 0.0},
-    "without shaking of the top": {"top_shake.amplitude": 0.0},
-    f"with {SMALL:g} of bow and eccentricity": {
-        "bow.amplitude": SMALL, "eccentricity.offset": SMALL, "eccentricity.rms": SMALL,
+_FRICTION = {"wall_friction.coefficient": "", "wall_friction.sliding": ""}
+_UNBALANCE = {"bow.amplitude": "", "eccentricity.offset": "", "eccentricity.rms": ""}
+_EFFECTS: dict[str, dict[str, str]] = {
+    "without internal damping": {"internal_damping.bending_time": ""},
+    "without wall friction": _FRICTION,
+    "without friction at the bit": {"bit_friction.coefficient": ""},
+    "without the random force": {"random_force.rms": ""},
+    "without shaking of the top": {"top_shake.amplitude": ""},
+    "without bow and eccentricity": _UNBALANCE,
+    "without the fall of the bit's torque with speed": {
+        "bit_torque_stribeck.sticking": "bit_torque_stribeck.sliding", "bit_torque_tanh.excess": "",
     },
+    "without the torque of cutting": {"bit_cutting.digging": ""},
+    "without regeneration at the bit": {"bit_regenerative.regeneration": ""},
 }  # fmt: skip
-"""Repeats: keys of effects, and the share of their value that is left."""
+"""Repeats: keys of effects, and the key whose value each takes (empty: zero)."""
+STIFF = "with a top drive that holds its speed"
 
 
 class Trial(NamedTuple):
@@ -66,9 +75,8 @@ class Trial(NamedTuple):
     """In words, such as `without internal damping`."""
     of_effects: bool
     """An effect was taken back, not a set-point."""
-    ends_whirl: bool
-    """The repeat does not whirl, or not backward where the run does, and would not whirl later: no mode grows, and its
-    lateral motion is small. Nor does it whirl at the other speeds at which the run itself whirls."""
+    cures: tuple[str, ...]
+    """Problems of the run (`PROBLEMS`) that the repeat, and the repeats beside it, do not have."""
     outcome: str
     """Result in words."""
     motion: str
@@ -77,8 +85,6 @@ class Trial(NamedTuple):
     """Frequency of the repeat's whirl; None without one."""
     growth_per_s: float | None
     """Growth of the fastest lateral mode with this change; None where it is not known or the repeat whirls."""
-    moves: bool = False
-    """The repeat does not whirl and would not later, but more than `LEFT` of the run's lateral motion is left."""
 
 
 class Repeats:
@@ -94,8 +100,15 @@ class Repeats:
         frames = len(recorded.commands)
         if self.onset is not None:
             frames = min(frames, math.ceil((self.onset + AFTER_ONSET) / self.period))
-        self.commands = recorded.commands[:frames]
-        self.moving, self.rig, self.unknown_modes = self.motion(recording), recording.rig, ""
+        self.is_whole = frames == len(recorded.commands)
+        self.commands, self.rig, self.unknown_modes = recorded.commands[:frames], recording.rig, ""
+        self.recorded = Motion(summary, self.scene.severity_bounds)
+        self.problems = tuple(problem for problem in PROBLEMS if self.recorded.has(problem))
+
+    @cached_property
+    def run(self) -> Motion:
+        """Motion of the unchanged run, as long as its repeats."""
+        return self.recorded if self.is_whole else self.played(self.scene, 1.0, 1.0)
 
     @property
     def point(self) -> str:
@@ -134,13 +147,16 @@ class Repeats:
         They are the quantity that is lowered (empty where an effect is taken back), the change in words, the scene,
         and the shares of the recorded weight and speed.
         """
-        found = [("", change, scene, 1.0, 1.0) for change, shares in _EFFECTS.items() if (scene := self.scaled(shares))]
+        found = [("", change, scene, 1.0, 1.0) for change, keys in _EFFECTS.items() if (scene := self.scaled(keys))]
+        if self.scene.rig.top_drive.model != "prescribed":
+            rig = self.scene.rig.model_copy(update={"top_drive": TopDrive()})
+            found.append(("", STIFF, self.scene.model_copy(update={"rig": rig}), 1.0, 1.0))
         for name in ("weight", "speed", "wall friction"):
             held = {"weight": self.command.weight_on_bit, "speed": self.command.rotation}.get(name, 1.0)
             for less in LESS if held else ():
                 weight, speed = (less if name == part else 1.0 for part in ("weight", "speed"))
                 of_friction = name == "wall friction"
-                scene = self.scaled(dict.fromkeys(_FRICTION, less)) if of_friction else self.scene
+                scene = self.scaled(_FRICTION, less) if of_friction else self.scene
                 told = self.units.set_point(weight * self.command.weight_on_bit, speed * self.command.rotation)
                 if scene:
                     change = f"at {less:g} of the {name}{'' if of_friction else f' ({told})'}"
@@ -148,91 +164,123 @@ class Repeats:
         return found
 
     def trials(self) -> Iterator[Trial]:
-        """Repeats after `plans`; the second share only where the first does not end the whirl."""
-        plans, ended = self.plans(), set()
-        for done, (less, change, scene, weight, speed) in enumerate(plans):
-            if less not in ended:
-                self.progress(f"repeat {change}", done, len(plans))
+        """Repeats: the run held for longer, then `plans`; the second share only where the first does not cure it."""
+        plans = self.plans()
+        self.progress("repeat held for longer", 0, len(plans) + 1)
+        more = max(LONGER, self.period * len(self.commands))
+        yield (trial := self.trial(f"held for {more:.3g} s longer", self.scene, more=more))
+        if len(trial.cures) == len(self.problems):
+            return
+        cured = set[str]()
+        for done, (less, change, scene, weight, speed) in enumerate(plans, 1):
+            if less not in cured:
+                self.progress(f"repeat {change}", done, len(plans) + 1)
                 yield (trial := self.trial(change, scene, weight, speed, of_effects=not less))
-                if less and trial.ends_whirl:
-                    ended.add(less)
+                if less and len(trial.cures) == len(self.problems):
+                    cured.add(less)
 
-    def scaled(self, shares: Mapping[str, float]) -> Scene | None:
-        """The scene with shares of numbers of its effects; None where it has none of them."""
-        values = {
-            f"effects.{key}": share * old
-            for key, share in shares.items()
-            if key.split(".")[0] in self.scene.effects.blocks and (old := number_at(self.scene, f"effects.{key}"))
-        }
-        return override(self.scene, values) if values else None
+    def scaled(self, keys: Mapping[str, str], share: float = 0.0) -> Scene | None:
+        """The scene with a share of numbers of its effects, or with other numbers; None where nothing changes."""
+        scene, values = self.scene, dict[str, float]()
+        for key, source in keys.items():
+            block, field = key.split(".")
+            old = getattr(scene.effects.blocks.get(block), field, None)
+            new = (number_at(scene, f"effects.{source}") if source else share * old) if old else None
+            if new is not None and new != old:
+                values[f"effects.{key}"] = new if old is not True else False
+        kick = scene.effects.lateral_kick
+        if keys is _UNBALANCE and values and not (kick and (kick.velocity or kick.offset)):
+            values["effects.lateral_kick.velocity"] = PUSH
+        return override(scene, values) if values else None
 
-    def trial(self, change: str, scene: Scene, weight: float, speed: float, *, of_effects: bool) -> Trial:
-        """A repeat with shares of weight and speed, and further ones beside it where it ends the whirl."""
+    def trial(
+        self, change: str, scene: Scene, weight: float = 1.0, speed: float = 1.0, *, of_effects: bool = False,
+        more: float = 0.0,
+    ) -> Trial:  # fmt: skip
+        """A repeat with shares of weight and speed, or `more` time [s]; repeats beside it where it cures the run."""
         try:
-            played = self.played(scene, weight, speed)
-            growth, found = None, played.summary
-            if found["onset_s"] is None:
+            found, growth = self.played(scene, weight, speed, more), None
+            if not found.whirls:
                 table = self.modes(scene, Command(weight * self.command.weight_on_bit, speed * self.command.rotation))
                 fastest = table.fastest(LATERAL) if table else None
                 growth = None if fastest is None else fastest.growth
-            ends, outcome = self.outcome(played, growth)
-            moves = found["onset_s"] is None and not ends and not (growth is not None and growth > 0.0)
-            if ends:
-                beside = [
-                    self.outcome(self.played(scene, weight, speed * share), growth)[0] for share in self.whirls_beside
+            outcome = "; ".join(self.told(problem, found, growth) for problem in self.problems)
+            cures = [one for one in self.problems if self.cured(one, self.run, found, growth, less=not of_effects)]
+            beside: Mapping[float, Motion] = self.beside if cures and not more else {}
+            again = {share: self.played(scene, weight, speed * share) for share in beside}
+            for problem in tuple(cures):
+                before = [share for share, motion in beside.items() if motion.has(problem)]
+                held = [
+                    self.cured(problem, beside[share], again[share], growth, less=not of_effects) for share in before
                 ]
-                ends = all(beside)
-                shares = ", ".join(f"{share:g}" for share in self.whirls_beside)
-                outcome += f" ({sum(beside)} of {len(beside)} at {shares} of the speed)" if beside else " (one repeat)"
+                if not all(held):
+                    cures.remove(problem)
+                shares = ", ".join(f"{share:g}" for share in before)
+                outcome += f" ({sum(held)} of {len(held)} at {shares} of the speed)" if held else " (one repeat)"
         except RunError as error:
-            return Trial(change, of_effects, False, f"could not be followed: {error}", "", None, None)
-        motion, frequency = found["lasting_motion"], found["whirl_frequency_hz"]
-        return Trial(change, of_effects, ends, outcome, motion, frequency, growth, moves)
+            return Trial(change, of_effects, (), f"could not be followed: {error}", "", None, None)
+        motion, frequency = found.summary["lasting_motion"], found.summary["whirl_frequency_hz"]
+        return Trial(change, of_effects, tuple(cures), outcome, motion, frequency, growth)
 
-    def played(self, scene: Scene, weight: float, speed: float) -> Result:
-        """Run of a scene under shares of the recorded weight and speed.
+    def played(self, scene: Scene, weight: float, speed: float, more: float = 0.0) -> Motion:
+        """Motion of a scene under shares of the recorded weight and speed; the last set-points hold for more time [s].
 
         Raises:
             RunError: The run stops early.
         """
-        simulation = Simulation(scene)
-        simulation.play([Command(weight * one.weight_on_bit, speed * one.rotation, one.block) for one in self.commands])
-        return simulation.result()
+        simulation, held = Simulation(scene), [self.commands[-1]] * round(more / self.period)
+        commands = [*self.commands, *held]
+        simulation.play([Command(weight * one.weight_on_bit, speed * one.rotation, one.block) for one in commands])
+        summary = simulation.result().summary
+        return Motion(summary, self.scene.severity_bounds)
 
     @cached_property
-    def whirls_beside(self) -> tuple[float, ...]:
-        """Shares of the speed, of `BESIDE`, at which the run itself whirls."""
-        return tuple(share for share in BESIDE if self.played(self.scene, 1.0, share).summary["onset_s"] is not None)
+    def beside(self) -> dict[float, Motion]:
+        """Motion of the unchanged run at `BESIDE`, by the share of the speed."""
+        return {share: self.played(self.scene, 1.0, share) for share in BESIDE}
 
-    def motion(self, recording: Recording) -> float:
-        """Lateral motion about its mean at the mark of the onset, in the second half of a repeat: rms [m], or NaN."""
-        time, names = recording.marks.time, [place.name for place in recording.places]
-        end = self.period * len(self.commands)
-        late = (time >= 0.5 * end) & (time <= end)
-        if self.summary["onset_mark"] not in names or not late.any():
-            return math.nan
-        centre = recording.centre_lines()[late, names.index(self.summary["onset_mark"])]
-        return float(np.sqrt(np.nanmean(np.abs(centre - np.nanmean(centre)) ** 2)))
+    @staticmethod
+    def cured(problem: str, run: Motion, found: Motion, growth: float | None, *, less: bool) -> bool:
+        """True where a repeat does not have a problem of a run.
 
-    def outcome(self, played: Result, growth: float | None) -> tuple[bool, str]:
-        """True where the change ends the whirl of the run, and the result in words."""
-        found = played.summary
-        end, motion, frequency = found["whirl_end_s"], found["lasting_motion"], found["whirl_frequency_hz"]
-        left = self.motion(played.recording) / self.moving
-        lateral = f", {left:.0%} of the lateral motion" if math.isfinite(left) else ""
-        if found["onset_s"] is None:
-            if growth is not None and growth > 0.0:
-                length = len(self.commands) * self.period
-                return False, f"no whirl within {length:.3g} s{lateral}, but a mode {rate(growth)}, so it comes later"
-            told = f"no whirl{lateral}"
-            if (self.summary["stick_slip_index"] or 0.0) >= SWINGS and found["stick_slip_index"] is not None:
-                told += f", stick-slip index {found['stick_slip_index']:.2f}"
-            return not left > LEFT, told if growth is None else f"{told}; the slowest mode {rate(growth)}"
-        if end is not None and self.summary["whirl_end_s"] is None:
-            return True, f"the whirl ends at {end:.2f} s"
-        if motion in CALM:
-            return False, f"whirls from {found['onset_s']:.2f} s, for a part of the time{lateral}"
-        told = motion if frequency is None else f"{motion} at {frequency:.2f} Hz"
-        if self.summary["lasting_motion"] in BACKWARD and motion in FORWARD:
-            return True, f"no backward whirl, but {told}{lateral}"
-        return False, f"still whirls: {told}{lateral}"
+        Args:
+            problem: Of `PROBLEMS`.
+            run: Motion of the run.
+            found: Motion of the repeat.
+            growth: Of the repeat's fastest lateral mode [1/s]; None where it is not known.
+            less: A set-point is lowered: then the grade alone decides, where it has fallen.
+        """
+        falls = run.grade(problem) > Grade.LOW >= found.grade(problem)
+        half = not found.size(problem) > LEFT * run.size(problem)  # NaN: not known
+        if problem != WHIRL:
+            return falls and found.worst(problem) is not None and (less or half)
+        if not found.whirls:
+            return half and not (growth is not None and growth > 0.0)
+        if found.summary["whirl_end_s"] is not None and run.summary["whirl_end_s"] is None:
+            return True
+        was, is_now = run.summary["lasting_motion"], found.summary["lasting_motion"]
+        return (falls and (less or (half and was != is_now))) or (half and was in BACKWARD and is_now in FORWARD)
+
+    def told(self, problem: str, found: Motion, growth: float | None) -> str:
+        """What a repeat did, of one problem, in words."""
+        size, summary = f"({found.text(problem)})", found.summary
+        if problem != WHIRL:
+            return f"{summary['bit'] if problem == TORSION else problem} {size}"
+        left = found.size(WHIRL) / self.run.size(WHIRL)
+        size += f", {left:.0%} of the run's" if math.isfinite(left) else ""
+        if not found.whirls:
+            told = f"no whirl {size}"
+            if growth is not None:
+                told += f"; {'but a' if growth > 0.0 else 'the slowest'} mode {rate(growth)}"
+            return told + ", so it comes later" * (growth is not None and growth > 0.0)
+        if (end := summary["whirl_end_s"]) is not None:
+            return f"the whirl ends at {end:.2f} s {size}"
+        if (motion := summary["lasting_motion"]) in CALM:
+            return f"whirls from {summary['onset_s']:.2f} s, for a part of the time {size}"
+        pace = "" if (frequency := summary["whirl_frequency_hz"]) is None else f" at {frequency:.2f} Hz"
+        return f"{motion}{pace} {size}"
+
+
+def rate(growth: float) -> str:
+    """Growth or decay [1/s] in words."""
+    return f"grows with {growth:.2g} 1/s" if growth > 0.0 else f"decays with {-growth:.2g} 1/s"

@@ -18,7 +18,13 @@ from drill_twin.dynamics.rotordynamics import modes as _modes
 from drill_twin.dynamics.rotordynamics.assembly import Assembly, Extent
 from drill_twin.dynamics.rotordynamics.assembly_modes import table_of
 from drill_twin.dynamics.rotordynamics.campbell import Campbell, GrowthMap
-from drill_twin.dynamics.rotordynamics.equations import EquationsOfMotion, meshed, moving_everywhere, without
+from drill_twin.dynamics.rotordynamics.equations import (
+    TIME_DEPENDENT,
+    EquationsOfMotion,
+    meshed,
+    moving_everywhere,
+    without,
+)
 from drill_twin.dynamics.rotordynamics.forced_response import ForcedResponse
 from drill_twin.dynamics.rotordynamics.forced_response import forced_response as _forced_response
 from drill_twin.dynamics.rotordynamics.modes import LATERAL, ModeTable, Resting
@@ -78,6 +84,17 @@ def held_at(scene: Scene, command: Command, **rig: object) -> Scene:
     for key, value in (("weight_on_bit", command.weight_on_bit), ("rotation", command.rotation)):
         rig[key] = getattr(scene.rig, key).model_copy(update={"shape": "constant", "initial": value, "value": value})
     return scene.model_copy(update={"rig": scene.rig.model_copy(update=rig)})
+
+
+def modes_under(scene: Scene, command: Command) -> ModeTable:
+    """Modes of a scene under constant set-points, without effects that depend on time.
+
+    Raises:
+        SceneError: The scene has no modes.
+        RunError: There is no balance.
+    """
+    left_out = [key for key in scene.effect_names if key in TIME_DEPENDENT]
+    return modes(held_at(scene, command), without=left_out)
 
 
 def fastest_of(command: Command) -> float:

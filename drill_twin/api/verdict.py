@@ -10,31 +10,24 @@ from typing import NamedTuple
 
 import numpy as np
 
-from drill_twin.api.compare import NOTHING, Case, quantities
+from drill_twin.api.compared_quantities import NOTHING, RELEVANCE, Case, quantities
 from drill_twin.api.result import Result
 from drill_twin.api.simulation import Simulation
+from drill_twin.core.severity import WORDS, Grade, grade
 from drill_twin.core.table import Column, Table
 from drill_twin.core.units.system import UnitSystem
 from drill_twin.scene import Scene
 from drill_twin.scene.load import override
 from drill_twin.studies.accuracy.errors import CONFIDENCE, chance_difference
 
-COSTS = {
-    "stick-slip index": 1.0, "lateral acceleration, rms": 1.0, "axial acceleration, rms": 1.0,
-    "largest bending stress": 1.0, "fatigue damage": 1.0, "largest force of the wall at a mark": 1.0,
-    "margin to sinusoidal buckling": -1.0, "yield margin": -1.0, "make-up margin": -1.0,
-    "margin to the nearest critical speed of the assembly": -1.0, "specific energy": 1.0, "rate of penetration": -1.0,
-}  # fmt: skip
-"""Quantities that cost bits and joints, the costliest first: 1 where more is worse, -1 where less is. A name is the end
-of the name of a compared quantity."""
 NUDGE = 0.01
 """Standard deviation of the speed of another seed, as a share: no rig holds its speed better, and where the string lies
 on the wall friction forgets a push."""
 PUSH = 1e-4
 """Standard deviation of the lateral velocity at mid-span that sets a run of another seed apart [m/s]."""
-NONE = "no difference that the runs can show"
+NONE = "none that matters"
 CHANCE = "?"
-"""In place of the better case: the means differ by more than the tolerance, and chance explains it."""
+"""In place of the better case: the means differ by what matters, and chance explains it."""
 
 
 class ComparedCost(NamedTuple):
@@ -45,7 +38,18 @@ class ComparedCost(NamedTuple):
     values: tuple[tuple[float, ...], ...]
     """By case, one a seed."""
     better: tuple[str, ...]
-    """For each case but the first: `A` (the first), its own letter, `CHANCE`, or empty within the tolerance."""
+    """For each case but the first: `A` (the first), its own letter, `CHANCE`, or empty where no difference matters."""
+    matters: float = 0.0
+    """Difference of the means below which nothing matters."""
+    grades: tuple[int, ...] = ()
+    """Grade of severity of the mean of each case; empty for a quantity without grades."""
+
+    def rank(self, case: int) -> tuple[float, float]:
+        """Key by which the differences of two cases are ranked: the higher grade of both, then how much it matters."""
+        one, other = (float(np.mean(self.values[k])) for k in (0, case + 1))
+        scale = self.matters or max(abs(one), abs(other))
+        grade = max(self.grades[0], self.grades[case + 1]) if self.grades else -1
+        return grade, abs(other - one) / scale
 
 
 def again(
@@ -81,19 +85,19 @@ def again(
 
 
 def costs(runs: Sequence[Sequence[Case]], tolerance: float) -> list[ComparedCost]:
-    """Costs of cases, ranked; a cost that no run has is left out.
+    """Costs of cases in the order of `RELEVANCE`; a cost that no run has is left out.
 
-    A difference is shown where the means are further apart than the tolerance, a share of the larger one, and than
-    chance explains at 95 % for all costs together (Welch 1947, Bonferroni); a single run a case shows none.
+    A difference is shown where the means are further apart than matters, than the tolerance, a share of the larger one,
+    and than chance explains at 95 % for all costs together (Welch 1947, Bonferroni); a single run a case shows none.
 
     Args:
         runs: Cases of each seed, in one order.
         tolerance: Share from which means differ.
     """
     tables = [{row.name: row for row in quantities(cases)} for cases in runs]
-    found = []
-    for cost, sign in COSTS.items():
-        for name in [name for name in tables[0] if name.endswith(cost)][:1]:
+    found, bounds = [], runs[0][0].bounds
+    for cost, what in RELEVANCE.items():
+        for name in [name for name in tables[0] if name.endswith(cost) and what.sign][:1]:
             values = tuple(
                 tuple(
                     float(table[name].values[k])
@@ -105,23 +109,30 @@ def costs(runs: Sequence[Sequence[Case]], tolerance: float) -> list[ComparedCost
                 for k in range(len(runs[0]))
             )
             if any(values):
-                found.append((cost, tables[0][name].unit, values, sign))
+                least = tables[0][name].matters
+                grades = tuple(
+                    int(grade(what.key, float(np.mean(row)), bounds) or 0) if row else 0
+                    for row in values
+                    if what.key and least and WORDS[what.key] == cost
+                )
+                found.append((cost, tables[0][name].unit, values, what.sign, least, grades))
     return [
         ComparedCost(cost, unit, values, tuple(
-            _better(values[0], other, sign, tolerance, chr(ord("A") + k), len(found))
+            _better(values[0], other, sign, (tolerance, least), chr(ord("A") + k), len(found))
             for k, other in enumerate(values[1:], 1)
-        ))
-        for cost, unit, values, sign in found
+        ), least, grades)
+        for cost, unit, values, sign, least, grades in found
     ]  # fmt: skip
 
 
 def _better(
-    one: Sequence[float], other: Sequence[float], sign: float, tolerance: float, letter: str, count: int
+    one: Sequence[float], other: Sequence[float], sign: float, least: tuple[float, float], letter: str, count: int
 ) -> str:
+    """The better case; `least` holds the share and the size from which means differ."""
     if min(len(one), len(other)) < 2:
         return ""
     first, second = float(np.mean(one)), float(np.mean(other))
-    if abs(second - first) <= tolerance * max(abs(first), abs(second)):
+    if abs(second - first) <= max(least[0] * max(abs(first), abs(second)), least[1]):
         return ""
     if abs(second - first) <= chance_difference(list(one), list(other), 1.0 - (1.0 - CONFIDENCE) / count):
         return CHANCE
@@ -147,31 +158,58 @@ def _mean_text(size: float, row: Sequence[float]) -> str:
     return f"{size * np.mean(row):.4g}{spread}" if row else "none"
 
 
-def verdicts(found: Sequence[ComparedCost], units: UnitSystem) -> list[str]:
-    """Sentence on each case but the first."""
+def verdicts(found: Sequence[ComparedCost], units: UnitSystem, first: Sequence[Case] = ()) -> list[str]:
+    """Sentence on each case but the first, and on the side force at the bit of each case whose balance is known."""
+    said = [_verdict(found, k, units) for k in range(len(found[0].better))] if found else [NONE]
     if any(len(row) < 2 for cost in found for row in cost.values):
-        return ["no verdict: one run of a case shows no spread; --seeds 3 repeats the cases that are scenes"]
-    return [_verdict(found, k, units) for k in range(len(found[0].better))] if found else [NONE]
+        said = ["no verdict: one run of a case shows no spread; --seeds 3 repeats the cases that are scenes"]
+    sides = [case.loads.contacts[0].build if case.loads else math.nan for case in first]
+    if any(map(math.isfinite, sides)):
+        said.append(f"side force at the bit: {', '.join(_side(k, force, units) for k, force in enumerate(sides))}")
+    elif first:
+        said.append("side force at the bit: neither build nor drop, as no hole is inclined there, or has a balance")
+    return said
+
+
+def _side(case: int, force: float, units: UnitSystem) -> str:
+    """Side force of a case, signed, with what it does to the angle of the hole."""
+    way = (
+        "not known"
+        if math.isnan(force)
+        else f"{units.text(force, 'force', '+.3g')} ({'build' if force > 0 else 'drop'})"
+    )
+    return f"{chr(ord('A') + case)} {way}"
 
 
 def _verdict(found: Sequence[ComparedCost], case: int, units: UnitSystem) -> str:
     letter = chr(ord("B") + case)
-    wins = {who: [cost for cost in found if cost.better[case] == who] for who in ("A", letter)}
-    told = {who: ", ".join(_told(cost, case, units) for cost in costs) for who, costs in wins.items()}
-    if all(wins.values()):
-        return f"neither is better in all: A in {told['A']}; {letter} in {told[letter]}"
-    for who, costs in wins.items():
-        if costs:
-            return f"{who} is better than {letter if who == 'A' else 'A'}: {told[who]}"
-    unsure = [cost for cost in found if cost.better[case] == CHANCE]
-    runs = min((len(row) for cost in unsure for row in (cost.values[0], cost.values[case + 1])), default=0)
-    names = ", ".join(cost.name for cost in unsure)
-    more = f"; {names}: the means differ, which {runs} runs do not tell from chance (more --seeds)" if unsure else ""
-    return f"A and {letter}: {NONE}{more}"
+    wins = (cost for cost in found if cost.better[case] in {"A", letter})
+    shown = sorted(wins, key=lambda cost: cost.rank(case), reverse=True)
+    if not shown:
+        unsure = [cost for cost in found if cost.better[case] == CHANCE]
+        runs = min((len(row) for cost in unsure for row in (cost.values[0], cost.values[case + 1])), default=0)
+        names = ", ".join(cost.name for cost in unsure)
+        more = (
+            f"; {names}: the means differ, which {runs} runs do not tell from chance (more --seeds)" if unsure else ""
+        )
+        return f"A and {letter}: {NONE}{more}"
+    first, *others = shown
+    better = first.better[case]
+    told = {way: ", ".join(_told(cost, case, units) for cost in others if (cost.better[case] == better) is way)
+            for way in (True, False)}  # fmt: skip
+    also, against = (
+        f"; {word}: {told[way]}" if told[way] else "" for way, word in ((True, "also"), (False, "against it"))
+    )
+    other = letter if better == "A" else "A"
+    return f"{better} is better than {other}, decided by {_told(first, case, units)}{also}{against}"
 
 
 def _told(cost: ComparedCost, case: int, units: UnitSystem) -> str:
+    """The cost of the better case against the other's, with their grades."""
     size, unit = units.in_unit(cost.unit)
-    means = [size * float(np.mean(row)) for row in (cost.values[0], cost.values[case + 1])]
-    lower, higher = (means[0], means[1]) if cost.better[case] == "A" else (means[1], means[0])
-    return f"{cost.name} {lower:.3g} against {higher:.3g}{'' if unit == '-' else f' {unit}'}"
+    order = (0, case + 1) if cost.better[case] == "A" else (case + 1, 0)
+    mine, other = (
+        f"{size * float(np.mean(cost.values[k])):.3g}{f' ({Grade(cost.grades[k]).word})' if cost.grades else ''}"
+        for k in order
+    )
+    return f"{cost.name} {mine} against {other}{'' if unit == '-' else f' {unit}'}"

@@ -61,7 +61,7 @@ def analyze(
     states: StatesOption = False,
     why: Annotated[
         bool,
-        typer.Option("--why", help="Say why it whirled, from modes and up to eight repeats of the run; takes minutes."),
+        typer.Option("--why", help="Say why it whirled or stuck, from modes and repeats of the run; takes minutes."),
     ] = False,
     sub: Annotated[
         str | None,

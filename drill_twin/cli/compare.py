@@ -18,7 +18,7 @@ from drill_twin.core.files.output import check_folder
 from drill_twin.core.table import Table
 
 if TYPE_CHECKING:
-    from drill_twin.api.compare import ComparedQuantity
+    from drill_twin.api.compared_quantities import ComparedQuantity
     from drill_twin.api.recorded_run import Rerun
     from drill_twin.core.units.system import UnitSystem
 
@@ -55,7 +55,8 @@ def compare(
     output ends with a verdict: what costs bits and joints, over runs of several seeds, and what the runs can show.
     Writes compare.html, compare.json and compare.png.
     """
-    from drill_twin.api.compare import finish, page, prepare, quantities
+    from drill_twin.api.compare import finish, page, prepare, settled
+    from drill_twin.api.compared_quantities import quantities
     from drill_twin.api.verdict import again, cost_table, costs, verdicts
     from drill_twin.core.units.system import unit_system
     from drill_twin.report.comparison import draw_runs
@@ -66,7 +67,7 @@ def compare(
             f"expected two cases or more, found {len(cases)}: name a second scene, or the same with changes"
         )
     common = options.overrides(change, duration=duration, units=units)
-    prepared = [prepare(text, common) for text in cases]
+    prepared, notes = settled([prepare(text, common) for text in cases])
     new_folder(out, replace=replace)
     found = []
     with shown_progress("computing", len(cases) * seeds, unit="runs") as bar:
@@ -79,13 +80,13 @@ def compare(
         ]
     ranked = costs([found, *repeated], tolerance)
     rows, shown = quantities(found), unit_system(units or found[0].result.recording.units.name)
-    notes = [
+    notes += [
         f"{case.name}: its motion is irregular; a run that differs in anything shares its statistics, not its path."
         for case in found
         if case.result.summary["lasting_motion"] == "irregular"
     ]
     notes.append("The size of the safe window is not compared: drill-twin map SCENE computes it.")
-    said, table = verdicts(ranked, shown), cost_table(ranked, shown)
+    said, table = verdicts(ranked, shown, found), cost_table(ranked, shown)
     differing = [row for row in rows if row.differs(tolerance)]
     content = {
         "cases": cases, "tolerance": tolerance, "differing": [row.name for row in differing], "notes": notes,
@@ -94,7 +95,10 @@ def compare(
     }  # fmt: skip
     picture = draw_runs([(case.name, case.result.recording) for case in found], "Runs over time", units=shown)
     save(picture, out / "compare.png")  # the page holds it
-    agree = f"{len(rows) - len(differing)} quantities agree to {100 * tolerance:g} %; --all shows them"
+    agree = (
+        f"{len(rows) - len(differing)} quantities agree to {100 * tolerance:g} %, or differ by less than matters; "
+        "--all shows them"
+    )
     emit(
         content, json=json,
         shown=chain(

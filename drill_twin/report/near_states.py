@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Steady whirls near the findings of a bag, and why its whirl settled where it did.
+"""Steady whirls near the findings of a bag.
 
 `drill_twin.dynamics.rotordynamics` finds the states under weight and rotation at the end of the bag, in the lateral
 form.
@@ -43,7 +43,7 @@ def near_states(bag: Recording, summary: dict[str, Any]) -> dict[str, Any]:
 
     Returns:
         By key: `weight_on_bit_n`, `rotation_rev_s`; `axis_growth_per_s`, the growth of the string on the axis [1/s];
-        `states`; `findings`, each with a sentence and the number of its state; `conclusion`; `notes`. Only `notes`
+        `states`; `findings`, each with a sentence and the number of its state; `notes`. Only `notes`
         where no steady whirl can exist.
     """
     notes: list[str] = []
@@ -57,10 +57,7 @@ def near_states(bag: Recording, summary: dict[str, Any]) -> dict[str, Any]:
         return {"notes": [f"no whirl states: {error}"]}
     if not found.is_whole:
         notes.append(f"the search for states was cut short after {EVALUATIONS:,} evaluations: others may exist")
-    findings = [
-        {"finding": "onset of whirl", "state": None, "sentence": _leaves(float(axis), "the string on the axis")}
-    ]
-    findings += [_placed(name, frequency, command, states) for name, frequency in _frequencies(summary)]
+    findings = [_placed(name, frequency, command, states) for name, frequency in _frequencies(summary)]
     return {
         "weight_on_bit_n": command.weight_on_bit,
         "rotation_rev_s": command.rotation / math.tau,
@@ -70,7 +67,6 @@ def near_states(bag: Recording, summary: dict[str, Any]) -> dict[str, Any]:
             for state in states
         ],
         "findings": findings,
-        "conclusion": _conclusion(findings[1:], states),
         "notes": notes,
     }
 
@@ -142,24 +138,3 @@ def _leaves(growth: float, what: str, frequency: float = 0.0) -> str:
     if growth < 0.0:
         return f"{what}, stable: the slowest disturbance decays at {-growth:.3g} 1/s{at}"
     return f"{what}, unstable: the fastest disturbance grows at {growth:.3g} 1/s{at}"
-
-
-def _conclusion(findings: list[dict[str, Any]], states: tuple[WhirlState, ...]) -> str:
-    """Reason why the whirl settled where it did."""
-    stable = [k for k, state in enumerate(states) if state.verdict == "stable"]
-    near = {found["state"] for found in findings if found["state"] is not None}
-    others = ", ".join(f"{states[k].frequency:+.3f} Hz" for k in stable if k not in near)
-    if near.intersection(k for k, state in enumerate(states) if state.verdict == "not determined"):
-        return "the string is at a steady whirl whose stability is not determined"
-    if not stable:
-        if all(state.verdict == "unstable" for state in states):
-            return "none of the steady whirls found is stable, so the string cannot settle in one of them"
-        return "none of the steady whirls found is known to be stable"
-    if near & set(stable):
-        if others:
-            return f"the whirl is a stable one; another start can lead to the other stable whirls at {others}"
-        return "the whirl settled in the only stable steady whirl found"
-    return (
-        f"the motion is none of the stable whirls found, at {others}: it began elsewhere, or has not settled "
-        "(rig.start: whirl-state begins a run on it)"
-    )

@@ -75,8 +75,6 @@ def _states(summary: Summary) -> Iterator[Row]:
     found = summary.get("whirl_states") or {}
     for one in found.get("findings", ()):
         yield f"{one['finding']}: state", one["sentence"]
-    if "conclusion" in found:
-        yield "why this whirl", found["conclusion"]
     for note in found.get("notes", ()):
         yield "whirl states", note
 

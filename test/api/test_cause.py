@@ -4,15 +4,17 @@
 import json
 
 import pytest
-from rod_scenes import ROLLING, WALLED, quiet_scene
+from known_causes import CASES, UNBALANCE
 from typer.testing import CliRunner
 
 import drill_twin as dt
 from drill_twin.api.repeats import Repeats, Trial
+from drill_twin.api.run_motion import TORSION, WHIRL, Motion
 from drill_twin.cli.app import app
+from drill_twin.core.severity import DEFAULT
 
 SOON = {"wob": 5, "rig.weight_on_bit.duration": 2, "rig.rotation.duration": 2}
-UNBALANCE = "with 0.1 of bow and eccentricity"
+QUICK = ("start-up", "unbalance at a critical speed")
 
 
 def by_change(cause):
@@ -22,7 +24,9 @@ def by_change(cause):
 def test_a_run_without_whirl_says_so_and_repeats_nothing(tmp_path):
     run = dt.Simulation("pa6_bench", {**SOON, "rpm": 60}).run(duration=5)
     cause = dt.why(run)
-    assert str(cause).startswith("The run does not whirl, at 5 N at 1 rev/s at its end. Small motion about the axis")
+    assert str(cause).startswith(
+        "The run has no problem: it does not whirl, at 5 N at 1 rev/s at its end. Small motion"
+    )
     assert "decays" in str(cause)
     assert cause.causes == ()
     assert cause.trials == ()
@@ -49,17 +53,20 @@ def test_weight_and_speed_at_the_onset_are_those_of_the_ramp(monkeypatch):
     plans = [plan.split(" (")[0] for _, plan, *_ in repeats.plans()]
     assert plans[:2] == ["without internal damping", "without wall friction"]
     assert plans[-1] == "at 0.5 of the wall friction"
-    outcome = "no whirl, 88% of the lateral motion; the slowest mode decays with 0.2 1/s"
-    trial = Trial("without wall friction", True, False, outcome, "", None, -0.2, moves=True)
-    by_chance = Trial("without bow", True, False, "no whirl, 0% of the lateral motion (1 of 2 beside)", "", None, -0.2)
-    monkeypatch.setattr(Repeats, "trials", lambda _: iter([trial, by_chance]))
+    outcome = "no whirl (none: lateral acceleration 0.1 g rms), 88% of the run's; the slowest mode decays with 0.2 1/s"
+    longer = Trial("held for 30 s longer", False, (), "spiral", "spiral", None, None)
+    trial = Trial("without wall friction", True, (), outcome, "", None, -0.2)
+    monkeypatch.setattr(Repeats, "trials", lambda _: iter([longer, trial]))
     cause = dt.why(run)
     assert not cause.causes
-    assert "The cause is not known; without wall friction it is no whirl, but more than half of the" in str(cause)
-    assert f"without wall friction: {outcome}" in str(cause)
-    monkeypatch.setattr("drill_twin.api.cause.buckling", lambda *_: " The weight buckles the string.")
-    assert "Buckling takes it off the axis; what then makes it whirl is not known; without wall" in str(dt.why(run))
+    assert f"The cause is not known; repeats of the run that were checked: without wall friction: {outcome}" in str(
+        cause
+    )
     assert "Small motion about the axis of the hole at the onset" in str(cause)
+    lighter = Trial("at 0.5 of the weight (5 N)", False, (WHIRL,), "no whirl", "", None, -0.2)
+    monkeypatch.setattr(Repeats, "trials", lambda _: iter([longer, trial, lighter]))
+    monkeypatch.setattr("drill_twin.api.cause.buckling", lambda *_: " The weight buckles the string.")
+    assert "Cause: the weight buckles the string; at 0.5 of the weight (5 N): no whirl." in str(dt.why(run))
 
 
 @pytest.mark.long
@@ -68,34 +75,64 @@ def test_internal_damping_above_the_critical_speed():
     assert cause.causes == ("without internal damping",)
     trials = by_change(cause)
     assert trials["without internal damping"].growth_per_s < 0.0
-    assert trials["without wall friction"].outcome.startswith("still whirls")
-    # Less unbalance only delays a growth: it is no cause.
-    assert not trials[UNBALANCE].ends_whirl
+    assert trials["without wall friction"].outcome.startswith("forward whirl")
+    # A start on the axis only delays a growth: unbalance is no cause.
+    assert not trials[UNBALANCE].cures
     assert "it comes later" in trials[UNBALANCE].outcome
-    assert "The growth about the axis ends" in str(cause)
+
+
+def judged(name):
+    """Causes of a case that are named, and those of them that are wrong."""
+    case = CASES[name]
+    cause = dt.why(case.run())
+    return cause, [one for one in cause.causes if not one.startswith(case.causes)]
+
+
+@pytest.mark.parametrize("name", QUICK)
+def test_a_known_cause_is_found(name):
+    cause, wrong = judged(name)
+    assert cause.causes
+    assert not wrong
 
 
 @pytest.mark.long
-def test_resonance_of_the_unbalance():
-    near_critical = {**SOON, "rpm": 52.2, "effects.eccentricity.offset": "4 mm"}
-    cause = dt.why(dt.Simulation("pa6_bench", near_critical).run(duration=20))
-    assert cause.causes == (UNBALANCE,)
-    assert "Cause (forced, at the speed of rotation)" in str(cause)
-    assert by_change(cause)["at 0.7 of the speed"].ends_whirl
+def test_most_known_causes_are_found_and_no_other_is_named():
+    found = {name: judged(name) for name in CASES}
+    assert not {name: wrong for name, (_, wrong) in found.items() if wrong}
+    assert sum(bool(cause.causes) for cause, _ in found.values()) >= 8
 
 
-@pytest.mark.long
-def test_rolling_on_wall_friction():
-    # A buckled rod without any damping that a kick throws at the wall: only friction makes it roll.
-    kicked = {
-        **ROLLING,
-        "internal_damping": {"bending_time": 0.0},
-        "lateral_kick": {"velocity": 0.3, "shape": "hump"},
-        "bow": {"amplitude": 1e-4},
-    }
-    scene = quiet_scene(kicked, of=WALLED, radius=0.04, step=2e-3, weight_on_bit=20.0)
-    run = dt.Simulation(scene, {"rpm": 180, "rig.duration": 8}).run()
-    assert run.summary["lasting_motion"] == "rolling along the wall"
-    cause = dt.why(run)
-    assert cause.causes == ("without wall friction",)
-    assert "The weight buckles the string" in str(cause)
+def motion(onset=1.0, lasting="rolling along the wall", bit="steady rotation", **graded):
+    """Motion with a grade and a value by quantity."""
+    rows = {key: {"grade": at, "value": value, "place": ""} for key, (at, value) in graded.items()}
+    summary = {
+        "onset_s": onset, "whirl_end_s": None, "lasting_motion": lasting, "bit": bit, "severity_by_quantity": rows,
+    }  # fmt: skip
+    return Motion(summary, DEFAULT)
+
+
+ROLLS = motion(lateral_rms=(2, 25.0))
+
+
+@pytest.mark.parametrize(
+    ("found", "growth", "less", "cured"),
+    [
+        (motion(lasting="creeping along the wall", lateral_rms=(0, 0.3)), None, True, True),  # creeps at 0.03 g
+        (motion(lasting="creeping along the wall", lateral_rms=(0, 0.3)), None, False, True),
+        (motion(lateral_rms=(1, 18.0)), None, True, True),  # a grade less of the same motion: a cure, no cause
+        (motion(lateral_rms=(1, 18.0)), None, False, False),
+        (motion(lasting="creeping along the wall", lateral_rms=(2, 21.0)), None, True, False),
+        (motion(onset=None, lasting="rotation about a fixed axis", lateral_rms=(0, 0.3)), -0.1, False, True),
+        (motion(onset=None, lasting="rotation about a fixed axis", lateral_rms=(0, 0.3)), 0.1, True, False),  # later
+        (motion(onset=None, lasting="rotation about a fixed axis", lateral_rms=(2, 20.0)), -0.1, False, False),
+    ],
+)  # fmt: skip
+def test_a_cure_is_judged_by_severity_and_kind(found, growth, less, cured):
+    assert Repeats.cured(WHIRL, ROLLS, found, growth, less=less) is cured
+
+
+def test_torsion_that_is_not_known_is_not_cured():
+    run = motion(onset=None, stick_slip=(3, 1.1))
+    assert Repeats.cured(TORSION, run, motion(onset=None, stick_slip=(0, 0.1)), None, less=False)
+    assert not Repeats.cured(TORSION, run, motion(onset=None), None, less=False)
+    assert not Repeats.cured(TORSION, run, motion(onset=None, stick_slip=(2, 0.6)), None, less=True)

@@ -37,6 +37,8 @@ IMPERFECTIONS = ("bow", "eccentricity", "rock_floor", "lateral_kick", *TIME_DEPE
 """Effects that a steady balance leaves out; the weight on bit takes the place of the rock."""
 BEND_PLACES = 8
 """Places in an element at which bend and friction of the hole are taken, as both may change between nodes."""
+VERTICAL = math.radians(0.1)
+"""Inclination below which a hole has no low side [rad]; surveys are not more accurate. Chosen, not measured."""
 NO_TORQUE = 1e-4
 """Torque over make-up torque below which a connection is not loaded; Newton's residual is of that size."""
 
@@ -51,6 +53,9 @@ class ContactLoad(NamedTuple):
     """Across the hole [N]."""
     tilt: float
     """Angle between string and hole [rad]."""
+    build: float = math.nan
+    """Of the bit: force of the wall towards the low side [N]. Above zero the bit presses on the high side and builds
+    angle, below it drops; NaN where the hole is vertical (`VERTICAL`), and of other contacts."""
 
 
 class OperationLoads(NamedTuple):
@@ -256,7 +261,13 @@ def _contacts(
 ) -> tuple[ContactLoad, ...]:
     rod = solver.equations.model.rod
     tilts = np.linalg.norm(np.cross(balance.u[:, 3:6], solver.tangent), axis=1)
-    found, bottom = [ContactLoad("bit", 0.0, balance.bit_side_force, math.asin(min(float(tilts[0]), 1.0)))], 0.0
+    inclination, along_hole = solver.equations.model.inclination, solver.tangent.reshape(-1, 3)[0]
+    low = np.array([math.sin(inclination), 0.0, -math.cos(inclination)])
+    low -= (low @ along_hole) * along_hole
+    steep = float(np.linalg.norm(low))
+    side = solver.equations.bit_frame[:, :3] @ low / steep if steep > VERTICAL else np.full(3, math.nan)
+    tilt = math.asin(min(float(tilts[0]), 1.0))
+    found, bottom = [ContactLoad("bit", 0.0, balance.bit_side_force, tilt, float(balance.bit[:3] @ side))], 0.0
     for number, section in enumerate(scene.string.sections):
         top = bottom + section.length
         if (

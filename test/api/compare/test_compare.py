@@ -3,17 +3,22 @@
 
 import json
 import math
+from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 from typer.testing import CliRunner
 
 import drill_twin as dt
-from drill_twin.api.compare import Case, ComparedQuantity, prepare, quantities
+from drill_twin.api.compare import prepare, settled
+from drill_twin.api.compared_quantities import Case, ComparedQuantity, matters, quantities
+from drill_twin.api.verdict import costs, verdicts
 from drill_twin.cli.app import app
 from drill_twin.core.errors import ArgumentError
 from drill_twin.core.units.system import SYSTEMS
 
+SOON = ["--set", "rig.weight_on_bit.duration=0.3 s", "--set", "rig.rotation.duration=0.3 s"]
 HEAVIER = "pa6_bench,wob=60 N,effects.wall_friction.coefficient=0.1"
 
 
@@ -49,9 +54,10 @@ def test_a_case_is_a_scene_with_changes_or_a_bag(tmp_path: Path) -> None:
 
 
 def test_the_command_compares_a_run_with_a_bag(tmp_path: Path) -> None:
-    bag = dt.Simulation("pa6_bench").run(duration=1.0).to_bag(tmp_path / "bag_0")
+    soon = {"rig.weight_on_bit.duration": 0.3, "rig.rotation.duration": 0.3}
+    bag = dt.Simulation("pa6_bench", soon).run(duration=1.0).to_bag(tmp_path / "bag_0")
     out = tmp_path / "out"
-    arguments = ["compare", str(bag), HEAVIER, "--duration", "1", "--out", str(out)]
+    arguments = ["compare", str(bag), HEAVIER, "--duration", "1", "--out", str(out), *SOON]
     said = CliRunner().invoke(app, arguments)
     assert said.exit_code == 0, said.output
     assert f"B: {HEAVIER}" in said.stdout
@@ -73,6 +79,74 @@ def test_a_run_beside_itself_does_not_differ() -> None:
     rows = quantities([Case("one", result, None), Case("other", result, None)])
     assert len(rows) > 10
     assert not any(row.differs(0.0) for row in rows)
+
+
+def contact(name: str, place: float, force: float, build: float = math.nan) -> SimpleNamespace:
+    return SimpleNamespace(name=name, distance_from_bit=place, force=force, build=build)
+
+
+def assembly(result: dt.Result, *blades: SimpleNamespace, build: float = math.nan) -> Case:
+    """A case with blades at places, forces [N], and a signed side force at the bit."""
+    loads = SimpleNamespace(
+        operation=SimpleNamespace(name="drill"), hookload=1e5, surface_torque=1e3, neutral_point=9.0,
+        margins=(2.0, 2.0), yield_margin=3.0, make_up_margin=3.0,
+        contacts=(contact("bit", 0.0, abs(build), build), *blades),
+    )  # fmt: skip
+    return Case("case", result, loads)
+
+
+def test_contacts_are_paired_by_place_and_a_doubled_force_of_the_wall_is_seen() -> None:
+    result = dt.Simulation("pa6_bench").run(duration=0.5)
+    near = assembly(result, contact("stabiliser", 0.5, 3e3))
+    far = assembly(result, contact("stabiliser", 2.5, 6.3e3))
+    other = assembly(result, contact("near-bit stabiliser", 0.52, 6e3))
+    rows = {row.name: row for row in quantities([near, far, other])}
+    beside = rows["balance, drill: side force, stabiliser, 0.5 m from the bit"]
+    assert beside.values[0] == 3e3
+    assert math.isnan(beside.values[1])
+    assert beside.values[2] == 6e3  # another name at the same place
+    assert rows["balance, drill: side force, stabiliser, 2.5 m from the bit"].values[1] == 6.3e3
+    found = costs([[near, other], [near, replace(other)]], 0.05)
+    assert next(cost for cost in found if cost.name == "largest side force of a stabiliser").matters == 550.0
+    assert rows["balance, drill: largest side force of a stabiliser"].differs(0.05)
+
+
+def test_the_side_force_at_the_bit_has_a_sign() -> None:
+    result = dt.Simulation("pa6_bench").run(duration=0.5)
+    said = verdicts([], SYSTEMS["field"], [assembly(result, build=-667.2), assembly(result, build=222.4)])
+    assert said[-1] == "side force at the bit: A -0.15 klbf (drop), B +0.05 klbf (build)"
+    assert "neither build nor drop" in verdicts([], SYSTEMS["field"], [assembly(result)])[-1]
+    row = next(row for row in quantities([assembly(result, build=-667.2), assembly(result, build=222.4)])
+               if row.name.endswith("side force at the bit, + build, - drop"))  # fmt: skip
+    assert row.values == (-667.2, 222.4)
+    assert row.differs(0.05)
+
+
+@pytest.mark.parametrize(
+    ("values", "differs"), [((0.42, 0.46), False), ((0.1, 2.0), True), ((20.0, 20.9), False), ((20.0, 22.0), True)]
+)
+def test_a_difference_below_what_matters_is_none(values: tuple[float, ...], differs: bool) -> None:
+    """0.0428 against 0.0464 g is significant, and matters to nobody."""
+    least = matters("axial acceleration, rms", Case("one", dt.Simulation("pa6_bench").run(duration=0.1), None))
+    assert least == pytest.approx(0.125 * 9.80665)
+    assert ComparedQuantity("axial acceleration, rms", "m/s^2", values, least).differs(0.05) is differs
+
+
+def test_bounds_of_the_scene_say_what_matters() -> None:
+    own = {"severity.source": "a bench", "severity.axial_rms": [0.1, 0.2, 0.3, 0.4]}
+    assert matters("axial acceleration, rms", Case("one", dt.Simulation("pa6_bench", own).run(duration=0.1), None)) == (
+        pytest.approx(0.025)
+    )
+
+
+def test_runs_whose_set_points_still_move_are_prolonged_or_refused() -> None:
+    scenes = [prepare("pa6_bench", {"duration": "5 s"}), prepare("pa6_bench,rig.duration=30 s", {})]
+    longer, notes = settled(scenes)
+    assert [scene.rig.duration for scene in longer] == [17.2, 30.0]
+    assert notes == ["Set-points settle at 8.6 s: the runs were prolonged to 17.2 s."]
+    assert settled(scenes[1:]) == (scenes[1:], [])
+    with pytest.raises(ArgumentError, match=r"its set-points have settled at 8\.6 s, found one of 0\.5 s"):
+        settled([dt.Simulation("pa6_bench").run(duration=0.5), scenes[1]])
 
 
 def test_one_case_is_refused() -> None:
