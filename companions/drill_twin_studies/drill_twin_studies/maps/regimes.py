@@ -62,7 +62,7 @@ class Regime(Enum):
     FAILED = "could not be followed"
     """The run did not come to its end."""
     CREEPING = "creeping along the wall"
-    """Slow whirl against the rotation whose contact slides: the string hardly accelerates."""
+    """Whirl on the wall whose contact slides: it goes around at less than half of the rotation, and of pure rolling."""
     ROLLING = "rolling along the wall"
     """Whirl against the rotation whose contact rolls."""
     IMPACTS = "striking the wall"

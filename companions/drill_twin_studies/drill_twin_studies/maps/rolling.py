@@ -1,76 +1,65 @@
 # SPDX-License-Identifier: Apache-2.0
 """Friction from which a string that slides along the wall may come to roll on it."""
 
-from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
 
-import numpy as np
-
-from drill_twin.core.arrays import Array
 from drill_twin.core.errors import DrillTwinError
 from drill_twin.dynamics.rotordynamics.equations import EquationsOfMotion
 from drill_twin.dynamics.rotordynamics.steady.steady_whirl import SteadyWhirl
 from drill_twin.scene import Scene
-from drill_twin.scene.schema import number_at
 from drill_twin.scene.set_points.command import Command
-from drill_twin.whirl.criteria import CONTACT_RADIUS
-from drill_twin_studies.maps.regimes import OFF_AXIS, Regime
 
-FRICTION = "effects.wall_friction.coefficient"
 _INSIDE = 1.0 - 1e-6
-"""Radius over the clearance at which the forces are taken: no wall touches."""
+"""Radius over the clearance at which forces are taken: no wall touches."""
 
 
+@dataclass(frozen=True)
 class RollingFriction:
-    """Comparison of the wall friction with what rolling needs, at the mark with the largest radius.
+    """Wall friction that rolling needs, for a scene.
 
     A string that rolls turns about the axis at -r / c times its rotation, r its contact radius and c its clearance. The
-    wall carries its mass times acceleration N, and friction carries the drag T: rolling exists as a state where the
-    coefficient is T / N or more (own derivation: a rigid string, moved to the wall as a whole). The stiffness that
-    would lift it off the wall is left out, since the string lies there already. So the test is necessary for rolling,
-    and does not say that rolling begins, or when.
+    wall carries its mass times its acceleration, N, and friction carries the drag on it, T: rolling exists as a state
+    where the coefficient is T / N or more (own derivation: a rigid string, moved to the wall as a whole). The stiffness
+    that would lift it off the wall is left out, since the string lies there already. So such a coefficient is necessary
+    for rolling; it does not say that rolling begins, or when.
     """
 
-    def __init__(self, scene: Scene) -> None:
-        """Take a scene."""
-        self._scene = scene
-        self._equations: EquationsOfMotion | None = None
-        self.vertical = not scene.hole.survey and scene.hole.inclination == 0.0
+    scene: Scene
+
+    @property
+    def vertical(self) -> bool:
         """The hole is straight and vertical, so that a string off its axis is bent by its load."""
+        return not self.scene.hole.survey and self.scene.hole.inclination == 0.0
 
-    def suffices(self, regime: Regime, radius_shares: Array, speed: float, values: Mapping[str, float | str]) -> bool:
-        """True if a string that creeps, or is buckled and touches the wall, may come to roll.
+    @cached_property
+    def _equations(self) -> EquationsOfMotion | None:
+        try:
+            return EquationsOfMotion(self.scene) if self.vertical else None
+        except DrillTwinError:  # an effect that depends on time
+            return None
 
-        Args:
-            regime: Its motion at the end of a run.
-            radius_shares: Largest radius of each mark over its clearance, shape (m,).
-            speed: Rotation [rad/s].
-            values: Values of the uncertain numbers of the run by key.
-        """
-        touches = regime is Regime.CREEPING or float(radius_shares.max()) > CONTACT_RADIUS
-        friction = float(values.get(FRICTION, number_at(self._scene, FRICTION) or 0.0))
-        if regime not in OFF_AXIS or not touches or friction <= 0.0:
-            return False
-        return friction >= self.needed(int(np.argmax(radius_shares)), speed)
+    def ratio(self, mark: int) -> float:
+        """Whirl ratio of pure rolling at a mark, without its sign."""
+        here = self.scene.mark_table[mark]
+        return self.scene.hole.radius_at(self.scene.length - here.distance_from_bit) / here.clearance - 1.0
 
     def needed(self, mark: int, speed: float) -> float:
-        """Coefficient that rolling needs at a mark; 0, nothing known, in a hole that is not straight and vertical.
+        """Coefficient of friction that rolling needs at a mark.
 
         Args:
             mark: Number of the mark.
             speed: Rotation [rad/s].
+
+        Returns:
+            0, nothing known, in a hole that is not straight and vertical, or with an effect that depends on time.
         """
-        if not self.vertical:
+        if self._equations is None:
             return 0.0
-        try:
-            equations = self._equations = self._equations or EquationsOfMotion(self._scene)
-        except DrillTwinError:  # an effect that depends on time
-            return 0.0
-        model, command = equations.model, Command(0.0, speed)
-        arc = np.concatenate(([0.0], np.cumsum(model.rod.length)))
-        node = int(np.argmin(np.abs(arc - self._scene.mark_table[mark].distance_from_bit)[1:-1])) + 1
-        clearance, radius = float(model.wellbore.clearance[2 * node]), float(model.contact_radius[2 * node])
+        here, equations, command = self.scene.mark_table[mark], self._equations, Command(0.0, speed)
+        node = int((equations.model.rod.length.cumsum() < here.distance_from_bit).sum())
         u, _ = equations.on_axis(command)
-        u[:, 0] += _INSIDE * clearance
-        turns = SteadyWhirl(command, u, -speed * radius / clearance)
-        outward, along = equations.rows(equations.evaluate(command, *turns.motion).residual)[node, :2]
-        return abs(along / outward) if outward else 0.0
+        u[:, 0] += _INSIDE * here.clearance
+        whirl = SteadyWhirl(command, u, -speed * self.ratio(mark))
+        outward, along = equations.rows(equations.evaluate(command, *whirl.motion).residual)[max(node, 1), :2]
+        return float(abs(along / outward)) if outward else 0.0

@@ -19,6 +19,7 @@ from drill_twin.runs.ensemble import Executor, expand
 from drill_twin.runs.ensemble.outputs import Request
 from drill_twin.runs.ensemble.run import MemberRun
 from drill_twin.scene import Scene
+from drill_twin.scene.schema import number_at
 from drill_twin.whirl import criteria
 from drill_twin.whirl.criteria import BitMotion
 from drill_twin.whirl.motion.stick_slip_index import MODERATE, TIME_BASE
@@ -27,6 +28,7 @@ from drill_twin_studies.maps.regimes import OFF_AXIS, Regime, TorsionalSpeeds, r
 from drill_twin_studies.maps.rolling import RollingFriction
 from drill_twin_studies.maps.trend import Trend
 
+FRICTION = "effects.wall_friction.coefficient"
 WEIGHT, SPEED = "rig.weight_on_bit", "rig.rotation"
 HOLD, RAMP, STAY = 1.0, 0.25, 1.25
 """Times over the duration of a run from rest: at a whirling set-point, on the way from it to the node, and at the node;
@@ -210,14 +212,12 @@ class Runner:
             number_or_nan(found) for found in (summary.onset_s, summary.mode_frequency_hz, summary.mode_ratio)
         )
         length, index = key.length(self.duration, self.asked), values["stick_slip_index"]
-        torsion, bounds = (
-            TorsionalSpeeds(float(index[1].max()), *values["mean_speed"].tolist()),
-            self.scene.severity_bounds,
-        )
+        torsion = TorsionalSpeeds(float(index[1].max()), *values["mean_speed"].tolist())
         lateral = Trend(values["lateral_rest"][0] / clearance, values["lateral_rest"][1] / clearance, length / 4.0)
         twist = Trend(index[0], index[1], min(float(TIME_BASE), length / 4.0))
         before, now = values["lateral_rms"]
         shaken, ahead = Trend(before, now, length / 4.0), max(self.asked - length, 0.0)
+        bounds = self.scene.severity_bounds
         rms, peak = float(np.hypot(before, now).max()) / math.sqrt(2.0), float(values["lateral_peak"].max())
         stress, decays = float(values["bending_stress_end"]), summary.bit is BitMotion.DECAYING
         graded = zip(GRADED, (rms, peak, stress, math.nan if decays else float(index[1, 0])), [""] * 4, strict=True)
@@ -228,17 +228,23 @@ class Runner:
             "its torsional motion grows": not decays and twist.reaches(MODERATE, ahead),
             "a whirl began and ended": key.origin is None and math.isfinite(onset),
         }
-        grows = any(reasons.values())
-        regime = regime_of(summary, shares, torsion, vertical=self._rolling.vertical, grows=grows)
+        regime = regime_of(summary, shares, torsion, vertical=self._rolling.vertical, grows=any(reasons.values()))
+        force, rolls = float(values["wall_force_late"]), self._rolling.ratio(widest)
+        slow = abs(ratio) < criteria.ROLLING_SLIP * min(1.0, rolls)
+        if regime in {Regime.FORWARD, Regime.BACKWARD} and force > 0.0 and slow:  # the wall is touched between marks
+            regime = Regime.CREEPING
         if regime.whirls or regime is Regime.CREEPING:
             reasons.popitem()
-        reasons["its acceleration grows"] = regime in OFF_AXIS and shaken.reaches(bounds.lateral_rms[1], ahead)
-        reasons["it may come to roll"] = ahead > 0.0 and self._rolling.suffices(
-            regime, shares, self.plane.command(key.place)[1], self.draws[key.draw] if self.draws else {}
-        )
+        speed, draw = self.plane.command(key.place)[1], self.draws[key.draw] if self.draws else {}
+        friction = float(draw.get(FRICTION, number_at(self.scene, FRICTION) or 0.0))
+        reasons |= {
+            "its acceleration grows": regime in OFF_AXIS and shaken.reaches(bounds.lateral_rms[1], ahead),
+            "it may come to roll": regime in OFF_AXIS and min(ahead, force, friction) > 0.0
+            and friction >= self._rolling.needed(widest, speed),
+        }  # fmt: skip
         return RunRecord(
             regime, onset, hz, ratio, summary.bit.value, float(shares.max()),
-            float(values["wall_force_late"]), float(values["torque_swing_late"]), stress, rms / GRAVITY, peak / GRAVITY,
+            force, float(values["torque_swing_late"]), stress, rms / GRAVITY, peak / GRAVITY,
             severity and severity.grade, severity.quantity if severity else "",
             ", ".join(reason for reason, holds in reasons.items() if holds),
             lateral.rate, float(index[1, 0]), float(index[1, 1]),
