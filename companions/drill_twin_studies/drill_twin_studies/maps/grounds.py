@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What the windows of a map rest on, as sentences."""
+"""Grounds of the windows of a map, as sentences."""
 
 from collections import Counter
 from collections.abc import Iterator
@@ -22,11 +22,11 @@ def calm_means(found: MapFields) -> str:
     """Meaning of calm, with the bounds of the scene and their source."""
     own = parse_scene(found.scene).severity if found.scene else None
     bounds, source = (own.bounds if own else DEFAULT)._asdict(), own.source if own else OF_THIS_PROGRAM
-    said = ", ".join(
-        f"{WORDS[name]}, below {found.units.text(bounds[name][1], unit, '.3g') if unit else bounds[name][1]}"
+    said = "; ".join(
+        f"{WORDS[name]} {found.units.text(bounds[name][1], unit, '.3g') if unit else bounds[name][1]}"
         for name, unit in GRADED.items()
     )
-    return f"calm is a settled motion without whirl other than creeping, and less than medium ({source}): {said}"
+    return f"calm: no whirl but creeping, settled, and below medium, which begins at {said} ({source})"
 
 
 def grounds(found: MapFields) -> Iterator[str]:
@@ -38,8 +38,8 @@ def grounds(found: MapFields) -> Iterator[str]:
     runs = [run for node, at_node in found.runs_at_nodes.items() if nodes[node] for run in at_node]
     kinds = ", ".join(f"{count} {kind}" for kind, count in Counter(run.regime.value for run in runs).items())
     yield (
-        f"{len(runs)} runs of {found.duration:g} s in them and at their corners, all calm ({kinds}): none would leave "
-        f"that within {found.asked:g} s if it went on growing as at its end"
+        f"{len(runs)} runs of {found.duration:g} s in them and at their corners, all calm ({kinds}): none would "
+        f"cease to be calm within {found.asked:g} s if it went on growing as at its end"
     )
     yield calm_means(found)
     largest = float(found.largest_growth[nodes].max())
