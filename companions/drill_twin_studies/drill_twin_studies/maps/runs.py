@@ -119,15 +119,15 @@ class RunRecord:
 
     @property
     def whirls(self) -> bool:
-        """The string whirls at the end, otherwise than by creeping."""
-        return self.regime.whirls
+        """The string whirls at the end, otherwise than by creeping that is calm."""
+        return self.regime.whirls or (self.regime is Regime.CREEPING and not self.calm)
 
     @property
     def calm(self) -> bool:
         """No whirl but creeping, settled, and at most low; with an unknown severity smooth motion alone is."""
         if self.severity is None or self.regime in {Regime.FAILED, Regime.UNSETTLED}:
             return self.regime is Regime.SMOOTH and not self.unsettled
-        return self.severity < Grade.MEDIUM and not (self.whirls or self.unsettled)
+        return self.severity < Grade.MEDIUM and not (self.regime.whirls or self.unsettled)
 
     def to_dict(self) -> dict[str, Any]:
         """Plain types; numbers that are not known left out."""

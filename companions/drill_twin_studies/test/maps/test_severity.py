@@ -132,6 +132,13 @@ def test_windows_hold_what_is_calm_by_its_severity(beyond, calm):
     assert found.calm[12, 8] == (beyond is CREEP)
 
 
+def test_an_existing_whirl_that_creeps_on_is_calm_only_if_its_creeping_is():
+    for run, keeps in ((CREEP, False), (replace(CREEP, unsettled="it may come to roll"), True), (SMOOTH, False)):
+        found = map_of(lambda *_: SMOOTH)
+        falling = {Key(i, j, 0, (16, 16)): run for i in range(17) for j in range(17)}
+        assert replace(found, records={**found.records, **falling}).keeps_whirling.any() == keeps
+
+
 def test_the_window_says_by_which_bounds_it_is_calm():
     found = map_of(lambda *_: CREEP)
     assert "289 runs of 30 s in them and at their corners, all calm (289 creeping along the wall)" in found.basis[0]
