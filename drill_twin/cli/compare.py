@@ -85,7 +85,7 @@ def compare(
         for case in found
         if case.result.summary["lasting_motion"] == "irregular"
     ]
-    notes.append("The size of the safe window is not compared: drill-twin map SCENE computes it.")
+    notes.append("The size of the calm window is not compared: drill-twin map SCENE computes it.")
     said, table = verdicts(ranked, shown, found), cost_table(ranked, shown)
     differing = [row for row in rows if row.differs(tolerance)]
     content = {

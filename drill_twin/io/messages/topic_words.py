@@ -26,8 +26,10 @@ class AdviceCode(IntEnum):
 
 REGIME_COLOURS = (
     "#009e73", "#b2df8a", "#f0e442", "#56b4e9", "#c7d9f1", "#bdbdbd", "#e69f00", "#d55e00", "#cc79a7", "#333333",
+    "#bfa58a", "#a50f15", "#6a3d9a",
 )  # fmt: skip
-"""Colours of the regimes of `/advice/map`, in the order of its codes (Okabe and Ito 2008, light green and greys)."""
+"""Colours of the regimes of `/advice/map`, in the order of its codes (Okabe and Ito 2008, light green and greys; of
+creeping brown, of rolling dark red, of impacts violet)."""
 
 SENSORS: Mapping[str, str] = {
     "weight_on_bit": "N",

@@ -180,7 +180,7 @@ _ROWS = (
         STRING,
         "advisor",
         "once it has the map",
-        "operating map (JSON): ranges, regime of each node, boundaries, safe window",
+        "operating map (JSON): ranges, regime of each node, boundaries, calm window",
         latched=True,
         optional=True,
     ),

@@ -194,13 +194,15 @@ ROUND_OFF = 1e-8
 
 
 class Settling(Collector):
-    """Size of the rest of the motion in the last two quarters, and stick-slip index in the last two time bases."""
+    """Rest of the motion and lateral acceleration in the last two quarters, stick-slip index in the last time bases."""
 
     def begin(self) -> None:
         """Prepare for the first frame."""
         self._quarter = self.request.frames // 4
         marks = len(self.twin.scene.string.marks)
         self._gram = np.zeros((2, marks, 3, 3), complex)  # of 1, exp(i psi) and z
+        self._before = np.full((2, marks), np.nan, complex)  # z of the last two frames
+        self._squares, self._peak = np.zeros((2, marks)), np.full(marks, np.nan)  # of the second difference of z
         self._base = max(1, min(self._quarter, math.ceil(TIME_BASE / self.request.period)))
         self._speed = np.empty((2, 0))  # of bit and top drive
         self._frames = 0
@@ -209,23 +211,33 @@ class Settling(Collector):
         """Add the frames of the last half."""
         speed = np.hstack((self._speed, np.array([rig.bit_speed, rig.top_drive_speed])))
         self._speed = speed[:, -2 * self._base :]
+        line = np.concatenate((self._before, rows.centre[..., 0] + 1j * rows.centre[..., 1]))
+        bent, self._before = np.abs(np.diff(line, 2, axis=0)), line[-2:]
         for k in range(2):
             first = self.request.frames - (2 - k) * self._quarter - self._frames
             part = slice(max(0, first), max(0, first + self._quarter))
             spin = rows.spin[part]
             if spin.size:
-                centre = rows.centre[part]
-                terms = np.array([np.ones_like(spin), np.exp(1j * spin), centre[..., 0] + 1j * centre[..., 1]])
+                terms = np.array([np.ones_like(spin), np.exp(1j * spin), line[2:][part]])
                 self._gram[k] += np.einsum("afm,bfm->mab", terms.conj(), terms)
+                self._squares[k] += (bent[part] ** 2).sum(axis=0)
+                self._peak = np.fmax(self._peak, bent[part].max(axis=0))
         self._frames += rows.time.size
 
     def close(self) -> Mapping[str, Variable]:
-        """Radius of the rest of each mark; stick-slip index and mean speed of bit and top drive."""
+        """Radius of the rest of each mark, its acceleration by second differences as in the report; stick-slip index
+        and mean speed of bit and top drive.
+        """
         rest = np.array([[_rest(gram) for gram in quarter] for quarter in self._gram])
         parts = np.split(self._speed, [max(0, self._speed.shape[1] - self._base)], axis=1)
+        square = self.request.period**2
         index = np.array([[stick_slip_index(place) if place.size else math.nan for place in part] for part in parts])
         return {
             "lateral_rest": Variable(rest.reshape(2, -1), ("quarter", "mark"), "m"),
+            "lateral_rms": Variable(
+                np.sqrt(self._squares / max(self._quarter, 1)) / square, ("quarter", "mark"), "m/s^2"
+            ),
+            "lateral_peak": Variable(self._peak / square, ("mark",), "m/s^2"),
             "stick_slip_index": Variable(index, ("time_base", "place"), "1"),
             "mean_speed": Variable(parts[1].mean(axis=1), ("place",), "rad/s"),
         }

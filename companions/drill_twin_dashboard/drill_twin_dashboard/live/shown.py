@@ -9,6 +9,7 @@ import math
 import time
 from collections.abc import Callable
 from dataclasses import replace
+from string import hexdigits
 from typing import Any
 
 from drill_twin.core.errors import MessageError, printable
@@ -78,7 +79,7 @@ def shown_advice(state: JointState) -> dict[str, Any]:
 
 
 def shown_map(text: str) -> dict[str, Any]:
-    """Ranges in N and rev/s, and a digit a node for regime, whirl from rest and whirl that goes on.
+    """Ranges in N and rev/s, and a hexadecimal digit a node for regime, whirl from rest and whirl that goes on.
 
     Raises:
         MessageError: The message is no map of `/advice/map`.
@@ -92,7 +93,7 @@ def shown_map(text: str) -> dict[str, Any]:
         names, digest, window = list(data["regimes"]), str(data["digest"]), data["safe_window"]
         edges = [low, high, slow, fast, *map(float, window or ())]
         good = 1 <= steps <= _MOST_STEPS and low < high and slow < fast and all(map(math.isfinite, edges))
-        if not (good and all(len(digits) == side**2 and digits.isdigit() for digits in fields.values())):
+        if not (good and all(len(digits) == side**2 and set(digits) <= set(hexdigits) for digits in fields.values())):
             raise ValueError(f"{steps} steps")
     except (KeyError, TypeError, ValueError, OverflowError) as error:
         raise MessageError(f"expected an operating map, found another text ({type(error).__name__})") from error
@@ -102,7 +103,7 @@ def shown_map(text: str) -> dict[str, Any]:
         "colours": REGIME_COLOURS,
         "wob": [low, high],
         "rps": [slow / math.tau, fast / math.tau],
-        "regimes": [short(str(name), 40) for name in names[:10]],
+        "regimes": [short(str(name), 40) for name in names[:16]],
         "window": edges[4:6] + [edge / math.tau for edge in edges[6:]],
         **{name: "".join(digits[i * side + j] for i in rows for j in rows) for name, digits in fields.items()},
     }

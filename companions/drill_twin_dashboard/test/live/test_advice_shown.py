@@ -29,11 +29,11 @@ LEAVE = Advice(
 )  # fmt: skip
 
 
-def lattice(steps=8):
-    """Calm on the lower half."""
+def lattice(steps=8, beyond=Regime.FORWARD):
+    """Calm on the lower half, another regime beyond."""
     plane = Plane(Span(0.0, 80.0), Span(0.0, 4.0 * math.pi), steps)
     nodes = [(i, j) for i in range(steps + 1) for j in range(steps + 1)]
-    runs = {Key(*node): RunRecord(Regime.FORWARD if 2 * node[0] > steps else Regime.SMOOTH) for node in nodes}
+    runs = {Key(*node): RunRecord(beyond if 2 * node[0] > steps else Regime.SMOOTH) for node in nodes}
     return lattice_data(OperatingMap(SCENE.name, digest_of(SCENE), SCENE.to_yaml(), plane, 10.0, (), runs))
 
 
@@ -50,6 +50,16 @@ def test_map_and_advice_are_shown_in_whatever_order_they_come(first):
     assert (picture["map"]["wob"], picture["map"]["rps"]) == ([0.0, 80.0], [0.0, 2.0])
     assert picture["map"]["window"] == [0.0, 40.0, 0.0, 2.0]
     assert (picture["map"]["codes"].count("0"), picture["map"]["codes"].count(str(Regime.FORWARD.code))) == (45, 36)
+
+
+def test_the_kinds_beyond_ten_have_one_digit_each_too():
+    page = PageState(Sources())
+    page.update(TWIN_SCENE, encode_string(SCENE.to_yaml()))
+    page.update(ADVICE_MAP, encode_string(json.dumps(lattice(beyond=Regime.ROLLING))))
+    shown = page.snapshot()["map"]
+    assert (len(shown["codes"]), shown["codes"].count("b")) == (81, 36)
+    assert shown["regimes"][int("b", 16)] == "rolling along the wall"
+    assert len(shown["colours"]) == len(shown["regimes"])
 
 
 def test_another_scene_takes_the_map_away():

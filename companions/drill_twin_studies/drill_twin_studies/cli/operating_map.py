@@ -44,7 +44,7 @@ def operating_map(
     calm_for: Annotated[
         str,
         typer.Option(
-            "--calm-for", metavar="TIME", help="Time for which safe windows must stay calm.",
+            "--calm-for", metavar="TIME", help="Time for which calm windows must stay calm.",
             show_default="ten times a run's length",
         ),
     ] = "",
@@ -113,7 +113,8 @@ def operating_map(
 
 
 def _shown(found: OperatingMap, scene: Scene) -> Iterator[str]:
-    """Runs, shares of the regimes, window, and margin of the scene's own set-point."""
+    """Runs, shares of the regimes and grades, windows, and margin of the scene's own set-point."""
+    from drill_twin_studies.maps.drawing import GRADES
     from drill_twin_studies.maps.regimes import REGIMES
 
     units = scene.unit_system
@@ -122,14 +123,16 @@ def _shown(found: OperatingMap, scene: Scene) -> Iterator[str]:
     whole = found.regimes.size
     for code, count in sorted(counts.items()):
         yield f"  {REGIMES[code].value}: {count / whole:.1%} of the ranges"
+    grades = Counter(found.severities.ravel().tolist())
+    yield "  severity: " + ", ".join(f"{GRADES[code]} {count / whole:.1%}" for code, count in sorted(grades.items()))
     unknown = 1.0 - float(found.known.mean())
     if unknown:
         yield f"  {unknown:.0%} of the ranges (hatched) lack runs on all sides; there the nearest run's motion stands"
     if not found.windows:
-        yield "  no safe window: nowhere in these ranges do enough runs show that the string stays calm"
+        yield "  no calm window: nowhere in these ranges do enough runs show that the string stays calm"
     for weight, speed in found.windows:
         at = units.span(speed.low, speed.high, "rotation")
-        yield f"  safe window: {units.span(weight.low, weight.high, 'force')} at {at}"
+        yield f"  calm window: {units.span(weight.low, weight.high, 'force')} at {at}"
     yield from (f"    rests on: {sentence}" for sentence in found.basis)
     load, turn = scene.rig.weight_on_bit.value, scene.rig.rotation.value
     if found.contains(load, turn):

@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from importlib.resources import files
 from math import isfinite
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -15,10 +15,11 @@ from scipy.ndimage import distance_transform_edt
 
 from drill_twin.core import __version__
 from drill_twin.core.arrays import Array, Mask
+from drill_twin.core.severity import Grade
 from drill_twin.io.messages.topic_words import REGIME_COLOURS
 from drill_twin.scene.load import parse_scene
 from drill_twin_studies.maps.operating_map import OperatingMap
-from drill_twin_studies.maps.plane import on_lattice
+from drill_twin_studies.maps.plane import Labels, on_lattice
 from drill_twin_studies.maps.regimes import REGIMES, Regime
 
 if TYPE_CHECKING:
@@ -26,7 +27,10 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 WINDOW_COLOUR = "#00432f"
-"""Colour of the edges of the safe windows."""
+"""Colour of the edges of the calm windows."""
+GRADE_COLOURS = ("#f2f2ee", "#fff3a6", "#fdbb63", "#e8553a", "#7f0010", "#9a9a9a")
+"""Colours of the grades of severity, and of a severity that is not known (after ColorBrewer's YlOrRd)."""
+GRADES = (*(grade.word for grade in Grade), "unknown")
 
 
 class Boundary(NamedTuple):
@@ -51,7 +55,7 @@ def boundaries(found: OperatingMap) -> list[Boundary]:
         lines.append(Boundary("straight string: growth 0", found.lines(grows(found)), "#0072b2", "dotted", 1.8))
     if found.has_second_boundary:
         ends = found.lines(found.keeps_whirling)
-        lines.append(Boundary("an existing whirl dies", ends, "#000000", "dashed", 1.8))
+        lines.append(Boundary("an existing whirl dies or creeps", ends, "#000000", "dashed", 1.8))
     lines.append(Boundary("whirl begins from rest", found.lines(found.whirls), "#000000", "solid", 2.2))
     return [line for line in lines if line.segments]
 
@@ -79,27 +83,36 @@ def _to_the_others(flags: Mask) -> Array:
 
 
 def map_figure(found: OperatingMap) -> Figure:
-    """Regimes over speed and weight on bit, the runs, the boundaries and the safe windows."""
+    """Regimes and severity over speed and weight on bit, the runs, the boundaries and the calm windows."""
     from matplotlib.patches import Patch
 
     from drill_twin.report.figures.style import laid_out, styled
 
     with styled():
         figure = laid_out(5.6, f"{found.name}: {found.said_runs}")
-        axes = figure.add_subplot()
-        axes.set(xlabel=f"speed [{found.units.rotation}]", ylabel=f"weight on bit [{found.units.force}]")
-        axes.grid(visible=False)
-        _draw(axes, found)
+        kinds, severity = figure.subplots(1, 2, sharey=True)
+        kinds.set_ylabel(f"weight on bit [{found.units.force}]")
+        fields = (
+            (kinds, "motion", found.regimes, REGIME_COLOURS),
+            (severity, "severity", found.severities, GRADE_COLOURS),
+        )
+        for axes, title, labels, colours in fields:
+            axes.set_title(title, loc="left")
+            axes.set_xlabel(f"speed [{found.units.rotation}]")
+            axes.grid(visible=False)
+            _draw(axes, found, labels % len(colours), colours)
         there = np.unique(found.regimes).tolist()
         regimes = [Patch(color=REGIME_COLOURS[code], label=REGIMES[code].value) for code in there]
+        regimes += [Patch(color=GRADE_COLOURS[code], label=f"severity: {GRADES[code]}")
+                    for code in np.unique(found.severities).tolist()]  # fmt: skip
         if not found.known.all():
             regimes.append(Patch(facecolor="white", edgecolor="black", hatch="///", label="not known, nearest run"))
-        handles = [*regimes, *axes.get_legend_handles_labels()[0]]
+        handles = [*regimes, *kinds.get_legend_handles_labels()[0]]
         figure.legend(handles=handles, loc="outside lower left", ncols=4)
     return figure
 
 
-def _draw(axes: Axes, found: OperatingMap) -> None:
+def _draw(axes: Axes, found: OperatingMap, labels: Labels, colours: Sequence[str]) -> None:
     from matplotlib.collections import LineCollection
     from matplotlib.colors import BoundaryNorm, ListedColormap
 
@@ -113,8 +126,8 @@ def _draw(axes: Axes, found: OperatingMap) -> None:
     (left, low), (right, high) = shown([plane.command((0, 0)), plane.command((plane.steps,) * 2)]).tolist()
     half = np.array([right - left, high - low]) / plane.steps / 2.0
     axes.imshow(
-        found.regimes, origin="lower", aspect="auto", interpolation="nearest", cmap=ListedColormap(REGIME_COLOURS),
-        norm=BoundaryNorm(np.arange(len(REGIME_COLOURS) + 1) - 0.5, len(REGIME_COLOURS)),
+        labels, origin="lower", aspect="auto", interpolation="nearest", cmap=ListedColormap(colours),
+        norm=BoundaryNorm(np.arange(len(colours) + 1) - 0.5, len(colours)),
         extent=(left - half[0], right + half[0], low - half[1], high + half[1]),
     )  # fmt: skip
     if not found.known.all():
@@ -134,7 +147,7 @@ def _draw(axes: Axes, found: OperatingMap) -> None:
     for number, ((load, most), (slow, fast)) in enumerate(found.windows):
         x, y = shown([(load, slow), (most, slow), (most, fast), (load, fast), (load, slow)]).T
         axes.plot(x, y, color="white", linewidth=4.0)
-        axes.plot(x, y, color=WINDOW_COLOUR, linewidth=2.0, label="" if number else "safe windows")
+        axes.plot(x, y, color=WINDOW_COLOUR, linewidth=2.0, label="" if number else "calm windows")
     rig = parse_scene(found.scene).rig
     if found.contains(rig.weight_on_bit.value, rig.rotation.value):
         place = shown([rig.weight_on_bit.value, rig.rotation.value])
@@ -169,10 +182,12 @@ def page_data(found: OperatingMap, scene: str) -> dict[str, Any]:
             quantity: [1.0 / found.units.show(1.0, quantity), getattr(found.units, quantity)]
             for quantity in ("force", "rotation", "torque", "stress")
         },
+        "failed": Regime.FAILED.value,
         "whirling": [regime.value for regime in REGIMES if regime.whirls],
         "known": _digits(found.known),
         "calm": _digits(found.calm),
         "colours": REGIME_COLOURS,
+        "grades": dict(zip(GRADES, GRADE_COLOURS, strict=True)),
         "window_colour": WINDOW_COLOUR,
         "boundaries": [line._asdict() for line in boundaries(found)],
         "margins": [_finite(field.ravel().tolist()) for field in margins(found.calm)],
@@ -182,7 +197,7 @@ def page_data(found: OperatingMap, scene: str) -> dict[str, Any]:
 
 
 def lattice_data(found: OperatingMap) -> dict[str, Any]:
-    """Ranges, safe window, and fields over the lattice as one digit a node: the map without its runs."""
+    """Ranges, calm window, and fields over the lattice as one hexadecimal digit a node: the map without its runs."""
     window = found.window
     return {
         "scene_name": found.name,
@@ -191,7 +206,7 @@ def lattice_data(found: OperatingMap) -> dict[str, Any]:
         "rotation_rad_s": list(found.plane.speed),
         "steps": found.plane.steps,
         "regimes": [regime.value for regime in REGIMES],
-        "codes": "".join(map(str, found.regimes.ravel().tolist())),
+        "codes": "".join(f"{code:x}" for code in found.regimes.ravel().tolist()),
         "whirls": _digits(found.whirls),
         "keeps": _digits(found.keeps_whirling),
         "safe_window": None if window is None else [*window.weight, *window.speed],

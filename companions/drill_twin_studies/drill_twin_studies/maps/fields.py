@@ -1,13 +1,13 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Fields of an operating map over its lattice, and its safe windows: rectangles of set-points that stay calm.
+"""Fields of an operating map over its lattice, and its calm windows: rectangles of set-points that stay calm.
 
-The plane is judged in cells of one step. A cell is safe if
-* it lies in a cell of the search whose four corners have runs, all of them smooth in all their draws (a run that has
-  not settled is not smooth); the smallest such cell decides;
-* the linear string does not grow at any of its corners, where its growth is known;
-* a whirl that exists dies in it, where the end of whirls was searched;
+The plane is judged in cells of one step. A cell stays calm if
+* it lies in a cell of the search whose four corners have runs, all of them calm (`RunRecord.calm`: no whirl but
+  creeping, settled, and of a severity that is at most low) in all their draws; the smallest such cell decides;
+* the linear string does not grow at any of its corners, where its growth is known and the string on the axis;
+* a whirl that exists dies or creeps in it, where the end of whirls was searched;
 * no check in it failed: a run of the whole time asked;
-* it keeps `MARGIN` to the next cell that is not safe.
+* it keeps `MARGIN` to the next cell that does not.
 """
 
 from collections.abc import Mapping, Sequence
@@ -17,7 +17,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from drill_twin.core.arrays import Mask
+from drill_twin.core.arrays import Array, Mask
 from drill_twin.core.units.system import SYSTEMS, UnitSystem
 from drill_twin.scene.load import parse_scene
 from drill_twin_studies.maps.plane import (
@@ -30,11 +30,12 @@ from drill_twin_studies.maps.plane import (
     corners,
     filled,
     known_and_calm,
+    nearest_known,
     on_lattice,
     rectangles,
 )
 from drill_twin_studies.maps.proportions import CONFIDENCE, proportion_interval
-from drill_twin_studies.maps.regimes import Regime
+from drill_twin_studies.maps.regimes import OFF_AXIS, Regime
 from drill_twin_studies.maps.runs import Key, RunRecord
 
 LIKELY = 0.05
@@ -42,10 +43,10 @@ LIKELY = 0.05
 
 
 MARGIN = 0.02
-"""Distance that a window keeps to what is not safe, as a share of the ranges; not measured."""
+"""Distance that a window keeps to what is not calm, as a share of the ranges; not measured."""
 
 
-class SafeWindow(NamedTuple):
+class CalmWindow(NamedTuple):
     """Rectangle of set-points."""
 
     weight: Span
@@ -70,6 +71,7 @@ class MapFields:
         growth: Largest growth of a lateral mode at the nodes of an even grid [1/s]; empty where it does not apply.
         torsional: Largest growth of a motion about or along the axis, likewise; empty in the lateral form.
         asked: Time for which a calm set-point must stay calm [s].
+        clean_checks: Checks of the last round, if all of them were calm; 0 otherwise.
     """
 
     name: str
@@ -83,6 +85,7 @@ class MapFields:
     growth: Sequence[Sequence[float]] = field(default=())
     torsional: Sequence[Sequence[float]] = field(default=())
     asked: float = 0.0
+    clean_checks: int = 0
 
     @cached_property
     def units(self) -> UnitSystem:
@@ -124,16 +127,35 @@ class MapFields:
     @cached_property
     def known(self) -> Mask:
         """Unit cells between runs of the search, shape (n, n); elsewhere the map shows the nearest run alone."""
-        made = self._smooth != UNKNOWN
+        made = self._calm_runs != UNKNOWN
         return known_and_calm(made, made)[0]
 
     @cached_property
-    def _smooth(self) -> Labels:
-        """1 for nodes whose runs are all smooth, in all their draws; 0 for other nodes with runs."""
+    def _calm_runs(self) -> Labels:
+        """1 for nodes whose runs are all calm, in all their draws; 0 for other nodes with runs."""
         labels = self.plane.labels()
         for node, runs in self.runs_at_nodes.items():
-            labels[node] = all(record.regime is Regime.SMOOTH for record in runs)
+            labels[node] = all(record.calm for record in runs)
         return labels
+
+    @cached_property
+    def severities(self) -> Labels:
+        """Grade of severity at each node, from the nearest run at the first draw; `UNKNOWN` where the run failed."""
+        places = nearest_known(self._calm_runs != UNKNOWN)
+        runs = (self.runs_at_nodes[node][0].severity for node in zip(*places.reshape(2, -1).tolist(), strict=True))
+        return np.array([UNKNOWN if grade is None else grade for grade in runs], np.int8).reshape(places.shape[1:])
+
+    @cached_property
+    def largest_growth(self) -> Array:
+        """Largest growth of the straight string at each node [1/s]; where it has left the axis of no lateral motion,
+        and -inf where none is known.
+        """
+        lateral, torsional = (
+            on_lattice(np.array(grid), self.plane.steps) if len(grid) else np.full(self.regimes.shape, -np.inf)
+            for grid in (self.growth, self.torsional)
+        )
+        off = np.isin(self.regimes, [regime.code for regime in OFF_AXIS])
+        return np.asarray(np.maximum(np.where(off, -np.inf, lateral), torsional))
 
     @cached_property
     def keeps_whirling(self) -> Mask:
@@ -149,21 +171,13 @@ class MapFields:
 
     @cached_property
     def calm(self) -> Mask:
-        """Nodes that are smooth from rest in all draws, at which the straight string does not grow."""
-        calm = (self.regimes == Regime.SMOOTH.code) & ~self.whirls
-        if len(self.growth):
-            calm &= on_lattice(np.array(self.largest_growth), self.plane.steps) <= 0.0
-        return np.asarray(calm)
+        """Nodes that are calm from rest in all draws, at which the straight string does not grow."""
+        return np.asarray((filled(self._calm_runs) == 1) & ~self.whirls & (self.largest_growth <= 0.0))
 
     @property
     def has_second_boundary(self) -> bool:
         """The map has runs in which a whirl may die."""
         return any(key.origin is not None for key in self.records)
-
-    @property
-    def largest_growth(self) -> Sequence[Sequence[float]]:
-        """Largest growth of any motion of the straight string at the nodes of an even grid [1/s]."""
-        return np.maximum(self.growth, self.torsional).tolist() if len(self.torsional) else self.growth
 
     @property
     def checks(self) -> Sequence[tuple[Key, RunRecord]]:
@@ -175,36 +189,25 @@ class MapFields:
         return [[list(self.plane.command((float(x), float(y)))) for x, y in ends] for ends in boundary(flags)]
 
     @property
-    def safe_cells(self) -> Mask:
-        """Unit cells that are safe, shape (n, n)."""
+    def calm_cells(self) -> Mask:
+        """Unit cells that stay calm, shape (n, n)."""
         from scipy.ndimage import distance_transform_edt
 
-        steps = self.plane.steps
-        good = known_and_calm(self._smooth != UNKNOWN, self._smooth == 1)[1]
-        if len(self.growth):
-            good &= corners(on_lattice(np.array(self.largest_growth), steps)).max(axis=0) <= 0.0
+        good = known_and_calm(self._calm_runs != UNKNOWN, self._calm_runs == 1)[1]
+        good &= corners(self.largest_growth).max(axis=0) <= 0.0
         if self.has_second_boundary:
             good &= ~corners(self.keeps_whirling).any(axis=0)
         for key, record in self.checks:
-            if record.regime is not Regime.SMOOTH:
+            if not record.calm:
                 good[self.plane.cells_at(key.place)] = False
         if good.all():
             return good
-        return np.asarray(distance_transform_edt(good) > MARGIN * steps + 0.5)
-
-    @property
-    def clean_checks(self) -> int:
-        """Checks in the windows since the last check that was not smooth."""
-        count, inside = 0, self.window_cells
-        for key, record in self.checks:
-            here = inside[self.plane.cells_at(key.place)].any()
-            count = 0 if record.regime is not Regime.SMOOTH else count + int(here)
-        return count
+        return np.asarray(distance_transform_edt(good) > MARGIN * self.plane.steps + 0.5)
 
     @cached_property
     def window_nodes(self) -> Sequence[tuple[int, int, int, int]]:
-        """First and last node of each safe window along weight on bit and speed."""
-        return rectangles(self.safe_cells)
+        """First and last node of each window along weight on bit and speed."""
+        return rectangles(self.calm_cells)
 
     @cached_property
     def window_cells(self) -> Mask:
@@ -215,57 +218,12 @@ class MapFields:
         return inside
 
     @property
-    def windows(self) -> Sequence[SafeWindow]:
-        """Safe windows, the largest first; they may overlap."""
+    def windows(self) -> Sequence[CalmWindow]:
+        """Calm windows, the largest first; they may overlap."""
         command = self.plane.command
-        return [SafeWindow(*map(Span, command((i, j)), command((k, m)))) for i, k, j, m in self.window_nodes]
+        return [CalmWindow(*map(Span, command((i, j)), command((k, m)))) for i, k, j, m in self.window_nodes]
 
     @property
-    def window(self) -> SafeWindow | None:
-        """Largest safe window."""
+    def window(self) -> CalmWindow | None:
+        """Largest calm window."""
         return next(iter(self.windows), None)
-
-    @property
-    def basis(self) -> Sequence[str]:
-        """Grounds of the windows, as sentences; empty without windows."""
-        inside = self.window_cells
-        if not inside.any():
-            return []
-        steps = self.plane.steps
-        nodes = np.asarray(corners(np.pad(inside, 1)).any(axis=0))
-        runs = sum(len(runs) for node, runs in self.runs_at_nodes.items() if nodes[node])
-        runs_said = (
-            f"{runs} runs of {self.duration:g} s in them and at their corners, all smooth: none would whirl or swing "
-            f"within {self.asked:g} s if it went on growing as at its end"
-        )
-        said = [runs_said]
-        if len(self.growth):
-            largest = float(on_lattice(np.array(self.largest_growth), steps)[nodes].max())
-            said.append(f"the straight string does not grow anywhere in them (largest rate {largest:.2g} 1/s)")
-        else:
-            said.append("linear growth is not known for this scene, so nothing is known between its runs")
-        said.append(
-            "a whirl that exists dies in them, on the way that was tried"
-            if self.has_second_boundary
-            else "whether a whirl that exists dies in them was not searched"
-        )
-        if len(self.draws) > 1:
-            shown = proportion_interval(0, len(self.draws), CONFIDENCE)[1]
-            said.append(
-                f"no draw whirls at their set-points with {len(self.draws)} draws: each of them whirls with a chance "
-                f"below {shown:.1%} (95 %)"
-            )
-        if count := self.clean_checks:
-            most = proportion_interval(0, count, CONFIDENCE)[1]
-            said.append(
-                f"{count} more runs of {self.asked:g} s at set-points drawn in them are smooth: at most {most:.1%} of "
-                "their set-points are not (95 %)"
-            )
-        else:
-            said.append(
-                f"no run of {self.asked:g} s was made in them, so what share of their set-points is calm is not known"
-            )
-        said.append(
-            f"they keep {MARGIN:.0%} of the ranges to all that is not safe or not known; nothing of this is of a rig"
-        )
-        return said

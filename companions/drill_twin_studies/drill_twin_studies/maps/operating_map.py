@@ -23,11 +23,12 @@ from drill_twin.scene import Scene
 from drill_twin.scene.load import parse_scene
 from drill_twin.scene.problems import path_text
 from drill_twin_studies.maps.fields import MapFields
+from drill_twin_studies.maps.grounds import grounds
 from drill_twin_studies.maps.plane import Node, Plane, Span
 from drill_twin_studies.maps.regimes import REGIMES, Regime
 from drill_twin_studies.maps.runs import Key, RunOfFile, RunRecord, values_of
 
-FORMAT = 2
+FORMAT = 3
 _FILE = ForeignFile("the map.json of `drill-twin map`", 256_000_000, ArgumentError)
 
 
@@ -39,7 +40,7 @@ _Grid = Sequence[Sequence[Number]]
 class MapFile(BaseModel):
     """Fields of `map.json` that are read; all others follow from them."""
 
-    format: Literal[2]
+    format: Literal[3]
     scene_name: str
     digest: str
     scene: str
@@ -48,6 +49,7 @@ class MapFile(BaseModel):
     steps: int
     duration_s: Annotated[Number, Field(gt=0.0)]
     calm_for_s: Annotated[Number, Field(ge=0.0)]
+    clean_checks: Annotated[int, Field(ge=0, le=1_000_000)]
     draws: Sequence[Mapping[str, Number | str]]
     notes: Sequence[str]
     growth: _Grid
@@ -81,6 +83,11 @@ class OperatingMap(MapFields):
         checks = len(self.checks)
         said = f"{len(self.records) - checks} runs of {self.duration:g} s from rest"
         return f"{said}, and {checks} checks of {self.asked:g} s" if checks else said
+
+    @property
+    def basis(self) -> Sequence[str]:
+        """Grounds of the windows, as sentences; empty without windows."""
+        return list(grounds(self))
 
     # --- at a set-point -------------------------------------------------------------------------------------------
 
@@ -156,6 +163,7 @@ class OperatingMap(MapFields):
             "draws": [dict(draw) for draw in self.draws],
             "notes": list(self.notes),
             "calm_for_s": self.asked,
+            "clean_checks": self.clean_checks,
             "safe_windows": [
                 {"weight_on_bit_N": list(window.weight), "rotation_rad_s": list(window.speed)}
                 for window in self.windows
@@ -196,7 +204,7 @@ class OperatingMap(MapFields):
         if not any(key.searches and key.draw == 0 for key in records):
             raise ArgumentError("runs: expected one from rest or more, found none")
         return cls(file.scene_name, file.digest, file.scene, plane, file.duration_s, file.draws, records, file.notes,
-                   file.growth, file.torsional_growth, file.calm_for_s)  # fmt: skip
+                   file.growth, file.torsional_growth, file.calm_for_s, file.clean_checks)  # fmt: skip
 
     def check_scene(self, scene: Scene) -> None:
         """Check that the map is of a scene.
@@ -213,7 +221,8 @@ class OperatingMap(MapFields):
     def csv(self) -> str:
         """Table of the runs, one a line."""
         columns = ("onset_s", "whirl_hz", "ratio", "bit", "radius", "wall_force", "torque_swing", "bending_stress",
-                   "growth", "bit_index", "top_index")  # fmt: skip
+                   "lateral_rms_g", "lateral_peak_g", "decided_by", "unsettled", "growth",
+                   "bit_index", "top_index")  # fmt: skip
         varied = sorted({name for draw in self.draws for name in draw})
         rows = []
         for key, record in self.records.items():
@@ -224,29 +233,32 @@ class OperatingMap(MapFields):
             rows.append((
                 *self.plane.command(key.place), key.length(self.duration, self.asked), key.draw, *origin,
                 *(self.draws[key.draw].get(name, "") for name in varied),
-                record.regime.value, *(plain.get(name, "") for name in columns), record.failure,
+                record.regime.value, "unknown" if record.severity is None else record.severity.word,
+                *(plain.get(name, "") for name in columns), record.failure,
             ))  # fmt: skip
         heads = (
             "weight_on_bit_N", "rotation_rad_s", "duration_s", "draw", "from_weight_on_bit_N", "from_rotation_rad_s",
-            *varied, "regime", *columns, "failure",
+            *varied, "regime", "severity", *columns, "failure",
         )  # fmt: skip
         return Table(heads, rows).csv()
 
     def command_of(self, key: Key, scene: str) -> str:
-        """Command line that repeats a run of a scene."""
+        """Command line that repeats a run of a scene, with numbers rounded in the units of its reader."""
         values = values_of(self.plane, self.duration, key, self.draws if key.draw else ())
-        changes = "".join(f" --set {_setting(name, value)}" for name, value in values.items())
-        return f"drill-twin run {scene}{changes} --duration {key.length(self.duration, self.asked)!r}"
+        changes = "".join(f" --set {self._setting(name, value)}" for name, value in values.items())
+        return f"drill-twin run {scene}{changes} --duration {key.length(self.duration, self.asked):.6g}"
 
-
-def _setting(name: str, value: float | str) -> str:
-    units = {"weight_on_bit": " N", "rotation": " rad/s"}
-    parts = name.split(".")
-    unit = ""
-    if parts[0] == "rig" and isinstance(value, float):
-        unit = " s" if parts[-1] in {"start", "duration"} else units.get(parts[1], "")
-    text = f"{name}={value!r}{unit}" if isinstance(value, float) else f"{name}={value}"
-    return f'"{text}"' if " " in text else text
+    def _setting(self, name: str, value: float | str) -> str:
+        _, part, *last = (*name.split("."), "", "")
+        if not isinstance(value, float):
+            text = f"{name}={value}"
+        elif not name.startswith("rig."):
+            text = f"{name}={value:.6g}"
+        elif last[0] in {"start", "duration"}:
+            text = f"{name}={value:.6g} s"
+        else:
+            text = f"{name}={self.units.text(value, 'force' if part == 'weight_on_bit' else part, '.6g')}"
+        return f'"{text}"' if " " in text else text
 
 
 def read_map(file: str | Path) -> OperatingMap:

@@ -23,6 +23,16 @@ def proportion_interval(count: int, trials: int, confidence: float = 0.95) -> tu
     return low, high
 
 
+def none_of(trials: int, claims: int = 1) -> float:
+    """Upper limit of the chance behind none of `trials`; of so many claims at once all hold with 95 % (Bonferroni),
+    also where the claims that are said were chosen from them by their outcome.
+
+    >>> round(none_of(59), 3), round(none_of(59, 4), 3)
+    (0.05, 0.072)
+    """
+    return 1.0 - float((0.05 / max(claims, 1)) ** (1.0 / trials))
+
+
 def proportion_text(count: int, trials: int, confidence: float = 0.95) -> str:
     """The count with its limits in words.
 

@@ -44,23 +44,29 @@ class Regime(Enum):
     SMOOTH = "smooth"
     """No whirl, nothing that grows, and bit and top drive turn steadily."""
     VIBRATION = "torsional vibration"
-    """No whirl; the speed of bit or top drive swings by a stick-slip index of `MODERATE` or more."""
+    """No whirl; the speed of bit or top drive swings by a stick-slip index of `MODERATE` or more, and goes on to."""
     STICK_SLIP = "stick-slip"
     """No whirl; the bit comes to rest between its peaks, or stands."""
     BUCKLED = "buckled without whirl"
     """No whirl, vertical hole: the string is bent by more than `BUCKLED_RADIUS`, and spins about its bent shape."""
     SWING = "swinging in a plane"
-    """No whirl, inclined hole: the string swings across its low side, and bit and top drive turn steadily."""
+    """No whirl: the string swings to and fro in a plane, and bit and top drive turn steadily."""
     UNSETTLED = "not settled"
     """No whirl at the end, but a motion that grows, or a whirl that began and ended: a longer run decides."""
     FORWARD = "forward whirl"
     """Regular whirl with the rotation, in any shape."""
-    BACKWARD = "backward whirl or rolling"
-    """Regular whirl against the rotation, in any shape."""
+    BACKWARD = "backward whirl"
+    """Regular whirl against the rotation that neither creeps nor rolls, in any shape."""
     IRREGULAR = "irregular whirl"
     """Whirl without a steady rate or radius."""
     FAILED = "could not be followed"
     """The run did not come to its end."""
+    CREEPING = "creeping along the wall"
+    """Whirl on the wall whose contact slides: it goes around at less than half of the rotation, and of pure rolling."""
+    ROLLING = "rolling along the wall"
+    """Whirl against the rotation whose contact rolls."""
+    IMPACTS = "striking the wall"
+    """Whirl that leaves the wall and strikes it again and again."""
 
     @property
     def code(self) -> int:
@@ -69,16 +75,20 @@ class Regime(Enum):
 
     @property
     def whirls(self) -> bool:
-        """The string whirls."""
-        return self in {Regime.FORWARD, Regime.BACKWARD, Regime.IRREGULAR}
+        """The string whirls, otherwise than by creeping."""
+        return self in set(_BY_STATE.values()) - {Regime.CREEPING}
 
 
 REGIMES = tuple(Regime)
+OFF_AXIS = {Regime.BUCKLED, Regime.CREEPING}
+"""Regimes in which the string has left the axis, about which its linear growth is."""
 _BY_STATE = {
     MotionState.SYNCHRONOUS_WHIRL: Regime.FORWARD,
     MotionState.FORWARD_WHIRL: Regime.FORWARD,
     MotionState.BACKWARD_WHIRL: Regime.BACKWARD,
-    MotionState.ROLLING: Regime.BACKWARD,
+    MotionState.CREEPING: Regime.CREEPING,
+    MotionState.ROLLING: Regime.ROLLING,
+    MotionState.IMPACTS: Regime.IMPACTS,
     MotionState.IRREGULAR: Regime.IRREGULAR,
 }
 
@@ -86,7 +96,7 @@ _BY_STATE = {
 def regime_of(
     summary: Summary, radius_shares: Iterable[float], torsion: TorsionalSpeeds, *, vertical: bool, grows: bool
 ) -> Regime:
-    """Regime at the end of a run.
+    """Regime at the end of a run; of a shape of the string (spiral, second bending), the motion of its widest mark.
 
     Args:
         summary: Findings of the run.
@@ -97,14 +107,17 @@ def regime_of(
     """
     state = summary.motion[-1].state if summary.motion else MotionState.AT_REST
     ratio = summary.mode_ratio or 0.0
-    stands = abs(ratio) < criteria.STANDING_RATIO and state is not MotionState.IRREGULAR
+    stands = abs(ratio) < criteria.STANDING_RATIO and state not in {MotionState.IRREGULAR, MotionState.IMPACTS}
     if not (state in NO_WHIRL or state is MotionState.NOT_OBSERVABLE or stands):
+        if state not in _BY_STATE and (widest := summary.mark_motion.get(summary.frequency_mark or "")):
+            state = widest[-1].state
         return _BY_STATE.get(state, Regime.FORWARD if ratio > 0.0 else Regime.BACKWARD)
-    if summary.bit in {BitMotion.STICK_SLIP, BitMotion.STANDS} or torsion.sticks:
+    decays = summary.bit is BitMotion.DECAYING
+    if summary.bit in {BitMotion.STICK_SLIP, BitMotion.STANDS} or (torsion.sticks and not decays):
         return Regime.STICK_SLIP
     if vertical and max(radius_shares, default=0.0) > BUCKLED_RADIUS:
         return Regime.BUCKLED
-    if torsion.severity >= MODERATE:
+    if torsion.severity >= MODERATE and not decays:
         return Regime.VIBRATION
     if state is MotionState.PLANE_SWING:
         return Regime.SWING

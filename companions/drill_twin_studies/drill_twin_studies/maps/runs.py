@@ -5,62 +5,30 @@ import math
 from collections.abc import Generator, Mapping, Sequence
 from contextlib import closing
 from dataclasses import asdict, dataclass, fields
+from functools import cached_property
 from typing import Any, Literal, NamedTuple
 
 import numpy as np
 from pydantic import NonNegativeInt
 
-from drill_twin.core.arrays import Array, number_or_nan
+from drill_twin.core.arrays import number_or_nan
+from drill_twin.core.severity import Grade, worst
+from drill_twin.core.units.dimension import GRAVITY
 from drill_twin.io.messages.stamps import NANOSECONDS, seconds
 from drill_twin.runs.ensemble import Executor, expand
 from drill_twin.runs.ensemble.outputs import Request
 from drill_twin.runs.ensemble.run import MemberRun
 from drill_twin.scene import Scene
+from drill_twin.scene.schema import number_at
 from drill_twin.whirl import criteria
+from drill_twin.whirl.criteria import BitMotion
 from drill_twin.whirl.motion.stick_slip_index import MODERATE, TIME_BASE
 from drill_twin_studies.maps.plane import Node, Plane
-from drill_twin_studies.maps.regimes import Regime, TorsionalSpeeds, regime_of
+from drill_twin_studies.maps.regimes import OFF_AXIS, Regime, TorsionalSpeeds, regime_of
+from drill_twin_studies.maps.rolling import RollingFriction
+from drill_twin_studies.maps.trend import Trend
 
-UNCHANGED = 1.1
-"""Ratio of two stretches up to which a motion that is large already does not grow; not measured."""
-FLOOR = 1e-6
-"""Share of the limit that smaller sizes are raised to: below it they are round-off, which has no trend; not
-measured."""
-LARGEST = 700.0
-"""Largest exponent of a growth: exp(709.8) is the largest double."""
-
-
-class Trend(NamedTuple):
-    """Sizes in two stretches of time, one after the other.
-
-    Attributes:
-        before: Sizes in the first, shape (n,).
-        now: Sizes in the second, shape (n,).
-        apart: Time from one to the other [s].
-    """
-
-    before: Array
-    now: Array
-    apart: float
-
-    @property
-    def rate(self) -> float:
-        """Growth of the largest size [1/s]; NaN where there is none."""
-        before, now = float(self.before.max()), float(self.now.max())
-        return math.log(now / before) / self.apart if before > 0.0 and now > 0.0 else math.nan
-
-    def reaches(self, limit: float, ahead: float) -> bool:
-        """True if a size that goes on growing at its rate is larger than a limit in a time ahead [s].
-
-        A size that is larger already counts if it grew by more than `UNCHANGED`.
-        """
-        before, now = (np.maximum(size, FLOOR * limit) for size in (self.before, self.now))
-        change = np.log(now / before)
-        then = now * np.exp(np.clip(change / self.apart * ahead, -LARGEST, LARGEST))
-        grows = np.where(now < limit, then >= limit, change > math.log(UNCHANGED))
-        return bool(np.any(grows))
-
-
+FRICTION = "effects.wall_friction.coefficient"
 WEIGHT, SPEED = "rig.weight_on_bit", "rig.rotation"
 HOLD, RAMP, STAY = 1.0, 0.25, 1.25
 """Times over the duration of a run from rest: at a whirling set-point, on the way from it to the node, and at the node;
@@ -69,6 +37,8 @@ ORBIT = 120
 """Samples of the last orbit that are kept; not measured."""
 ORBIT_RATE = 25.0
 """Largest rate of the samples of an orbit [Hz]; not measured."""
+GRADED = {"lateral_rms": "acceleration", "lateral_peak": "acceleration", "bending_stress": "stress", "stick_slip": ""}
+"""Quantities of `core.severity.Bounds` that grade a run, and what they measure."""
 OUTPUTS = ("findings", "last_half", "settling", "marks")
 FINER = 64
 """Places of a check in each step of the lattice."""
@@ -127,7 +97,16 @@ class RunRecord:
     torque_swing: float = math.nan
     """Largest less smallest torque of the top drive [N m], last half of the run."""
     bending_stress: float = math.nan
-    """Largest bending stress at the end of the run [Pa]."""
+    """Largest bending stress at the end of the run [Pa]: half of the range of a fibre that turns in a bent string."""
+    lateral_rms_g: float = math.nan
+    lateral_peak_g: float = math.nan
+    """Lateral acceleration of the centre line at the mark with the largest, last half of the run [g]."""
+    severity: Grade | None = None
+    """Grade by the bounds of the scene, of acceleration, bending stress and stick-slip index; None: not known."""
+    decided_by: str = ""
+    """Quantity of `core.severity.Bounds` that decides it."""
+    unsettled: str = ""
+    """Reason why a longer run may end otherwise; empty: none is known."""
     growth: float = math.nan
     """Growth of the lateral motion that neither rests nor turns with the string, at the end [1/s]."""
     bit_index: float = math.nan
@@ -140,8 +119,15 @@ class RunRecord:
 
     @property
     def whirls(self) -> bool:
-        """The string whirls at the end."""
-        return self.regime.whirls
+        """The string whirls at the end, otherwise than by creeping that is calm."""
+        return self.regime.whirls or (self.regime is Regime.CREEPING and not self.calm)
+
+    @property
+    def calm(self) -> bool:
+        """No whirl but creeping, settled, and at most low; with an unknown severity smooth motion alone is."""
+        if self.severity is None or self.regime in {Regime.FAILED, Regime.UNSETTLED}:
+            return self.regime is Regime.SMOOTH and not self.unsettled
+        return self.severity < Grade.MEDIUM and not (self.regime.whirls or self.unsettled)
 
     def to_dict(self) -> dict[str, Any]:
         """Plain types; numbers that are not known left out."""
@@ -149,7 +135,7 @@ class RunRecord:
         return {
             name: value
             for name, value in plain.items()
-            if value not in ("", []) and not (isinstance(value, float) and not math.isfinite(value))
+            if value not in ("", [], None) and not (isinstance(value, float) and not math.isfinite(value))
         }
 
 
@@ -229,20 +215,45 @@ class Runner:
         torsion = TorsionalSpeeds(float(index[1].max()), *values["mean_speed"].tolist())
         lateral = Trend(values["lateral_rest"][0] / clearance, values["lateral_rest"][1] / clearance, length / 4.0)
         twist = Trend(index[0], index[1], min(float(TIME_BASE), length / 4.0))
-        ahead = max(self.asked - length, 0.0)
-        grows = (
-            torsion.winds
-            or lateral.reaches(criteria.ONSET_RADIUS, ahead)
-            or twist.reaches(MODERATE, ahead)
-            or (key.origin is None and math.isfinite(onset))
-        )
+        before, now = values["lateral_rms"]
+        shaken, ahead = Trend(before, now, length / 4.0), max(self.asked - length, 0.0)
+        bounds = self.scene.severity_bounds
+        rms, peak = float(np.hypot(before, now).max()) / math.sqrt(2.0), float(values["lateral_peak"].max())
+        stress, decays = float(values["bending_stress_end"]), summary.bit is BitMotion.DECAYING
+        graded = zip(GRADED, (rms, peak, stress, math.nan if decays else float(index[1, 0])), [""] * 4, strict=True)
+        severity = worst(graded, bounds)
+        reasons = {
+            "bit and top drive turn at different speeds": torsion.winds,
+            "its lateral motion grows": lateral.reaches(criteria.ONSET_RADIUS, ahead),
+            "its torsional motion grows": not decays and twist.reaches(MODERATE, ahead),
+            "a whirl began and ended": key.origin is None and math.isfinite(onset),
+        }
+        regime = regime_of(summary, shares, torsion, vertical=self._rolling.vertical, grows=any(reasons.values()))
+        force, rolls = float(values["wall_force_late"]), self._rolling.ratio(widest)
+        slow = abs(ratio) < criteria.ROLLING_SLIP * min(1.0, rolls)
+        if regime in {Regime.FORWARD, Regime.BACKWARD} and force > 0.0 and slow:  # the wall is touched between marks
+            regime = Regime.CREEPING
+        if regime.whirls or regime is Regime.CREEPING:
+            reasons.popitem()
+        speed, draw = self.plane.command(key.place)[1], self.draws[key.draw] if self.draws else {}
+        friction = float(draw.get(FRICTION, number_at(self.scene, FRICTION) or 0.0))
+        reasons |= {
+            "its acceleration grows": regime in OFF_AXIS and shaken.reaches(bounds.lateral_rms[1], ahead),
+            "it may come to roll": regime in OFF_AXIS and min(ahead, force, friction) > 0.0
+            and friction >= self._rolling.needed(widest, speed),
+        }  # fmt: skip
         return RunRecord(
-            regime_of(summary, shares, torsion, vertical=is_vertical(self.scene), grows=grows),
-            onset, hz, ratio, summary.bit.value, float(shares.max()),
-            float(values["wall_force_late"]), float(values["torque_swing_late"]), float(values["bending_stress_end"]),
+            regime, onset, hz, ratio, summary.bit.value, float(shares.max()),
+            force, float(values["torque_swing_late"]), stress, rms / GRAVITY, peak / GRAVITY,
+            severity and severity.grade, severity.quantity if severity else "",
+            ", ".join(reason for reason, holds in reasons.items() if holds),
             lateral.rate, float(index[1, 0]), float(index[1, 1]),
             orbit=tuple((int(x), int(y)) for x, y in orbit[np.isfinite(orbit).all(axis=1)]),
         )  # fmt: skip
+
+    @cached_property
+    def _rolling(self) -> RollingFriction:
+        return RollingFriction(self.scene)
 
 
 def values_of(
@@ -258,8 +269,3 @@ def values_of(
                 f"{name}.start": HOLD * duration, f"{name}.duration": RAMP * duration,
             }  # fmt: skip
     return values | dict(draws[key.draw] if draws else {})
-
-
-def is_vertical(scene: Scene) -> bool:
-    """The hole is straight and vertical, so that a string off its axis is bent by its load."""
-    return not scene.hole.survey and scene.hole.inclination == 0.0

@@ -143,9 +143,9 @@ class BoundarySearch:
     # --- phases ---------------------------------------------------------------------------------------------------
 
     def calm(self) -> None:
-        """Find the smooth set-points, to a 32nd of the ranges: the safe windows need them first."""
+        """Find the calm set-points, to a 32nd of the ranges: the windows need them first."""
         finest = max(1, self._steps // REGIME_CELLS)
-        self._refine("calm", lambda record: int(record.regime is Regime.SMOOTH), FEW_CELLS, finest)
+        self._refine("calm", lambda record: int(record.calm), FEW_CELLS, finest)
 
     def onset(self) -> None:
         """Find the set-points at which whirl begins from rest, to one step of the lattice."""

@@ -71,7 +71,7 @@ def used(found):
 
 FIELDS = (
     "growth", "torsional_growth", "runs", "draws", "notes", "scene", "steps", "format", "digest", "scene_name",
-    "duration_s", "calm_for_s", "weight_on_bit_N", "rotation_rad_s", *sorted(NOT_READ),
+    "duration_s", "calm_for_s", "clean_checks", "weight_on_bit_N", "rotation_rad_s", *sorted(NOT_READ),
 )  # fmt: skip
 
 

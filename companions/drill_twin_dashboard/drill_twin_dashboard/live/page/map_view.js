@@ -8,8 +8,8 @@ let drawn = "";
 function legend(map) {
   const entry = (name, colour) => element("span", {}, ...(colour ? [element("i", { style: `background: ${colour}` })] : []), name);
   replace($("map_legend"), [map.codes, map.regimes], () => [
-    ...map.regimes.flatMap((name, k) => map.codes.includes(String(k)) ? [entry(name, map.colours[k])] : []), entry("solid: whirl begins from rest"),
-    ...(map.keeps !== map.whirls ? [entry("dashed: an existing whirl dies")] : []), ...(map.window.length ? [entry("white: largest safe window")] : []),
+    ...map.regimes.flatMap((name, k) => map.codes.includes(k.toString(16)) ? [entry(name, map.colours[k])] : []), entry("solid: whirl begins from rest"),
+    ...(map.keeps !== map.whirls ? [entry("dashed: an existing whirl dies or creeps")] : []), ...(map.window.length ? [entry("white: largest calm window")] : []),
   ]);
 }
 
@@ -23,7 +23,7 @@ export function drawMap() {
   if (key === drawn) return;
   drawn = key;
   const side = Math.round(Math.sqrt(map.codes.length)), along = ([low, high], scale) => Array.from({ length: side }, (_, k) => (low + (high - low) * k / (side - 1)) / scale);
-  const grid = (digits) => Array.from({ length: side }, (_, i) => Array.from(digits.slice(i * side, (i + 1) * side), Number));
+  const grid = (digits) => Array.from({ length: side }, (_, i) => Array.from(digits.slice(i * side, (i + 1) * side), (digit) => parseInt(digit, 16)));
   const x = along(map.rps, rotation), y = along(map.wob, force), codes = grid(map.codes);
   const edge = (digits, dash) => ({ type: "contour", x, y, z: grid(digits), showscale: false, hoverinfo: "skip", autocontour: false, contours: { start: 0.5, end: 0.5, size: 1, coloring: "none" }, line: { color: "#000", width: 2.5, dash } });
   const spot = ([rps, wob], marker) => ({ type: "scatter", mode: "markers", x: [rps / rotation], y: [wob / force], marker, hoverinfo: "x+y", cliponaxis: false });

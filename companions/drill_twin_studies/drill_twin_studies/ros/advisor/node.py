@@ -192,7 +192,7 @@ class Advisor(TwinNode):
     def _on_summary(self, state: JointState) -> None:
         code = state.position[state.index("whirl")]
         self.samples.take(TWIN_SUMMARY, finite=math.isfinite(code))
-        self._whirls = code >= MotionCode.SYNCHRONOUS_WHIRL
+        self._whirls = code >= MotionCode.SYNCHRONOUS_WHIRL and code != MotionCode.CREEPING
 
     # --- advice ---------------------------------------------------------------------------------------------------
 
