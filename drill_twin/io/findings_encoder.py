@@ -24,7 +24,7 @@ from drill_twin.io.messages.whirl_encode import (
     encode_motion,
     encode_onset,
 )
-from drill_twin.io.samples import UNKNOWN_RIG, RigSample
+from drill_twin.io.samples import RigSample
 from drill_twin.whirl import BitMotion, MarkInfo, MotionCode, MotionState, Onset, StickSlip, StickSlipCode
 from drill_twin.whirl.analyzer import NOT_OBSERVABLE
 from drill_twin.whirl.findings import Findings, FoundRows
@@ -62,7 +62,7 @@ class TwinSummary:
         self._clearance = np.array([math.inf if mark.inclined else mark.clearance for mark in marks])
         self._factor = 0.0  # before the first is told
         self._due = -1
-        self._samples: list[RigSample] = []
+        self._samples: list[RigSample | Array] = []
         self._begin = (0, math.nan)  # stamp and depth of the last message
         self._rig: dict[str, float] = {}
         self._template: JointStateTemplate | None = None
@@ -76,7 +76,7 @@ class TwinSummary:
         """
         self._factor = finite_number(TWIN_SUMMARY, "real-time factor", factor)
 
-    def add(self, stamp: int, rig: RigSample) -> bool:
+    def add(self, stamp: int, rig: RigSample | Array) -> bool:
         """Add a sample at a stamp [ns]; returns whether a message is due, by `encode`."""
         self._samples.append(rig)
         return stamp >= self._due
@@ -156,12 +156,6 @@ class FindingsEncoder:
         whirl = SubjectMotion(STRING_LEVEL, BitMotion.UNKNOWN.value, NOT_OBSERVABLE)
         return WHIRL_MOTION, encode_motion(stamp, [whirl, SubjectMotion(BIT, bit.motion.value, bit.criterion)])
 
-    def messages(
-        self, findings: Findings, frame_id: str = FRAME_ID, rig: RigSample | None = None
-    ) -> list[tuple[str, bytes]]:
-        """Topics and bytes of the messages for these findings, in the frame of the samples, and the rig's state."""
-        return self.rows(FoundRows.of(findings), frame_id, [rig or UNKNOWN_RIG])[0]
-
     def _summary(self, stamp: int, findings: Findings, radius: Array, bit_index: float) -> tuple[str, bytes]:
         motion = Motion(findings.motion, radius, findings.bit, bit_index, findings.onset)
         return TWIN_SUMMARY, self.summary.encode(stamp, motion, self._frame_id)
@@ -174,9 +168,15 @@ class FindingsEncoder:
         return [(TWIN_SUMMARY, self.summary.encode(stamp, motion, self._frame_id))]
 
     def rows(
-        self, found: FoundRows, frame_id: str = FRAME_ID, rigs: Sequence[RigSample] | None = None
+        self, found: FoundRows, frame_id: str = FRAME_ID, rigs: Array | None = None
     ) -> list[list[tuple[str, bytes]]]:
-        """As `messages`, for each of several samples; without states of the rig no `/twin/summary`."""
+        """Topics and bytes of the messages for the findings after each of n samples.
+
+        Args:
+            found: The findings.
+            frame_id: Frame of the samples.
+            rigs: Fields of `RigSample`, shape (n, 4); None: no `/twin/summary`.
+        """
         self._set_frame(frame_id)
         messages = [[(WHIRL_STATE, raw)] for raw in self._state.rows(found.stamps, found.states())]
         present = found.before

@@ -13,7 +13,7 @@ from typing import NamedTuple
 from drill_twin.core.arrays import Array
 from drill_twin.core.errors import MessageError
 from drill_twin.io.messages.cdr import JointStateTemplate, check_not_infinite
-from drill_twin.io.messages.decode import JointState
+from drill_twin.io.messages.decode import JointArrays, JointState
 from drill_twin.io.messages.diagnostics import Level, Status, decode_diagnostics, encode_diagnostics
 from drill_twin.io.messages.stamps import NANOSECONDS, header, header_stamp, seconds, stamp_ns, time_message
 from drill_twin.io.messages.topic_row import TIME_REFERENCE
@@ -90,19 +90,24 @@ class WhirlStateEncoder:
 
 
 def read_whirl_state(state: JointState) -> WhirlOfMarks:
-    """Findings of a `/whirl/state`.
+    """Findings of a `/whirl/state`, as `read_whirl_states`."""
+    marks, values = read_whirl_states(state)
+    return WhirlOfMarks(state.stamp, marks, *values.T)
+
+
+def read_whirl_states(states: JointArrays) -> tuple[tuple[str, ...], Array]:
+    """Names of m marks, and the arrays of `WhirlOfMarks` as columns, shape (..., m, 5), of `/whirl/state`.
 
     Raises:
         MessageError: The names are not the names of a `/whirl/state`.
     """
-    marks = tuple(name.removesuffix("/orbit_radius") for name in state.names if name.endswith("/orbit_radius"))
-    if state.names != tuple(f"{mark}/{scalar}" for mark in marks for scalar in WHIRL_SCALARS):
+    marks = tuple(name.removesuffix("/orbit_radius") for name in states.names if name.endswith("/orbit_radius"))
+    if states.names != tuple(f"{mark}/{scalar}" for mark in marks for scalar in WHIRL_SCALARS):
         raise MessageError(
             f"expected the joints <mark>/{', <mark>/'.join(WHIRL_SCALARS)} of a /whirl/state, "
-            f"found {', '.join(state.names) or 'none'}"
+            f"found {', '.join(states.names) or 'none'}"
         )
-    values = state.position.reshape(len(marks), len(WHIRL_SCALARS))
-    return WhirlOfMarks(state.stamp, marks, *values.T)
+    return marks, states.position.reshape(*states.position.shape[:-1], len(marks), len(WHIRL_SCALARS))
 
 
 def encode_motion(stamp: int, motions: Sequence[SubjectMotion], frame_id: str = FRAME_ID, onset: str = "") -> bytes:
