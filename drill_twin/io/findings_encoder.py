@@ -68,8 +68,8 @@ class TwinSummary:
         self._template: JointStateTemplate | None = None
         self._frame_id = FRAME_ID
 
-    def take_factor(self, factor: float) -> None:
-        """Take the real-time factor of the simulator.
+    def set_factor(self, factor: float) -> None:
+        """Set the real-time factor of the simulator.
 
         Raises:
             MessageError: The factor is not finite.

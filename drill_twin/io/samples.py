@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import Any, Generic, NamedTuple, Protocol, TypeVar
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,6 +16,7 @@ from drill_twin.core.rig_channels import RIG_CHANNELS
 from drill_twin.dynamics.twin.frame import Frames, RigState
 from drill_twin.io.messages.decode import JointStates
 from drill_twin.io.messages.encode import MARK_AXES, wall_push
+from drill_twin.io.messages.sensor_messages import ImuReading
 from drill_twin.io.messages.topics import MARKS_STATE, RIG_STATE
 
 WAITING = 256
@@ -51,6 +52,10 @@ class Sample(NamedTuple):
     stamp: int
     marks: JointStates
     rig: Array = UNKNOWN_RIG
+
+
+AnySample = Sample | ImuReading
+"""What is analysed at a stamp: marks and rig, or a reading of a sub."""
 
 
 class SampleRows(NamedTuple):
@@ -91,27 +96,19 @@ class SamplePairing:
     @property
     def waits(self) -> bool:
         """True while a state waits for its partner."""
-        return bool(self._marks or self._rigs)
+        return any(self._waiting.values())
 
     def clear(self) -> None:
         """Discard the states that wait for a partner."""
-        self._marks: dict[int, JointStates] = {}
-        self._rigs: dict[int, Array] = {}
+        self._waiting: dict[str, dict[int, Any]] = {MARKS_STATE: {}, RIG_STATE: {}}
 
-    def add_marks(self, stamp: int, marks: JointStates) -> Sample | None:
-        """Add the state of the marks at a stamp [ns]; return the sample if its partner is there."""
-        self._marks[stamp] = marks
-        return self._pair(stamp, self._marks)
-
-    def add_rig(self, stamp: int, rig: Array) -> Sample | None:
-        """Add the state of the rig at a stamp [ns], shape (1, 4); return the sample if its partner is there."""
-        self._rigs[stamp] = rig
-        return self._pair(stamp, self._rigs)
-
-    def _pair(self, stamp: int, waiting: dict[int, Any]) -> Sample | None:
-        if stamp in self._marks and stamp in self._rigs:
-            return Sample(stamp, self._marks.pop(stamp), self._rigs.pop(stamp))
-        while len(waiting) > WAITING:
+    def add(self, topic: str, stamp: int, state: JointStates | Array) -> Sample | None:
+        """Add a state of marks or rig at a stamp [ns]; return the sample if its partner is there."""
+        waiting = self._waiting[topic]
+        waiting[stamp] = state
+        if all(stamp in states for states in self._waiting.values()):
+            return Sample(stamp, *(states.pop(stamp) for states in self._waiting.values()))
+        if len(waiting) > WAITING:
             waiting.pop(next(iter(waiting)))
             self.unpaired += 1
         return None
@@ -194,15 +191,7 @@ STUCK = 200
 """Number of ordered samples, all before the latest stamp, after which the analysis starts again; 1 to 2 s."""
 
 
-class _Stamped(Protocol):
-    @property
-    def stamp(self) -> int: ...
-
-
-Item = TypeVar("Item", bound=_Stamped)
-
-
-class SampleOrder(Generic[Item]):
+class SampleOrder:
     """Finds `STUCK` ordered samples that are all before the latest stamp.
 
     Single late samples are rejected by the analyzer; but after one stamp from the future, or a clock set back, all
@@ -214,9 +203,9 @@ class SampleOrder(Generic[Item]):
 
     def __init__(self) -> None:
         self.latest = -1
-        self._behind: list[Item] = []
+        self._behind: list[AnySample] = []
 
-    def note(self, sample: Item) -> list[Item]:
+    def note(self, sample: AnySample) -> list[AnySample]:
         """Note a sample; return the samples with which the analysis is to start again, mostly none."""
         if sample.stamp >= self.latest:
             self.pass_by(sample.stamp)

@@ -7,7 +7,6 @@ arrival nor on a clock: a bag gives what the live analyzer gave, bit for bit.
 
 from __future__ import annotations
 
-import operator
 from collections import deque
 from collections.abc import Collection, Iterator, Sequence
 
@@ -23,6 +22,7 @@ from drill_twin.io.samples import (
     FASTEST,
     UNKNOWN_RIG,
     WAITING,
+    AnySample,
     MarkReader,
     RigSample,
     Sample,
@@ -138,19 +138,17 @@ class WhirlPipeline:
         """Messages to publish before the first sample, if the scene or the marks were given."""
         return [] if self._encoder is None else [self._encoder.no_onset()]
 
-    def take(self, topic: str, raw: bytes) -> list[Message]:
+    def analyse(self, topic: str, raw: bytes) -> list[Message]:
         """Process one message and return the messages that follow; an error in it is counted, not raised."""
         try:
-            if self._sub and topic == self._readings:
-                return list(self._analyse(read_imu(raw)))
-            if self._sub and topic in {MARKS_STATE, RIG_STATE}:
-                return []
+            if self._sub and topic in {self._readings, MARKS_STATE, RIG_STATE}:
+                return list(self._analyse_sample(read_imu(raw))) if topic == self._readings else []
             if topic == MARKS_STATE:
                 return self._on_marks(self._mark_states.read_one(raw))
             if topic == RIG_STATE:
                 return self._on_rig(self._rig_states.read_one(raw))
             if topic == REALTIME_FACTOR and self._encoder is not None:
-                self._encoder.summary.take_factor(read_float64(raw))
+                self._encoder.summary.set_factor(read_float64(raw))
             if topic == TWIN_SCENE and self._given is None and not self._infos:
                 return self._on_scene(read_string(raw))
         except DrillTwinError as error:
@@ -158,8 +156,8 @@ class WhirlPipeline:
             self.trouble = str(error)
         return []
 
-    def take_states(self, rig: JointStates, marks: JointStates | None) -> list[list[Message]] | None:
-        """Process n states of rig and marks at once, as `take` would one after the other.
+    def analyse_states(self, rig: JointStates, marks: JointStates | None) -> list[list[Message]] | None:
+        """Process n states of rig and marks at once, as `analyse` would one after the other.
 
         Returns:
             The messages that follow each, without `/twin/summary`; None where they must be taken one by one.
@@ -167,21 +165,19 @@ class WhirlPipeline:
         try:
             found = rig_of(rig)
             if self.bit_only is not None and not self.over:
-                states = zip(rig.stamps, found.tolist(), strict=True)
-                return [self._on_bit(stamp, RigSample(*row)) for stamp, row in states]
+                return self._on_bit(self.bit_only, rig.stamps, found)
             if self._analyzer is None or self._without_rig or marks is None or marks.stamps != rig.stamps:
                 return None
-            return self.take_samples(self._mark_reader.read(marks, found), summary=False)
+            return self.analyse_samples(self._mark_reader.read(marks, found), summary=False)
         except MessageError:
             return None
 
-    def take_samples(self, samples: SampleRows, *, summary: bool = True) -> list[list[Message]] | None:
-        """As `take_states` for n samples; `summary`: with `/twin/summary`."""
+    def analyse_samples(self, samples: SampleRows, *, summary: bool = True) -> list[list[Message]] | None:
+        """As `analyse_states` for n samples; `summary`: with `/twin/summary`."""
         analyzer, stamps = self._analyzer, samples.stamps
-        if not isinstance(analyzer, Analyzer) or self.over or self._pairing.waits:
+        if not isinstance(analyzer, Analyzer) or self.over or self._pairing.waits or stamps[0] <= self._order.latest:
             return None
-        fast = (np.abs(samples.rig[:, :2]) > FASTEST).any()
-        if fast or stamps[0] <= self._order.latest or not all(map(operator.lt, stamps, stamps[1:])):
+        if stamps != sorted(set(stamps)) or (np.abs(samples.rig[:, :2]) > FASTEST).any():
             return None
         messages = self._find(analyzer, samples, summary=summary)
         self._order.pass_by(stamps[-1])
@@ -191,10 +187,10 @@ class WhirlPipeline:
         """Analyse samples, and encode what is found."""
         if self._has_spin is None:
             self._has_spin = bool(np.isfinite(samples.spin[0]).any())
-        top_speed, bit_speed, *_ = samples.rig.T
-        spin = samples.spin if self._has_spin else None
-        stamps = np.array(samples.stamps)
-        found = analyzer.push_block(stamps, samples.position, spin, top_speed, samples.wall_force, bit_speed)
+        spin, (top_speed, bit_speed, *_) = samples.spin if self._has_spin else None, samples.rig.T
+        found = analyzer.push_block(
+            np.array(samples.stamps), samples.position, spin, top_speed, samples.wall_force, bit_speed
+        )
         self.findings = analyzer.findings
         return self._encode(found, samples.frame_id, samples.rig if summary else None)
 
@@ -228,15 +224,12 @@ class WhirlPipeline:
             self._clear()
         waiting = list(self._before_scene)
         self._before_scene.clear()
-        messages = self._start_run(scene)
-        for sample in waiting:
-            messages += self._analyse(sample)
-        return messages
+        return self._start_run(scene) + [message for sample in waiting for message in self._analyse_sample(sample)]
 
     def _start_run(self, scene: Scene | None) -> list[Message]:
         if 0 < self._run <= self.runs:
             self.runs += 1
-            self._order = SampleOrder[Sample | ImuReading]()
+            self._order = SampleOrder()
             return []
         if self._sub and scene is not None:
             self._analyzer = sub_analyzer(scene, self._sub)
@@ -248,7 +241,7 @@ class WhirlPipeline:
             self._analyzer = None if self.bit_only is not None else Analyzer(self.marks)
         self._encoder = FindingsEncoder(self.marks)
         self._mark_reader = MarkReader([mark.name for mark in self.marks])
-        self._order = SampleOrder[Sample | ImuReading]()
+        self._order = SampleOrder()
         self.scene, self.findings, self.trouble = scene, None, ""
         self.runs += 1
         return [self._encoder.no_onset()]
@@ -258,7 +251,7 @@ class WhirlPipeline:
         self._has_spin = None
         self._mark_states, self._rig_states = JointStateReader(), JointStateReader()
         self._pairing.clear()
-        self._before_scene: deque[Sample | ImuReading] = deque(maxlen=WAITING)
+        self._before_scene: deque[AnySample] = deque(maxlen=WAITING)
 
     def _on_marks(self, states: JointStates) -> list[Message]:
         if self.bit_only is not None:
@@ -266,25 +259,27 @@ class WhirlPipeline:
         if self._analyzer is not None:
             self._mark_reader.check(states)  # before the rig's state, its partner, comes
         (stamp,) = states.stamps
-        sample = Sample(stamp, states) if self._without_rig else self._pairing.add_marks(stamp, states)
-        return [] if sample is None else list(self._analyse(sample))
+        sample = Sample(stamp, states) if self._without_rig else self._pairing.add(MARKS_STATE, stamp, states)
+        return [] if sample is None else list(self._analyse_sample(sample))
 
     def _on_rig(self, states: JointStates) -> list[Message]:
-        (stamp,), rig = states.stamps, rig_of(states)
+        rig = rig_of(states)
         if self.bit_only is not None:
-            return [] if self.over else self._on_bit(stamp, RigSample(*rig[0].tolist()))
-        sample = self._pairing.add_rig(stamp, rig)
-        return [] if sample is None else list(self._analyse(sample))
+            return self._on_bit(self.bit_only, states.stamps, rig)[0]
+        sample = self._pairing.add(RIG_STATE, states.stamps[0], rig)
+        return [] if sample is None else list(self._analyse_sample(sample))
 
-    def _on_bit(self, stamp: int, rig: RigSample) -> list[Message]:
-        """Analyse the bit where whirl is not observable."""
-        if self.bit_only is None:
-            return []
-        changed, bit = self.bit_only.push(stamp, rig.top_speed, rig.bit_speed), self.bit_only.bit
-        motion = [FindingsEncoder.bit_only(stamp, bit)] if changed else []
-        return motion + ([] if self._encoder is None else self._encoder.bit_summary(stamp, bit, rig))
+    def _on_bit(self, analyzer: BitOnlyAnalyzer, stamps: list[int], rigs: Array) -> list[list[Message]]:
+        """Analyse the bit where whirl is not observable; messages that follow each of n states of the rig."""
+        messages: list[list[Message]] = [[] for _ in stamps]
+        for stamp, rig, sent in () if self.over else zip(stamps, rigs.tolist(), messages, strict=True):
+            if analyzer.push(stamp, *rig[:2]):
+                sent.append(FindingsEncoder.bit_only(stamp, analyzer.bit))
+            if self._encoder is not None:
+                sent.extend(self._encoder.bit_summary(stamp, analyzer.bit, RigSample(*rig)))
+        return messages
 
-    def _analyse(self, sample: Sample | ImuReading) -> Iterator[Message]:
+    def _analyse_sample(self, sample: AnySample) -> Iterator[Message]:
         """Raise MessageError where the message is not of the marks that are analysed."""
         analyzer = self._analyzer
         if analyzer is None:
@@ -301,4 +296,4 @@ class WhirlPipeline:
         if behind := self._order.note(sample):
             yield from self._start_run(self.scene)
             for again in behind:
-                yield from self._analyse(again)
+                yield from self._analyse_sample(again)

@@ -113,11 +113,11 @@ class Recording:
         self._poses_before = 0  # poses of the string in earlier runs
         self._reset()
         for batch in self._messages.batches(tuple(self._readers), self.skipped):
-            taken = self._take_rows(batch)  # many at once where they are as drill_twin records them
+            read = self._read_batch(batch)  # many at once where they are as drill_twin records them
             for topic, raw, time in batch:
-                if topic not in taken:
-                    self._take_message(topic, raw, time)
-            if taken:
+                if topic not in read:
+                    self._read_message(topic, raw, time)
+            if read:
                 self._latest = batch[-1][2]
                 self._behind.clear()
         self.runs = max(1, self._pipeline.runs)
@@ -141,38 +141,36 @@ class Recording:
         self._latest = -math.inf
         self._behind: list[Message] = []  # they may be of the next run
         self.log = RunLog(self.log.info)
+        self._series: dict[str, JointSeries | PoseSeries] = {
+            **({} if self.sub else {MARKS_STATE: self.marks}),
+            RIG_STATE: self.rig,
+            RIG_COMMAND: self.commands,
+            STRING_POSES: self.poses,
+            STRING_STRESS: self.stress,
+        }
         self._readers: dict[str, Callable[[bytes], None]] = {
-            **({self._sub_topic: self._add_place} if self.sub else {MARKS_STATE: self.marks.add_message}),
-            RIG_STATE: self.rig.add_message,
-            RIG_COMMAND: self.commands.add_message,
-            STRING_POSES: self.poses.add_message,
-            STRING_STRESS: self.stress.add_message,
+            **{topic: series.add_message for topic, series in self._series.items()},
+            **({self._sub_topic: self._add_place} if self.sub else {}),
             TWIN_SCENE: self.log.on_scene,
             WHIRL_ONSET: self.live.on_onset,
             DIAGNOSTICS: self.log.on_diagnostics,
             **({WHIRL_STATE: self.live.on_state} if self.selection.whole else {}),
         }
 
-    def _take_rows(self, batch: list[Message]) -> Collection[str]:
-        """Take the messages of a batch that can be taken at once; returns their topics."""
+    def _read_batch(self, batch: list[Message]) -> Collection[str]:
+        """Read the messages of a batch that can be analysed at once; return their topics."""
         raws: dict[str, list[bytes]] = {}
         for topic, raw, _ in batch:
             raws.setdefault(topic, []).append(raw)
         rows: dict[str, Rows] = {}
         if TWIN_SCENE in raws or self.sub:
             return rows
-        series: dict[str, JointSeries | PoseSeries] = {
-            RIG_STATE: self.rig,
-            MARKS_STATE: self.marks,
-            RIG_COMMAND: self.commands,
-            STRING_POSES: self.poses,
-        }
-        for topic in raws.keys() & series.keys():
+        for topic in raws.keys() & self._series.keys():
             with suppress(MessageError):
-                if (found := series[topic].read(raws[topic])) is not None:
+                if (found := self._series[topic].read(raws[topic])) is not None:
                     rows[topic] = found
         rig, marks = (rows[topic].states if topic in rows else None for topic in (RIG_STATE, MARKS_STATE))
-        findings = None if rig is None else self._pipeline.take_states(rig, marks)
+        findings = None if rig is None else self._pipeline.analyse_states(rig, marks)
         if findings is None:
             return ()
         if self._pipeline.bit_only is None:
@@ -182,12 +180,12 @@ class Recording:
             if states and (found := self.whirl.read(states)) is not None:
                 self.whirl.extend(found)
         for topic, found in rows.items():
-            series[topic].extend(found)
+            self._series[topic].extend(found)
         return rows
 
-    def _take_message(self, topic: str, raw: bytes, time: float) -> None:
+    def _read_message(self, topic: str, raw: bytes, time: float) -> None:
         runs, malformed = self._pipeline.runs, self._pipeline.malformed
-        messages = self._pipeline.take(topic, raw)
+        messages = self._pipeline.analyse(topic, raw)
         if self._pipeline.over:
             return
         if time >= self._latest:

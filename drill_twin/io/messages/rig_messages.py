@@ -12,8 +12,9 @@ from drill_twin.core.arrays import Array
 from drill_twin.core.errors import MessageError
 from drill_twin.core.rig_channels import RIG_CHANNELS, RIG_JOINTS
 from drill_twin.dynamics.twin.frame import RigState
-from drill_twin.io.messages.cdr import Float64Template, JointStateTemplate, finite_number
+from drill_twin.io.messages.cdr import JointStateTemplate, finite_number
 from drill_twin.io.messages.decode import JointArrays, JointState
+from drill_twin.io.messages.encode import encode_float64
 from drill_twin.io.messages.topics import RIG_COMMAND, RPS_COMMAND, WOB_COMMAND
 from drill_twin.scene.set_points.command import Command
 
@@ -42,7 +43,6 @@ class CommandEncoder:
             source: Who commands, in `header.frame_id` of each `/rig/command`: the full name of a node.
         """
         self._all = JointStateTemplate(COMMAND_JOINTS, frame_id=source)
-        self._one = Float64Template()
 
     def command(self, stamp: int, command: Command) -> bytes:
         """The set-points at a stamp [ns], as a JointState; all other fields are NaN."""
@@ -60,11 +60,11 @@ class CommandEncoder:
 
     def wob_command(self, command: Command) -> bytes:
         """Weight on bit [N] as a Float64."""
-        return self._one.fill(finite_number(WOB_COMMAND, "weight on bit", command.weight_on_bit))
+        return encode_float64(finite_number(WOB_COMMAND, "weight on bit", command.weight_on_bit))
 
     def rps_command(self, command: Command) -> bytes:
         """Top-drive speed [rev/s] as a Float64."""
-        return self._one.fill(finite_number(RPS_COMMAND, "rotation", command.rotation) / math.tau)
+        return encode_float64(finite_number(RPS_COMMAND, "rotation", command.rotation) / math.tau)
 
 
 def read_command(state: JointState) -> Command:

@@ -66,13 +66,13 @@ class ImuEncoder:
         )
         self._topic = imu_topic(sub)
         self._template = Template(content, IMU)
-        self._force, self._rate = (self._template.view(block) for block in blocks)
+        self._offsets = [self._template.offset(block) for block in blocks]
 
     def encode(self, reading: Reading) -> bytes:
         """CDR of a reading, six values."""
         check_finite(self._topic, reading.values)
-        self._force[:], self._rate[:] = reading.values[:3], reading.values[3:]
-        return self._template.stamped(stamp_ns(reading.time))
+        blocks = zip(self._offsets, reading.values.reshape(2, 1, 3), strict=True)
+        return self._template.rows([stamp_ns(reading.time)], list(blocks))[0]
 
 
 class SummaryEncoder:
