@@ -124,7 +124,7 @@ class Recording:
         self.run = self.selection.run or self.runs
         if self.run > self.runs:
             raise BagError(f"--run: expected a run of {self.path}, 1 to {self.runs}, found {self.run}")
-        for topic, series in ((MARKS_STATE, self.marks), (STRING_POSES, self.poses), (STRING_STRESS, self.stress)):
+        for topic, series in self._series.items():
             if topic not in self.skipped:  # messages of another scene than most, unless the analysis has them
                 for stamp, count, reason in series.other_layouts():
                     self.skipped.add(topic, seconds(stamp), reason, count)
@@ -138,8 +138,7 @@ class Recording:
         self.marks, self.rig, self.commands = MarkSeries(), RigSeries(), CommandSeries()
         self.poses = PoseSeries(every=max(1, -(-self._messages.poses // SHAPES)))
         self.whirl, self.stress, self.live = WhirlSeries(), StressSeries(), LiveFindings()
-        self._latest = -math.inf
-        self._behind: list[Message] = []  # they may be of the next run
+        self._latest, self._behind = -math.inf, list[Message]()  # messages behind may be of the next run
         self.log = RunLog(self.log.info)
         self._series: dict[str, JointSeries | PoseSeries] = {
             **({} if self.sub else {MARKS_STATE: self.marks}),

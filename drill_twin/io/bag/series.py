@@ -17,7 +17,7 @@ from drill_twin.io.messages.decode import JointArrays, JointStateReader, JointSt
 from drill_twin.io.messages.drawing.transforms import spin_of, tangent_of
 from drill_twin.io.messages.encode import MARK_AXES
 from drill_twin.io.messages.rig_messages import read_commands, read_rig_states
-from drill_twin.io.messages.whirl_encode import read_whirl_states
+from drill_twin.io.messages.whirl_encode import read_whirl_state
 from drill_twin.io.samples import RIG_FIELDS, columns, rig_of
 from drill_twin.physics.model.section_stress import (
     AXIAL_FORCE,
@@ -250,7 +250,7 @@ class WhirlSeries(JointSeries):
     """Codes of the motion states (`drill_twin.whirl.MotionCode`), shape (T, m)."""
 
     def _values(self, states: JointStates) -> tuple[Array, tuple[str, ...]]:
-        marks, values = read_whirl_states(states)
+        marks, values = read_whirl_state(states)
         return values.swapaxes(1, 2), marks
 
     @property

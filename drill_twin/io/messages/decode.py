@@ -4,13 +4,14 @@
 from __future__ import annotations
 
 import struct
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
 
-from drill_twin.core.arrays import Array
+from drill_twin.core.arrays import Array, Mask
 from drill_twin.core.errors import MessageError
 from drill_twin.io.messages.cdr import JointStateTemplate
 from drill_twin.io.messages.stamps import NANOSECONDS, header_stamp
@@ -85,20 +86,29 @@ class JointStates(JointArrays):
         return JointState(self.names, *arrays, self.frame_id, self.stamps[0])
 
 
+_Block = tuple[str, int, tuple[int, ...]]
+"""Name, offset [bytes] and shape of a block of numbers in a message."""
+
+
+@lru_cache(maxsize=64)
+def _kind_of(length: int, blocks: tuple[_Block, ...]) -> tuple[np.dtype[np.void], Mask]:
+    """Type of messages of a length [bytes] that begin with a header, and which bytes are no numbers; made once, in 0.1 ms."""
+    names, offsets, shapes = zip(*blocks, strict=True)
+    kinds = ["<i4", "<u4", *(("<f8", shape) for shape in shapes)]
+    layout = {"names": ["seconds", "parts", *names], "formats": kinds, "offsets": [_STAMP, _STAMP + 4, *offsets]}
+    kind, mask = np.dtype({**layout, "itemsize": length}), np.full(length, True)
+    for part, offset, *_ in (kind.fields or {}).values():
+        mask[offset : offset + part.itemsize] = False
+    return kind, mask
+
+
 class _Layout:
     """Layout of messages of equal length: its numbers by offset, and what stands outside the numbers."""
 
-    def __init__(self, example: bytes, blocks: Mapping[str, tuple[int, tuple[int, ...]]]) -> None:
-        """Keep the layout of a message; blocks: offset [bytes] and shape of each block of numbers."""
-        offsets, shapes = zip(*blocks.values(), strict=True)
-        kinds = ["<i4", "<u4", *(("<f8", shape) for shape in shapes)]
-        self._kind = np.dtype(
-            {"names": ["seconds", "parts", *blocks], "formats": kinds, "offsets": [_STAMP, _STAMP + 4, *offsets],
-             "itemsize": len(example)}
-        )  # fmt: skip
-        self._example, self._mask = np.frombuffer(example, np.uint8), np.full(len(example), True)
-        for part, offset, *_ in (self._kind.fields or {}).values():
-            self._mask[offset : offset + part.itemsize] = False
+    def __init__(self, example: bytes, *blocks: _Block) -> None:
+        """Keep the layout of a message with these blocks of numbers."""
+        self._example = np.frombuffer(example, np.uint8)
+        self._kind, self._mask = _kind_of(len(example), blocks)
 
     def read(self, raws: Sequence[bytes]) -> tuple[list[int], NDArray[np.void]] | None:
         """Header stamps [ns] and blocks of messages, one a row; None where one differs outside its numbers."""
@@ -116,7 +126,7 @@ _ARRAYS = ("position", "velocity", "effort")
 
 
 class JointStateReader:
-    """Decoder of the JointStates of one publisher: 20 us for a message after the first (JointStateTemplate.fill takes as long).
+    """Decoder of the JointStates of one publisher, 13 us for each message after the first.
 
     The first message is decoded by rosbags. If a template of its names gives the same bytes, its layout is kept, and
     later messages of equal length with equal bytes outside the numbers are read by offset. Any other message is
@@ -172,7 +182,7 @@ class JointStateReader:
             self._refused = layout
             return state
         places = zip(_ARRAYS, template.places, strict=True)
-        self._layout, self._like = _Layout(raw, {name: (at, (size,)) for name, (size, at) in places}), state
+        self._layout, self._like = _Layout(raw, *((name, at, (size,)) for name, (size, at) in places)), state
         return state
 
 
@@ -235,7 +245,7 @@ def read_pose_rows(raws: Sequence[bytes]) -> tuple[list[int], Array] | None:
         place += (_STAMP - place) % 8 if count else 0
         if len(first) - place - 56 * count > SPARE_BYTES:
             raise ValueError("bytes left over")
-        found = _Layout(first, {"poses": (place, (count, 7))}).read(raws)
+        found = _Layout(first, ("poses", place, (count, 7))).read(raws)
     except (struct.error, ValueError) as error:
         raise MessageError(f"expected the CDR bytes of a {POSE_ARRAY}, found {len(first)} others ({error})") from error
     return None if found is None else (found[0], found[1]["poses"].copy())
