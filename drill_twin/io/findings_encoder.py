@@ -26,7 +26,7 @@ from drill_twin.io.messages.whirl_encode import (
     encode_motion,
     encode_onset,
 )
-from drill_twin.io.samples import UNKNOWN_RIG, RigSample, SampleRows
+from drill_twin.io.samples import RigSample
 from drill_twin.whirl import BitMotion, MarkInfo, MotionCode, MotionState, Onset, StickSlip, StickSlipCode
 from drill_twin.whirl.analyzer import NOT_OBSERVABLE
 from drill_twin.whirl.findings import Findings, FoundRows
@@ -73,33 +73,33 @@ class TwinSummary:
         self._backwards = -math.inf  # time at which the bit turned backwards last [s]
         self._factor = 0.0  # before the first is told
         self._due = -1
-        self._samples: list[RigSample] = []
+        self._samples: list[RigSample | Array] = []
         self._begin = (0, math.nan)  # stamp and depth of the last message
         self._rig: dict[str, float] = {}
         self._template: JointStateTemplate | None = None
         self._frame_id = FRAME_ID
 
-    def take_factor(self, factor: float) -> None:
-        """Take the real-time factor of the simulator.
+    def set_factor(self, factor: float) -> None:
+        """Set the real-time factor of the simulator.
 
         Raises:
             MessageError: The factor is not finite.
         """
         self._factor = finite_number(TWIN_SUMMARY, "real-time factor", factor)
 
-    def add(self, stamp: int, rig: RigSample, centre: ComplexArray | None = None) -> bool:
+    def add(self, stamp: int, rig: RigSample | Array, centre: ComplexArray | None = None) -> bool:
         """Add a sample at a stamp [ns]; returns whether a message is due, by `encode`.
 
         Args:
             stamp: Header stamp [ns].
-            rig: State of the rig.
+            rig: State of the rig, fields of `RigSample`.
             centre: Centre line at the marks [m], shape (m,); None where it is not known. Of a stamp that is not later
                 than the last, it is left out.
         """
         self._samples.append(rig)
         if centre is not None and (not self._centres or stamp > self._centres[-1][0]):
             self._centres.append((stamp, centre))
-        if turns_backwards(rig.bit_speed, rig.top_speed):
+        if turns_backwards(rig[1], rig[0]):
             self._backwards = seconds(stamp)
         return stamp >= self._due
 
@@ -200,20 +200,6 @@ class FindingsEncoder:
         whirl = SubjectMotion(STRING_LEVEL, BitMotion.UNKNOWN.value, NOT_OBSERVABLE)
         return WHIRL_MOTION, encode_motion(stamp, [whirl, SubjectMotion(BIT, bit.motion.value, bit.criterion)])
 
-    def messages(
-        self,
-        findings: Findings,
-        frame_id: str = FRAME_ID,
-        rig: RigSample | None = None,
-        points: tuple[Array, Array] | None = None,
-    ) -> list[tuple[str, bytes]]:
-        """Topics and bytes of the messages for these findings, in the frame of the samples.
-
-        `points` are the positions of the marks [m], shape (m, 3), and their spin [rad]; None where they are not known.
-        """
-        centres = None if points is None else centre_lines(self._marks, *points)[None]
-        return self._rows(FoundRows.of(findings), frame_id, [rig or UNKNOWN_RIG], centres)[0]
-
     def bit_summary(self, stamp: int, bit: StickSlip, rig: RigSample) -> list[tuple[str, bytes]]:
         """Topic and bytes of `/twin/summary` for a stream without marks, if it is due."""
         if not self.summary.add(stamp, rig):
@@ -222,15 +208,20 @@ class FindingsEncoder:
         return [(TWIN_SUMMARY, self.summary.encode(stamp, motion, self._frame_id))]
 
     def rows(
-        self, found: FoundRows, frame_id: str = FRAME_ID, samples: SampleRows | None = None
+        self,
+        found: FoundRows,
+        frame_id: str = FRAME_ID,
+        rigs: Array | None = None,
+        centres: ComplexArray | None = None,
     ) -> list[list[tuple[str, bytes]]]:
-        """As `messages`, for each of several samples; without states of the rig no `/twin/summary`."""
-        centres = samples and centre_lines(self._marks, samples.position, samples.spin)
-        return self._rows(found, frame_id, samples and samples.rigs, centres)
+        """Topics and bytes of the messages for the findings after each of n samples.
 
-    def _rows(
-        self, found: FoundRows, frame_id: str, rigs: Sequence[RigSample] | None, centres: ComplexArray | None
-    ) -> list[list[tuple[str, bytes]]]:
+        Args:
+            found: The findings.
+            frame_id: Frame of the samples.
+            rigs: Fields of `RigSample`, shape (n, 4); None: no `/twin/summary`.
+            centres: Centre lines at the marks [m], shape (n, m); None where they are not known.
+        """
         self._set_frame(frame_id)
         messages = [[(WHIRL_STATE, raw)] for raw in self._state.rows(found.stamps, found.states())]
         present = found.before

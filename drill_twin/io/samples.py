@@ -5,21 +5,25 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import Generic, NamedTuple, Protocol, TypeVar
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from drill_twin.core.arrays import Array
 from drill_twin.core.errors import MessageError
+from drill_twin.core.rig_channels import RIG_CHANNELS
 from drill_twin.dynamics.twin.frame import Frames, RigState
-from drill_twin.io.messages.decode import JointState, JointStates
+from drill_twin.io.messages.decode import JointStates
 from drill_twin.io.messages.encode import MARK_AXES, wall_push
-from drill_twin.io.messages.rig_messages import BIT_AXIAL
+from drill_twin.io.messages.sensor_messages import ImuReading
 from drill_twin.io.messages.topics import MARKS_STATE, RIG_STATE
 
 WAITING = 256
 """Largest number of samples of one topic that wait for their partner of the other, or for the scene."""
+
+RIG_FIELDS = [RigState._fields.index(name) for name in ("top_drive_speed", "bit_speed", "bit_force", "drilled")]
+"""Fields of `RigSample` in `RigState`."""
 
 FASTEST = 1e6
 """Largest speed of top drive and bit that is taken for one [rad/s]."""
@@ -38,51 +42,44 @@ class RigSample(NamedTuple):
     """Depth drilled [m]."""
 
 
-UNKNOWN_RIG = RigSample(math.nan, math.nan)
-"""No `/rig/state`."""
+UNKNOWN_RIG = np.full((1, len(RigSample._fields)), np.nan)
+"""Fields of `RigSample` without a `/rig/state`."""
 
 
 class Sample(NamedTuple):
-    """State of the marks with the state of the rig at the same stamp [ns]."""
+    """State of the marks with the state of the rig at the same stamp [ns]: blocks of one."""
 
     stamp: int
-    marks: JointState
-    rig: RigSample = UNKNOWN_RIG
+    marks: JointStates
+    rig: Array = UNKNOWN_RIG
+
+
+AnySample = Sample | ImuReading
+"""What is analysed at a stamp: marks and rig, or a reading of a sub."""
 
 
 class SampleRows(NamedTuple):
     """States of m marks and of the rig at the same stamps, one a row."""
 
+    stamps: list[int]
+    """Stamps [ns]."""
     position: Array
     """Marked points [m], shape (n, m, 3)."""
     spin: Array
     """Spin at the marks [rad], shape (n, m)."""
     wall_force: Array | None
     """Normal wall force at the marks [N], shape (n, m); None without forces."""
-    top_speed: Array
-    """Speed of the top drive [rad/s], shape (n,)."""
-    bit_speed: Array
-    """Speed of the bit [rad/s], shape (n,)."""
-    weight: Array | None = None
-    """Weight on bit [N], shape (n,); None where no `/twin/summary` is wanted, as for `drilled`."""
-    drilled: Array | None = None
-    """Depth drilled [m], shape (n,)."""
-
-    @property
-    def rigs(self) -> list[RigSample] | None:
-        """State of the rig at each stamp, for `/twin/summary`."""
-        if self.weight is None or self.drilled is None:
-            return None
-        columns = np.column_stack((self.top_speed, self.bit_speed, self.weight, self.drilled))
-        return [RigSample(*row) for row in columns.tolist()]
+    rig: Array
+    """Fields of `RigSample`, shape (n, 4)."""
+    frame_id: str
+    """Frame of the marks."""
 
     @classmethod
-    def of(cls, frames: Frames) -> SampleRows:
+    def of(cls, stamps: list[int], frames: Frames, frame_id: str) -> SampleRows:
         """Samples of frames from `/marks/state` and `/rig/state`; the force is the size of its two components."""
-        push = wall_push(frames.marks.centre, frames.marks.wall_force)
-        names = ("top_drive_speed", "bit_speed", "bit_force", "drilled")
-        rig = (frames.rig[:, RigState._fields.index(name)] for name in names)
-        return cls(frames.marks.position, frames.marks.spin, np.hypot(push[..., 0], push[..., 1]), *rig)
+        push, marks = wall_push(frames.marks.centre, frames.marks.wall_force), frames.marks
+        force = np.hypot(push[..., 0], push[..., 1])
+        return cls(stamps, marks.position, marks.spin, force, frames.rig[:, RIG_FIELDS], frame_id)
 
 
 class SamplePairing:
@@ -99,27 +96,19 @@ class SamplePairing:
     @property
     def waits(self) -> bool:
         """True while a state waits for its partner."""
-        return bool(self._marks or self._rigs)
+        return any(self._waiting.values())
 
     def clear(self) -> None:
         """Discard the states that wait for a partner."""
-        self._marks: dict[int, JointState] = {}
-        self._rigs: dict[int, RigSample] = {}
+        self._waiting: dict[str, dict[int, Any]] = {MARKS_STATE: {}, RIG_STATE: {}}
 
-    def add_marks(self, state: JointState) -> Sample | None:
-        """Add a state of the marks; return the sample if its partner is there."""
-        self._marks[state.stamp] = state
-        return self._pair(state.stamp, self._marks)
-
-    def add_rig(self, stamp: int, rig: RigSample) -> Sample | None:
-        """Add the state of the rig at a stamp [ns]; return the sample if its partner is there."""
-        self._rigs[stamp] = rig
-        return self._pair(stamp, self._rigs)
-
-    def _pair(self, stamp: int, waiting: dict[int, JointState] | dict[int, RigSample]) -> Sample | None:
-        if stamp in self._marks and stamp in self._rigs:
-            return Sample(stamp, self._marks.pop(stamp), self._rigs.pop(stamp))
-        while len(waiting) > WAITING:
+    def add(self, topic: str, stamp: int, state: JointStates | Array) -> Sample | None:
+        """Add a state of marks or rig at a stamp [ns]; return the sample if its partner is there."""
+        waiting = self._waiting[topic]
+        waiting[stamp] = state
+        if all(stamp in states for states in self._waiting.values()):
+            return Sample(stamp, *(states.pop(stamp) for states in self._waiting.values()))
+        if len(waiting) > WAITING:
             waiting.pop(next(iter(waiting)))
             self.unpaired += 1
         return None
@@ -133,58 +122,50 @@ class MarkReader:
         self._layout: tuple[str, ...] = ()
         self._columns = np.zeros((0, len(MARK_AXES)), np.intp)
 
-    def read(self, state: JointState | JointStates) -> tuple[Array, Array, Array | None]:
-        """Read one state, or states one a row, whose arrays have one dimension more.
+    def read(self, states: JointStates, rig: Array) -> SampleRows:
+        """Samples of the states, one a row.
 
-        Returns:
-            Positions [m], shape (m, 3), spin [rad], shape (m,), and wall force [N], shape (m,), or None without forces.
+        Args:
+            states: States of the marks.
+            rig: Fields of `RigSample` at the same stamps, shape (n, 4).
 
         Raises:
-            MessageError: The message has no positions, or positions of other marks.
+            MessageError: The messages have no positions, or positions of other marks.
         """
-        self.check(state)
-        values, force = self._chosen(state.position), None
-        if state.effort.size:
-            components = self._chosen(state.effort)
+        self.check(states)
+        values, force = self._chosen(states.position), None
+        if states.effort.size:
+            components = self._chosen(states.effort)
             force = np.hypot(components[..., 0], components[..., 1])
-        return values[..., :3], values[..., 3], force
+        return SampleRows(states.stamps, values[..., :3], values[..., 3], force, rig, states.frame_id)
 
     def _chosen(self, values: Array) -> Array:
-        """Values of the marks by axis, shape (..., m, 4); NaN for an axis that the message lacks."""
-        unknown = np.full((*values.shape[:-1], 1), np.nan)
-        return np.concatenate((values, unknown), axis=-1)[..., self._columns]
+        """Values of the marks by axis, shape (n, m, 4); NaN for an axis that the messages lack."""
+        return np.concatenate((values, np.full((len(values), 1), np.nan)), axis=1)[:, self._columns]
 
-    def check(self, state: JointState | JointStates) -> None:
-        """Check that the marks are in a message.
-
-        Raises:
-            MessageError: As `read`.
-        """
-        if state.names != self._layout:
-            self._columns = columns(state.names, self._marks)
-            self._layout = state.names
-        if not state.position.size:
+    def check(self, states: JointStates) -> None:
+        """Check that the marks are in a message; raises MessageError as `read`."""
+        if states.names != self._layout:
+            self._columns = columns(states.names, self._marks)
+            self._layout = states.names
+        if not states.position.size:
             raise MessageError(f"expected positions on {MARKS_STATE}, found none")
 
 
-def rig_of(state: JointState) -> RigSample:
-    """Values of a `/rig/state`: the speed of the top drive, and the others if they are there.
+def rig_of(states: JointStates) -> Array:
+    """Fields of `RigSample` in `/rig/state`, shape (n, 4): the speed of the top drive, and the others if there.
 
     Raises:
         MessageError: There is no top drive, it has no speed, or a speed is infinite or beyond all reason.
     """
-    drive = state.index("top_drive")
-    if drive >= state.velocity.size:
+    if states.index("top_drive") >= states.velocity.shape[1]:
         raise MessageError(f"expected the speed of top_drive on {RIG_STATE}, found no velocities")
-    bit = state.names.index("bit") if "bit" in state.names else state.velocity.size
-    found = float(state.velocity[drive]), float(state.velocity[bit]) if bit < state.velocity.size else math.nan
-    if any(abs(speed) > FASTEST for speed in found):
-        raise MessageError(f"expected speeds within {FASTEST:g} rad/s on {RIG_STATE}, found {found[0]:g}, {found[1]:g}")
-    axial = state.names.index(BIT_AXIAL) if BIT_AXIAL in state.names else len(state.names)
-    weight, drilled = (
-        float(values[axial]) if axial < values.size else math.nan for values in (state.effort, state.position)
-    )
-    return RigSample(*found, weight, drilled)
+    channels = (RIG_CHANNELS[RigState._fields[field]] for field in RIG_FIELDS)
+    found = np.stack([states.column(channel.array, channel.joint) for channel in channels], axis=1)
+    if (fast := (np.abs(found[:, :2]) > FASTEST).any(axis=1)).any():
+        top, bit = found[fast, :2][0]
+        raise MessageError(f"expected speeds within {FASTEST:g} rad/s on {RIG_STATE}, found {top:g}, {bit:g}")
+    return found
 
 
 def columns(names: Sequence[str], marks: Sequence[str]) -> NDArray[np.intp]:
@@ -210,15 +191,7 @@ STUCK = 200
 """Number of ordered samples, all before the latest stamp, after which the analysis starts again; 1 to 2 s."""
 
 
-class _Stamped(Protocol):
-    @property
-    def stamp(self) -> int: ...
-
-
-Item = TypeVar("Item", bound=_Stamped)
-
-
-class SampleOrder(Generic[Item]):
+class SampleOrder:
     """Finds `STUCK` ordered samples that are all before the latest stamp.
 
     Single late samples are rejected by the analyzer; but after one stamp from the future, or a clock set back, all
@@ -230,9 +203,9 @@ class SampleOrder(Generic[Item]):
 
     def __init__(self) -> None:
         self.latest = -1
-        self._behind: list[Item] = []
+        self._behind: list[AnySample] = []
 
-    def note(self, sample: Item) -> list[Item]:
+    def note(self, sample: AnySample) -> list[AnySample]:
         """Note a sample; return the samples with which the analysis is to start again, mostly none."""
         if sample.stamp >= self.latest:
             self.pass_by(sample.stamp)

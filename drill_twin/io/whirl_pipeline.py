@@ -7,24 +7,36 @@ arrival nor on a clock: a bag gives what the live analyzer gave, bit for bit.
 
 from __future__ import annotations
 
-import operator
 from collections import deque
 from collections.abc import Collection, Iterator, Sequence
 
 import numpy as np
 
-from drill_twin.core.arrays import Array
+from drill_twin.core.arrays import Array, ComplexArray
 from drill_twin.core.errors import DrillTwinError, MessageError
 from drill_twin.io.findings_encoder import FindingsEncoder
-from drill_twin.io.messages.decode import JointState, JointStateReader, JointStates, read_float64, read_string
+from drill_twin.io.messages.decode import JointStateReader, JointStates, read_float64, read_string
 from drill_twin.io.messages.sensor_messages import ImuReading, read_imu
 from drill_twin.io.messages.topics import FRAME_ID, MARKS_STATE, REALTIME_FACTOR, RIG_STATE, TWIN_SCENE
-from drill_twin.io.samples import FASTEST, WAITING, MarkReader, Sample, SampleOrder, SamplePairing, SampleRows, rig_of
+from drill_twin.io.samples import (
+    FASTEST,
+    UNKNOWN_RIG,
+    WAITING,
+    AnySample,
+    MarkReader,
+    RigSample,
+    Sample,
+    SampleOrder,
+    SamplePairing,
+    SampleRows,
+    rig_of,
+)
 from drill_twin.io.scene_geometry import SceneTexts, mark_infos, readings_topic, select_marks, sub_analyzer
 from drill_twin.scene import Scene
 from drill_twin.whirl import Analyzer, BitMotion, BitOnlyAnalyzer, Findings, MarkInfo, Summary
 from drill_twin.whirl.downhole import SubAnalyzer
 from drill_twin.whirl.findings import FoundRows, Quality
+from drill_twin.whirl.marks import centre_lines
 
 Message = tuple[str, bytes]
 """Topic and bytes."""
@@ -84,6 +96,7 @@ class WhirlPipeline:
         self._mark_reader = MarkReader(())
         self._pairing = SamplePairing()
         self.marks: tuple[MarkInfo, ...] = ()
+        self._has_spin: bool | None = None  # of the first sample of the stream
         self._clear()
         if scene is not None or self._infos:
             self._start_run(scene)
@@ -126,19 +139,17 @@ class WhirlPipeline:
         """Messages to publish before the first sample, if the scene or the marks were given."""
         return [] if self._encoder is None else [self._encoder.no_onset()]
 
-    def take(self, topic: str, raw: bytes) -> list[Message]:
+    def analyse(self, topic: str, raw: bytes) -> list[Message]:
         """Process one message and return the messages that follow; an error in it is counted, not raised."""
         try:
-            if self._sub and topic == self._readings:
-                return list(self._analyse(read_imu(raw)))
-            if self._sub and topic in {MARKS_STATE, RIG_STATE}:
-                return []
+            if self._sub and topic in {self._readings, MARKS_STATE, RIG_STATE}:
+                return list(self._analyse_sample(read_imu(raw))) if topic == self._readings else []
             if topic == MARKS_STATE:
-                return self._on_marks(self._read_marks(raw))
+                return self._on_marks(self._mark_states.read_one(raw))
             if topic == RIG_STATE:
-                return self._on_rig(self._read_rig(raw))
+                return self._on_rig(self._rig_states.read_one(raw))
             if topic == REALTIME_FACTOR and self._encoder is not None:
-                self._encoder.summary.take_factor(read_float64(raw))
+                self._encoder.summary.set_factor(read_float64(raw))
             if topic == TWIN_SCENE and self._given is None and not self._infos:
                 return self._on_scene(read_string(raw))
         except DrillTwinError as error:
@@ -146,52 +157,55 @@ class WhirlPipeline:
             self.trouble = str(error)
         return []
 
-    def find_rows(self, stamps: Sequence[int], samples: SampleRows) -> FoundRows | None:
-        """Analyse n states of marks and rig at once, as `take` would one after the other.
-
-        Args:
-            stamps: Stamps of the states [ns].
-            samples: Values of the states.
+    def analyse_states(self, rig: JointStates, marks: JointStates | None) -> list[list[Message]] | None:
+        """Process n states of rig and marks at once, as `analyse` would one after the other.
 
         Returns:
-            The findings of each; None where they must be taken one by one.
+            The messages that follow each, without `/twin/summary`; None where they must be taken one by one.
         """
-        analyzer = self._analyzer
-        if (
-            not isinstance(analyzer, Analyzer)
-            or self.over
-            or self._pairing.waits
-            or samples.spin.shape[1] != len(self.marks)
-        ):
+        try:
+            found = rig_of(rig)
+            if self.bit_only is not None and not self.over:
+                return self._on_bit(self.bit_only, rig.stamps, found)
+            if self._analyzer is None or self._without_rig or marks is None or marks.stamps != rig.stamps:
+                return None
+            return self.analyse_samples(self._mark_reader.read(marks, found), summary=False)
+        except MessageError:
             return None
-        fast = any((np.abs(speed) > FASTEST).any() for speed in (samples.top_speed, samples.bit_speed))
-        if fast or stamps[0] <= self._order.latest or not all(map(operator.lt, stamps, stamps[1:])):
+
+    def analyse_samples(self, samples: SampleRows, *, summary: bool = True) -> list[list[Message]] | None:
+        """As `analyse_states` for n samples; `summary`: with `/twin/summary`."""
+        analyzer, stamps = self._analyzer, samples.stamps
+        if not isinstance(analyzer, Analyzer) or self.over or self._pairing.waits or stamps[0] <= self._order.latest:
             return None
-        spin = samples.spin if self._known_spin(samples.spin[0]) is not None else None
+        if stamps != sorted(set(stamps)) or (np.abs(samples.rig[:, :2]) > FASTEST).any():
+            return None
+        messages = self._find(analyzer, samples, summary=summary)
+        self._order.pass_by(stamps[-1])
+        return messages
+
+    def _find(self, analyzer: Analyzer, samples: SampleRows, *, summary: bool) -> list[list[Message]]:
+        """Analyse samples, and encode what is found."""
+        if self._has_spin is None:
+            self._has_spin = bool(np.isfinite(samples.spin[0]).any())
+        spin, (top_speed, bit_speed, *_) = samples.spin if self._has_spin else None, samples.rig.T
         found = analyzer.push_block(
-            np.array(stamps), samples.position, spin, samples.top_speed, samples.wall_force, samples.bit_speed
+            np.array(samples.stamps), samples.position, spin, top_speed, samples.wall_force, bit_speed
         )
         self.findings = analyzer.findings
-        self._order.pass_by(stamps[-1])
-        return found
+        centres = centre_lines(self.marks, samples.position, samples.spin) if summary else None
+        return self._encode(found, samples.frame_id, samples.rig if summary else None, centres)
 
-    def encode_rows(self, found: FoundRows, frame_id: str, samples: SampleRows | None = None) -> list[list[Message]]:
-        """Encode findings in the frame of the samples; where the samples are given, `/twin/summary` too."""
+    def _encode(
+        self, found: FoundRows, frame_id: str, rig: Array | None, centres: ComplexArray | None = None
+    ) -> list[list[Message]]:
+        """Messages of the findings after each sample; an infinite value is counted as a malformed message."""
         try:
-            return [] if self._encoder is None else self._encoder.rows(found, frame_id, samples)
+            return [] if self._encoder is None else self._encoder.rows(found, frame_id, rig, centres)
         except MessageError as error:
             self.malformed += 1
             self.trouble = str(error)
             return [[] for _ in found.stamps]
-
-    def samples_of(self, marks: JointStates, top_speed: Array, bit_speed: Array) -> SampleRows | None:
-        """Samples of states of the marks, one a row, with the speeds of the rig; None where marks are missing."""
-        if self._without_rig or self._analyzer is None:
-            return None
-        try:
-            return SampleRows(*self._mark_reader.read(marks), top_speed, bit_speed)
-        except MessageError:
-            return None
 
     def summary(self) -> Summary:
         """Findings of the whole run.
@@ -214,15 +228,12 @@ class WhirlPipeline:
             self._clear()
         waiting = list(self._before_scene)
         self._before_scene.clear()
-        messages = self._start_run(scene)
-        for sample in waiting:
-            messages += self._analyse(sample)
-        return messages
+        return self._start_run(scene) + [message for sample in waiting for message in self._analyse_sample(sample)]
 
     def _start_run(self, scene: Scene | None) -> list[Message]:
         if 0 < self._run <= self.runs:
             self.runs += 1
-            self._order = SampleOrder[Sample | ImuReading]()
+            self._order = SampleOrder()
             return []
         if self._sub and scene is not None:
             self._analyzer = sub_analyzer(scene, self._sub)
@@ -234,67 +245,59 @@ class WhirlPipeline:
             self._analyzer = None if self.bit_only is not None else Analyzer(self.marks)
         self._encoder = FindingsEncoder(self.marks, scene.severity_bounds if scene else None)
         self._mark_reader = MarkReader([mark.name for mark in self.marks])
-        self._order = SampleOrder[Sample | ImuReading]()
+        self._order = SampleOrder()
         self.scene, self.findings, self.trouble = scene, None, ""
         self.runs += 1
         return [self._encoder.no_onset()]
 
     def _clear(self) -> None:
         """Discard waiting samples and what is known of the stream."""
-        self._has_spin: bool | None = None
-        self._read_marks, self._read_rig = JointStateReader().read, JointStateReader().read
+        self._has_spin = None
+        self._mark_states, self._rig_states = JointStateReader(), JointStateReader()
         self._pairing.clear()
-        self._before_scene: deque[Sample | ImuReading] = deque(maxlen=WAITING)
+        self._before_scene: deque[AnySample] = deque(maxlen=WAITING)
 
-    def _on_marks(self, state: JointState) -> list[Message]:
+    def _on_marks(self, states: JointStates) -> list[Message]:
         if self.bit_only is not None:
             return []
         if self._analyzer is not None:
-            self._mark_reader.check(state)  # before the rig's state, its partner, comes
-        sample = Sample(state.stamp, state) if self._without_rig else self._pairing.add_marks(state)
-        return [] if sample is None else list(self._analyse(sample))
+            self._mark_reader.check(states)  # before the rig's state, its partner, comes
+        (stamp,) = states.stamps
+        sample = Sample(stamp, states) if self._without_rig else self._pairing.add(MARKS_STATE, stamp, states)
+        return [] if sample is None else list(self._analyse_sample(sample))
 
-    def _on_rig(self, state: JointState) -> list[Message]:
-        found = rig_of(state)
+    def _on_rig(self, states: JointStates) -> list[Message]:
+        rig = rig_of(states)
         if self.bit_only is not None:
-            if self.over:
-                return []
-            changed, bit = self.bit_only.push(state.stamp, found.top_speed, found.bit_speed), self.bit_only.bit
-            motion = [FindingsEncoder.bit_only(state.stamp, bit)] if changed else []
-            return motion + ([] if self._encoder is None else self._encoder.bit_summary(state.stamp, bit, found))
-        sample = self._pairing.add_rig(state.stamp, found)
-        return [] if sample is None else list(self._analyse(sample))
+            return self._on_bit(self.bit_only, states.stamps, rig)[0]
+        sample = self._pairing.add(RIG_STATE, states.stamps[0], rig)
+        return [] if sample is None else list(self._analyse_sample(sample))
 
-    def _analyse(self, sample: Sample | ImuReading) -> Iterator[Message]:
+    def _on_bit(self, analyzer: BitOnlyAnalyzer, stamps: list[int], rigs: Array) -> list[list[Message]]:
+        """Analyse the bit where whirl is not observable; messages that follow each of n states of the rig."""
+        messages: list[list[Message]] = [[] for _ in stamps]
+        for stamp, rig, sent in () if self.over else zip(stamps, rigs.tolist(), messages, strict=True):
+            if analyzer.push(stamp, *rig[:2]):
+                sent.append(FindingsEncoder.bit_only(stamp, analyzer.bit))
+            if self._encoder is not None:
+                sent.extend(self._encoder.bit_summary(stamp, analyzer.bit, RigSample(*rig)))
+        return messages
+
+    def _analyse_sample(self, sample: AnySample) -> Iterator[Message]:
         """Raise MessageError where the message is not of the marks that are analysed."""
         analyzer = self._analyzer
-        if analyzer is None or self._encoder is None:
+        if analyzer is None:
             self._before_scene.append(sample)
             return
-        frame, rig, points = FRAME_ID, None, None
-        over = self.over or (0 < self._run == self.runs and sample.stamp < self._order.latest)  # or of the next run
-        if over:
+        if self.over or (0 < self._run == self.runs and sample.stamp < self._order.latest):  # or of the next run
             pass
         elif isinstance(sample, Sample) and isinstance(analyzer, Analyzer):
-            position, spin, force = self._mark_reader.read(sample.marks)
-            rig, known_spin = sample.rig, self._known_spin(spin)
-            self.findings = analyzer.push(sample.stamp, position, known_spin, rig.top_speed, force, rig.bit_speed)
-            frame = sample.marks.frame_id
-            points = position, spin
+            yield from self._find(analyzer, self._mark_reader.read(sample.marks, sample.rig), summary=True)[0]
         elif isinstance(sample, ImuReading) and isinstance(analyzer, SubAnalyzer):
             self.findings = analyzer.push(sample.stamp, sample.values)
-            frame = sample.frame_id.rpartition(self._sub.rpartition("/")[2])[0] + FRAME_ID  # with its prefix
-        if self.findings is None:
-            return
-        if not over:
-            yield from self._encoder.messages(self.findings, frame, rig, points)
+            prefix = sample.frame_id.rpartition(self._sub.rpartition("/")[2])[0]
+            yield from self._encode(FoundRows.of(self.findings), prefix + FRAME_ID, UNKNOWN_RIG)[0]
         if behind := self._order.note(sample):
             yield from self._start_run(self.scene)
             for again in behind:
-                yield from self._analyse(again)
-
-    def _known_spin(self, spin: Array) -> Array | None:
-        """The spin of the marks [rad], or None if the first sample of the stream has none."""
-        if self._has_spin is None:
-            self._has_spin = bool(np.isfinite(spin).any())
-        return spin if self._has_spin else None
+                yield from self._analyse_sample(again)

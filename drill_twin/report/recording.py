@@ -18,9 +18,16 @@ import numpy as np
 from drill_twin.core.arrays import Array, ComplexArray
 from drill_twin.core.errors import BagError, MessageError
 from drill_twin.core.units.system import unit_system
-from drill_twin.dynamics.twin.frame import RigState
 from drill_twin.io.bag.reader import Bag
-from drill_twin.io.bag.series import CommandSeries, MarkSeries, PoseSeries, RigSeries, StressSeries, WhirlSeries
+from drill_twin.io.bag.series import (
+    CommandSeries,
+    JointSeries,
+    MarkSeries,
+    PoseSeries,
+    RigSeries,
+    StressSeries,
+    WhirlSeries,
+)
 from drill_twin.io.bag.skipped import SkippedMessages
 from drill_twin.io.bag.time_series import Rows
 from drill_twin.io.bag.virtual_bags import RecordBag
@@ -37,7 +44,6 @@ from drill_twin.io.messages.topics import (
     WHIRL_ONSET,
     WHIRL_STATE,
 )
-from drill_twin.io.samples import FASTEST
 from drill_twin.io.scene_geometry import readings_topic
 from drill_twin.io.whirl_pipeline import WhirlPipeline
 from drill_twin.report.run_log import LiveFindings, RunLog
@@ -108,18 +114,18 @@ class Recording:
         self._poses_before = 0  # poses of the string in earlier runs
         self._reset()
         for batch in self._messages.batches(tuple(self._readers), self.skipped):
-            taken = self._take_rows(batch)  # many at once where they are as drill_twin records them
+            read = self._read_batch(batch)  # many at once where they are as drill_twin records them
             for topic, raw, time in batch:
-                if topic not in taken:
-                    self._take_message(topic, raw, time)
-            if taken:
+                if topic not in read:
+                    self._read_message(topic, raw, time)
+            if read:
                 self._latest = batch[-1][2]
                 self._behind.clear()
         self.runs = max(1, self._pipeline.runs)
         self.run = self.selection.run or self.runs
         if self.run > self.runs:
             raise BagError(f"--run: expected a run of {self.path}, 1 to {self.runs}, found {self.run}")
-        for topic, series in ((MARKS_STATE, self.marks), (STRING_POSES, self.poses), (STRING_STRESS, self.stress)):
+        for topic, series in self._series.items():
             if topic not in self.skipped:  # messages of another scene than most, unless the analysis has them
                 for stamp, count, reason in series.other_layouts():
                     self.skipped.add(topic, seconds(stamp), reason, count)
@@ -133,59 +139,53 @@ class Recording:
         self.marks, self.rig, self.commands = MarkSeries(), RigSeries(), CommandSeries()
         self.poses = PoseSeries(every=max(1, -(-self._messages.poses // SHAPES)))
         self.whirl, self.stress, self.live = WhirlSeries(), StressSeries(), LiveFindings()
-        self._latest = -math.inf
-        self._behind: list[Message] = []  # they may be of the next run
+        self._latest, self._behind = -math.inf, list[Message]()  # messages behind may be of the next run
         self.log = RunLog(self.log.info)
+        self._series: dict[str, JointSeries | PoseSeries] = {
+            **({} if self.sub else {MARKS_STATE: self.marks}),
+            RIG_STATE: self.rig,
+            RIG_COMMAND: self.commands,
+            STRING_POSES: self.poses,
+            STRING_STRESS: self.stress,
+        }
         self._readers: dict[str, Callable[[bytes], None]] = {
-            **({self._sub_topic: self._add_place} if self.sub else {MARKS_STATE: self.marks.add_message}),
-            RIG_STATE: self.rig.add_message,
-            RIG_COMMAND: self.commands.add_message,
-            STRING_POSES: self.poses.add_message,
-            STRING_STRESS: self.stress.add_message,
+            **{topic: series.add_message for topic, series in self._series.items()},
+            **({self._sub_topic: self._add_place} if self.sub else {}),
             TWIN_SCENE: self.log.on_scene,
             WHIRL_ONSET: self.live.on_onset,
             DIAGNOSTICS: self.log.on_diagnostics,
             **({WHIRL_STATE: self.live.on_state} if self.selection.whole else {}),
         }
 
-    def _take_rows(self, batch: list[Message]) -> Collection[str]:
-        """Take the messages of a batch that can be taken at once; returns their topics."""
+    def _read_batch(self, batch: list[Message]) -> Collection[str]:
+        """Read the messages of a batch that can be analysed at once; return their topics."""
         raws: dict[str, list[bytes]] = {}
         for topic, raw, _ in batch:
             raws.setdefault(topic, []).append(raw)
-        rig = None if TWIN_SCENE in raws or RIG_STATE not in raws else self.rig.rows(raws[RIG_STATE])
-        if rig is None:
+        rows: dict[str, Rows] = {}
+        if TWIN_SCENE in raws or self.sub:
+            return rows
+        for topic in raws.keys() & self._series.keys():
+            with suppress(MessageError):
+                if (found := self._series[topic].read(raws[topic])) is not None:
+                    rows[topic] = found
+        rig, marks = (rows[topic].states if topic in rows else None for topic in (RIG_STATE, MARKS_STATE))
+        findings = None if rig is None else self._pipeline.analyse_states(rig, marks)
+        if findings is None:
             return ()
-        speeds = [rig.values[:, RigState._fields.index(name)] for name in ("top_drive_speed", "bit_speed")]
-        if (bit_only := self._pipeline.bit_only) is not None:
-            if self.sub or self._pipeline.over or (np.abs(speeds) > FASTEST).any():
-                return ()
-            for row in zip(rig.stamps, *(speed.tolist() for speed in speeds), strict=True):
-                bit_only.push(*row)
-            self.rig.extend(rig)
-            return {RIG_STATE}
-        marks = self.marks.rows(raws[MARKS_STATE]) if MARKS_STATE in raws else None
-        paired = marks if marks is not None and marks[0].stamps == rig.stamps else None
-        samples = None if paired is None else self._pipeline.samples_of(paired[1], *speeds)
-        found = None if samples is None else self._pipeline.find_rows(rig.stamps, samples)
-        if marks is None or found is None:
-            return ()
-        for messages in self._pipeline.encode_rows(found, marks[1].frame_id):
-            for _, raw in messages[:1]:  # `/whirl/state`
+        if self._pipeline.bit_only is None:
+            states = [raw for messages in findings for topic, raw in messages if topic == WHIRL_STATE]
+            for raw in states:
                 self.live.on_analysed(raw)
-        self.whirl.extend(Rows(found.stamps, found.states().swapaxes(1, 2), tuple(mark.name for mark in self.places)))
-        self.marks.extend(marks[0])
-        self.rig.extend(rig)
-        taken = {MARKS_STATE, RIG_STATE}
-        for topic, series in ((RIG_COMMAND, self.commands), (STRING_POSES, self.poses)):
-            if topic in raws and (rows := series.rows(raws[topic])) is not None:
-                series.extend(rows)
-                taken.add(topic)
-        return taken
+            if states and (found := self.whirl.read(states)) is not None:
+                self.whirl.extend(found)
+        for topic, found in rows.items():
+            self._series[topic].extend(found)
+        return rows
 
-    def _take_message(self, topic: str, raw: bytes, time: float) -> None:
+    def _read_message(self, topic: str, raw: bytes, time: float) -> None:
         runs, malformed = self._pipeline.runs, self._pipeline.malformed
-        messages = self._pipeline.take(topic, raw)
+        messages = self._pipeline.analyse(topic, raw)
         if self._pipeline.over:
             return
         if time >= self._latest:

@@ -97,7 +97,7 @@ class Analyzer(TwinNode):
     def _on_message(self, topic: str, raw: bytes, *_: object) -> None:
         pipeline = self._pipeline
         runs, malformed = pipeline.runs, pipeline.malformed
-        self._publish(pipeline.take(topic, raw))
+        self._publish(pipeline.analyse(topic, raw))
         if pipeline.malformed > malformed:
             self.samples.unreadable(topic)
         self._count_samples(pipeline)

@@ -148,25 +148,22 @@ class SessionRun:
             self._write(start, commands[:half], frames.part(slice(half)))
             self._write(stamps[half - 1], commands[half:], frames.part(slice(half, None)))
             return
-        samples = SampleRows.of(frames)
-        found = self.pipeline.find_rows(stamps, samples)
-        findings = [] if found is None else self.pipeline.encode_rows(found, self._frame_id, samples)
+        findings = self.pipeline.analyse_samples(SampleRows.of(stamps, frames, self._frame_id))
         batch: list[Recorded] = []
         for row, (stamp, raw) in enumerate(zip(stamps, self._commands.commands(stamps, commands), strict=True)):
             batch.append((RIG_COMMAND, stamp - self._period, raw))  # the driver sends it before the frame
             for topic, sent in messages[row]:
                 batch.append((topic, stamp, sent))
-                if found is None:
-                    batch += [(name, stamp, message) for name, message in self.pipeline.take(topic, sent)]
-                elif topic == MARKS_STATE:
-                    batch += [(name, stamp, message) for name, message in findings[row]]
+                if findings is None or topic == MARKS_STATE:
+                    found = self.pipeline.analyse(topic, sent) if findings is None else findings[row]
+                    batch += [(name, stamp, message) for name, message in found]
         self._recorder.write_all(batch)
         self.command = commands[-1]
 
     def _record(self, topic: str, raw: bytes) -> None:
         """Record a message, and the findings of the analysis from it."""
         self._recorder.write(topic, self.stamp, raw)
-        for found, message in self.pipeline.take(topic, raw):
+        for found, message in self.pipeline.analyse(topic, raw):
             self._recorder.write(found, self.stamp, message)
 
     def _markers_at(self, stamps: Sequence[int]) -> list[int]:

@@ -8,7 +8,6 @@ sum is accumulated in the order of the samples. The cost of a sample does not gr
 from __future__ import annotations
 
 import math
-import operator
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from typing import Any
@@ -68,7 +67,6 @@ class Analyzer:
         self._analyse = bind(compiled().analyse, self._packed)
         self._decisions = Decisions(self._names, self._state, contact_known=self._contact_known)
         self._flow, self._radius = self._state.flow, self._state.samples.radius
-        self._shapes = frozenset(((len(self.marks), 2), (len(self.marks), 3)))
         self._findings = self._new_findings()
 
     @property
@@ -120,16 +118,15 @@ class Analyzer:
         Raises:
             AnalysisError: An array has another shape, or the stamp is not an integer.
         """
-        position = np.asarray(position)
-        stamp = self._checked_stamp(stamp_ns, position, spin, wall_force)
         spins, forces = (None if part is None else part[None] for part in (spin, wall_force))
-        self.push_block(np.array([stamp]), position[None], spins, np.array([top_speed]), forces, np.array([bit_speed]))
+        top, bit = np.array([[top_speed], [bit_speed]])
+        self.push_block(np.array([stamp_ns]), np.asarray(position)[None], spins, top, forces, bit)
         return self._findings
 
     def push_bit_speed(self, stamp_ns: int, bit_speed: float) -> Findings:
         """Add a speed of the bit [rad/s] alone, at a header stamp [ns], and return the findings after it."""
         self._bit.push(stamp_ns * 1e-9, bit_speed)
-        return self._after_sample(stamp_ns)
+        return self._present(stamp_ns)
 
     def push_block(
         self,
@@ -140,7 +137,7 @@ class Analyzer:
         wall_force: FloatArray | None = None,
         bit_speed: FloatArray | None = None,
     ) -> FoundRows:
-        """Add n samples, as `push` one by one, and return the findings after each.
+        """Add n samples, and return the findings after each.
 
         Args:
             stamps_ns: Header stamps [ns], shape (n,).
@@ -149,7 +146,11 @@ class Analyzer:
             top_speed: Speed of the top drive [rad/s], shape (n,).
             wall_force: Normal wall force at the marks [N], shape (n, m), or None.
             bit_speed: Speed of the bit [rad/s], shape (n,), or None.
+
+        Raises:
+            AnalysisError: An array has another shape, or a stamp is not an integer.
         """
+        self._check(stamps_ns, position, spin, wall_force)
         block, count = self._state.block, len(stamps_ns)
         block.has_spin[0], block.has_force[0] = spin is not None, wall_force is not None
         found = FoundRows(self._findings, [], np.empty((count, len(self.marks), 4)), np.empty(count), {})
@@ -186,38 +187,37 @@ class Analyzer:
                 self._decisions.decide[outcome]()
                 self._flow.decided[0] = 1
 
-    def _present(self) -> Findings:
-        """Findings after the last sample that was analysed."""
+    def _present(self, stamp: int | None = None) -> Findings:
+        """Findings at a stamp [ns]; None: after the last sample that was accepted."""
         if self._flow.new[0]:
             self._findings = self._new_findings()
-        return self._after_sample(self._state.clock.last.item())
-
-    def _after_sample(self, stamp: int) -> Findings:
+        stamp = self._state.clock.last.item() if stamp is None else stamp
         bit = self._bit
-        self._findings = self._findings.with_sample(
-            stamp, self._radius.copy(), self.quality, bit.motion, bit.criterion, bit.index
-        )
+        self._findings = replace(
+            self._findings, stamp_ns=stamp, time_s=stamp * 1e-9, orbit_radius=self._radius.copy(), quality=self.quality,
+            bit=bit.motion, bit_criterion=bit.criterion, bit_index=bit.index,
+        )  # fmt: skip
         return self._findings
 
-    def _checked_stamp(
-        self, stamp_ns: int, position: FloatArray, spin: FloatArray | None, wall_force: FloatArray | None
-    ) -> int:
-        m = len(self.marks)
-        if position.shape not in self._shapes:
-            raise AnalysisError(f"expected positions of shape ({m}, 3) for {m} marks, found {position.shape}")
-        if spin is not None and spin.shape != self._radius.shape:
-            raise AnalysisError(f"expected spin of shape ({m},) for {m} marks, found {spin.shape}")
-        if wall_force is not None and wall_force.shape != self._radius.shape:
-            raise AnalysisError(f"expected wall force of shape ({m},) for {m} marks, found {wall_force.shape}")
-        try:
-            stamp = operator.index(stamp_ns)
-        except TypeError as error:
-            raise AnalysisError(f"expected a stamp in whole nanoseconds, found {stamp_ns!r}") from error
-        if abs(stamp) > LARGEST_STAMP:
+    def _check(
+        self, stamps: Integers, position: FloatArray, spin: FloatArray | None, wall_force: FloatArray | None
+    ) -> None:
+        n, m = len(stamps), len(self.marks)
+        expected = (
+            ("positions", position, ((n, m, 3), (n, m, 2))), ("spin", spin, ((n, m),)),
+            ("wall force", wall_force, ((n, m),)),
+        )  # fmt: skip
+        for name, values, shapes in expected:
+            if values is not None and values.shape not in shapes:
+                raise AnalysisError(
+                    f"expected {name} of shape {shapes[0][1:]} in each of {n} samples of {m} marks, "
+                    f"found {values.shape[1:]} in {len(values)}"
+                )
+        if (wrong := stamps if stamps.dtype.kind != "i" else stamps[np.abs(stamps) > LARGEST_STAMP]).size:
             raise AnalysisError(
-                f"expected a stamp of at most {LARGEST_STAMP} ns, 146 years from the epoch, found {stamp}"
+                f"expected stamps in whole nanoseconds of at most {LARGEST_STAMP} ns, 146 years from the epoch, "
+                f"found {wrong[0]}"
             )
-        return stamp
 
     def _new_findings(self) -> Findings:
         """The present estimates."""

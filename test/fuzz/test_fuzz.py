@@ -103,7 +103,7 @@ def _read_bag(path):
     """As the command line does: all messages, the analysis, the page."""
     pipeline, page = WhirlPipeline(), PAGE.PageState() if PAGE else None
     for topic, _, raw in Bag(path).messages():
-        pipeline.take(topic, raw)
+        pipeline.analyse(topic, raw)
         if page and topic in PAGE.INPUTS:
             page.update(topic, raw)
     json.dumps(page and page.snapshot(), allow_nan=False)
@@ -149,7 +149,7 @@ def _attempt(kind, material, place, random):
         pipeline, page = WhirlPipeline(), PAGE.PageState() if PAGE else None
         for topic, _, raw in Bag(bag).messages():
             sent = mutated(raw, random, text=False) if random.random() < 0.2 else raw
-            pipeline.take(topic, sent)
+            pipeline.analyse(topic, sent)
             if page:
                 page.update(topic, sent)
         json.dumps(page and page.snapshot(), allow_nan=False)

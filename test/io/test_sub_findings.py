@@ -57,7 +57,7 @@ def bag(scene, readings):
     messages += [("/measured/downhole/middle/imu", raw) for raw in readings]
     for place, (topic, raw) in enumerate(messages):
         found.write(topic, place, raw)
-        for name, message in pipeline.take(topic, raw):
+        for name, message in pipeline.analyse(topic, raw):
             found.write(name, place, message)
     return found
 
@@ -102,21 +102,21 @@ def test_a_name_that_no_sub_has_is_refused(scene):
 def test_a_scene_without_the_sub_is_told_and_another_is_waited_for(scene, readings):
     pipeline = WhirlPipeline(sub="middle")
     bare = encode_string(load_scene("pa6_bench").to_yaml())
-    assert pipeline.take(TWIN_SCENE, bare) == []
+    assert pipeline.analyse(TWIN_SCENE, bare) == []
     assert "one of none" in pipeline.trouble
-    assert pipeline.take("/downhole/middle/imu", readings[0]) == []
-    found = pipeline.take(TWIN_SCENE, encode_string(scene.to_yaml()))
+    assert pipeline.analyse("/downhole/middle/imu", readings[0]) == []
+    found = pipeline.analyse(TWIN_SCENE, encode_string(scene.to_yaml()))
     assert {topic for topic, _ in found} >= {WHIRL_ONSET, WHIRL_STATE}
     assert pipeline.trouble == ""
 
 
 def test_marks_are_not_analysed_and_a_clock_set_back_is_survived(scene, readings):
     pipeline = WhirlPipeline(scene, sub="middle")
-    assert pipeline.take(MARKS_STATE, b"") == []
+    assert pipeline.analyse(MARKS_STATE, b"") == []
     future = bytearray(readings[0])
     pack_stamp(future, 4, 10**15)
     for raw in (bytes(future), *readings[: STUCK + 10]):
-        pipeline.take("/downhole/middle/imu", raw)
+        pipeline.analyse("/downhole/middle/imu", raw)
     assert pipeline.runs == 2
     assert pipeline.quality.late == 0
 

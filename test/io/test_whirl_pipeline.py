@@ -48,7 +48,7 @@ def live(bench_run):
 
 def fed(messages, pipeline=None):
     pipeline = pipeline or WhirlPipeline()
-    return pipeline, without_factor(found for topic, raw in messages for found in pipeline.take(topic, raw))
+    return pipeline, without_factor(found for topic, raw in messages for found in pipeline.analyse(topic, raw))
 
 
 def without_factor(found):

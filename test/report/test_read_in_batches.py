@@ -74,7 +74,7 @@ def test_batches_change_nothing(bench_run, monkeypatch, marked, odd):
     bag = spoiled(bag if marked else without_marks(bag), odd)
     found = content(bag)
     monkeypatch.setattr(selection, "_FIRST_BATCH", 10**9)
-    monkeypatch.setattr(Recording, "_take_rows", lambda *_: ())
+    monkeypatch.setattr(Recording, "_read_batch", lambda *_: ())
     assert found == content(bag)
     for size in (7, 300):
         monkeypatch.undo()
@@ -83,8 +83,8 @@ def test_batches_change_nothing(bench_run, monkeypatch, marked, odd):
 
 
 def test_most_messages_are_taken_in_batches(bench_run, monkeypatch):
-    one_by_one, take = [], Recording._take_message
-    monkeypatch.setattr(Recording, "_take_message", lambda self, *one: (one_by_one.append(one[0]), take(self, *one)))
+    one_by_one, take = [], Recording._read_message
+    monkeypatch.setattr(Recording, "_read_message", lambda self, *one: (one_by_one.append(one[0]), take(self, *one)))
     Recording(Bag(bench_run.bag))
     assert one_by_one.count(topics.MARKS_STATE) < 30
     Recording(without_marks(Bag(bench_run.bag)))

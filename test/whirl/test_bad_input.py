@@ -48,6 +48,20 @@ def test_samples(args, words):
         Analyzer(MARKS).push(*args)
 
 
+@pytest.mark.parametrize(
+    ("args", "words"),
+    [
+        ((np.zeros((5, 3, 3)), None), r"positions of shape \(4, 3\) in each of 5 samples .* found \(3, 3\) in 5"),
+        ((np.zeros((1, 4, 3)), None), r"positions of shape \(4, 3\) in each of 5 samples .* found \(4, 3\) in 1"),
+        ((np.zeros((5, 4, 3)), np.zeros(4)), r"spin of shape \(4,\)"),
+    ],
+)
+def test_blocks(args, words):
+    """numpy would repeat one row for all samples."""
+    with pytest.raises(AnalysisError, match=words):
+        Analyzer(MARKS).push_block(np.arange(5) * 10**7, *args, np.ones(5))
+
+
 @pytest.mark.parametrize("value", [np.nan, np.inf, -np.inf, 1e300])
 def test_numbers_that_are_none(value):
     analyzer = Analyzer(MARKS)

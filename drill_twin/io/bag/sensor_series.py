@@ -3,16 +3,17 @@
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
+from drill_twin.core.arrays import Array
 from drill_twin.core.errors import MessageError
 from drill_twin.io.bag.reader import Bag
 from drill_twin.io.bag.series import JointSeries, RigSeries
 from drill_twin.io.bag.time_series import Column, Series
-from drill_twin.io.messages.decode import JointState
-from drill_twin.io.messages.rig_messages import read_measured_state
+from drill_twin.io.messages.decode import JointStates
+from drill_twin.io.messages.rig_messages import read_measured_states
 from drill_twin.io.messages.sensor_messages import read_imu, read_summary
 from drill_twin.io.messages.topics import MEASURED, MEASURED_RIG_STATE, SURFACE_STATE, TWIN_SCENE, sub_of
 
@@ -60,15 +61,15 @@ class SummarySeries(JointSeries):
     axial_peak = Column(9)
     """[m/s^2]"""
 
-    def _row(self, state: JointState) -> tuple[Any, tuple[str, ...]]:
-        return read_summary(state), ()
+    def _values(self, states: JointStates) -> tuple[Array, tuple[str, ...]]:
+        return read_summary(states), ()
 
 
 class SurfaceSeries(RigSeries):
     """`/surface/state` or `/measured/rig/state`, NaN where nothing was measured."""
 
-    def _row(self, state: JointState) -> tuple[Any, tuple[str, ...]]:
-        return read_measured_state(state), ()
+    def _values(self, states: JointStates) -> tuple[Array, tuple[str, ...]]:
+        return read_measured_states(states), ()
 
 
 class SubSeries(NamedTuple):

@@ -5,7 +5,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import Any
 
 import numpy as np
 
@@ -13,13 +12,13 @@ from drill_twin.core.arrays import Array
 from drill_twin.core.errors import MessageError
 from drill_twin.core.rig_channels import RIG_JOINTS
 from drill_twin.dynamics.twin.frame import RigState
-from drill_twin.io.bag.time_series import Column, Rows, Series, usable
-from drill_twin.io.messages.decode import JointState, JointStateReader, JointStates, read_pose_array, read_pose_rows
+from drill_twin.io.bag.time_series import Column, Rows, Series, checked
+from drill_twin.io.messages.decode import JointArrays, JointStateReader, JointStates, poses_by_rosbags, read_pose_rows
 from drill_twin.io.messages.drawing.transforms import spin_of, tangent_of
-from drill_twin.io.messages.encode import MARK_AXES, RIG_COLUMNS
-from drill_twin.io.messages.rig_messages import COMMAND_JOINTS, read_command, read_rig_state
+from drill_twin.io.messages.encode import MARK_AXES
+from drill_twin.io.messages.rig_messages import read_commands, read_rig_states
 from drill_twin.io.messages.whirl_encode import read_whirl_state
-from drill_twin.io.samples import columns, rig_of
+from drill_twin.io.samples import RIG_FIELDS, columns, rig_of
 from drill_twin.physics.model.section_stress import (
     AXIAL_FORCE,
     CYCLES,
@@ -32,7 +31,6 @@ from drill_twin.physics.model.section_stress import (
 )
 
 _ALL, _XYZ, _SPIN = slice(None), slice(3), 3
-_UNKNOWN_RIG = RigState(*[math.nan] * len(RigState._fields))
 
 
 class JointSeries(Series):
@@ -48,11 +46,22 @@ class JointSeries(Series):
         Raises:
             MessageError: The message cannot be decoded, or does not fit the topic.
         """
-        state = self._reader.read(raw)
-        self.append(state.stamp, *self._row(state))
+        self.extend(self._rows(self._reader.read_one(raw)))
 
-    def _row(self, state: JointState) -> tuple[Any, tuple[str, ...]]:
-        """Values, and names of their parts; raises MessageError where the joints are others than the topic's."""
+    def read(self, raws: Sequence[bytes]) -> Rows | None:
+        """Rows of messages, not yet appended; None where their layouts differ.
+
+        Raises:
+            MessageError: The first message cannot be decoded, or one does not fit the topic.
+        """
+        states = self._reader.read_rows(raws)
+        return None if states is None else self._rows(states)
+
+    def _rows(self, states: JointStates) -> Rows:
+        return checked(Rows(states.stamps, *self._values(states), states=states))
+
+    def _values(self, states: JointStates) -> tuple[Array, tuple[str, ...]]:
+        """Values, shape (n, ...), and names of the parts of a row."""
         raise NotImplementedError
 
 
@@ -77,26 +86,15 @@ class MarkSeries(JointSeries):
         self._layout_marks: tuple[str, ...] = ()
         self._columns = np.zeros((0, len(MARK_AXES)), np.intp)
 
-    def _row(self, state: JointState) -> tuple[Any, tuple[str, ...]]:
-        if state.names != self._layout or not state.position.size:
-            self._set_layout(state)
-        missing = np.full(len(state.names), np.nan)
-        parts = (part if part.size else missing for part in (state.position, state.velocity, state.effort))
-        return [np.append(part, np.nan)[self._columns] for part in parts], self._layout_marks
-
-    def rows(self, raws: Sequence[bytes]) -> tuple[Rows, JointStates] | None:
-        """Rows that `add_message` would append for messages of one known layout; None for others."""
-        states = self._reader.read_rows(raws)
-        if states is None or states.names != self._layout or not states.position.size:
-            return None
-        values = np.full((len(raws), 3, len(states.names) + 1), np.nan)
+    def _values(self, states: JointStates) -> tuple[Array, tuple[str, ...]]:
+        if states.names != self._layout or not states.position.size:
+            self._set_layout(states)
+        values = np.full((len(states.stamps), 3, len(states.names) + 1), np.nan)
         for k, part in enumerate((states.position, states.velocity, states.effort)):
-            if part.size:
-                values[:, k, :-1] = part
-        found = usable(Rows(states.stamps, values[:, :, self._columns], self._layout_marks))
-        return None if found is None else (found, states)
+            values[:, k, : part.shape[1]] = part
+        return values[:, :, self._columns], self._layout_marks
 
-    def _set_layout(self, state: JointState) -> None:
+    def _set_layout(self, state: JointArrays) -> None:
         """Find the columns of its joints: of the marks of an earlier message, if all are there, else of all marks."""
         names = state.names
         found = {name.removesuffix("/x"): None for name in names if name.endswith("/x")}
@@ -139,22 +137,12 @@ class RigSeries(JointSeries):
     rate_of_penetration = Column(11)
     """[m/s]"""
 
-    def _row(self, state: JointState) -> tuple[Any, tuple[str, ...]]:
-        if state.names == RIG_JOINTS:
-            return read_rig_state(state), ()
-        found = rig_of(state)
-        return _UNKNOWN_RIG._replace(top_drive_speed=found.top_speed, bit_speed=found.bit_speed), ()
-
-    def rows(self, raws: Sequence[bytes]) -> Rows | None:
-        """As of `MarkSeries`, for messages of drill_twin: the fields of `RigState`."""
-        states = self._reader.read_rows(raws)
-        if states is None or states.names != RIG_JOINTS or not (states.velocity.size and states.effort.size):
-            return None
-        both = np.stack((states.position, states.velocity, states.effort), axis=1)
-        values = np.empty((len(raws), len(RigState._fields)))
-        for column, place in zip(RIG_COLUMNS.ravel(), np.ndindex(*RIG_COLUMNS.shape), strict=True):
-            values[:, column] = both[(slice(None), *place)]
-        return usable(Rows(states.stamps, values))
+    def _values(self, states: JointStates) -> tuple[Array, tuple[str, ...]]:
+        if states.names == RIG_JOINTS:
+            return read_rig_states(states), ()
+        values = np.full((len(states.stamps), len(RigState._fields)), np.nan)
+        values[:, RIG_FIELDS[:2]] = rig_of(states)[:, :2]
+        return values, ()
 
 
 class CommandSeries(JointSeries):
@@ -165,16 +153,8 @@ class CommandSeries(JointSeries):
     rotation = Column(1)
     """Top-drive speed [rad/s], NaN where a command has none, shape (T,)."""
 
-    def _row(self, state: JointState) -> tuple[Any, tuple[str, ...]]:
-        command = read_command(state)
-        return (command.weight_on_bit, command.rotation), ()
-
-    def rows(self, raws: Sequence[bytes]) -> Rows | None:
-        """As of `MarkSeries`."""
-        states = self._reader.read_rows(raws)
-        if states is None or states.names != COMMAND_JOINTS or not (states.velocity.size and states.effort.size):
-            return None
-        return usable(Rows(states.stamps, np.stack((states.effort[:, 1], states.velocity[:, 0]), axis=1)))
+    def _values(self, states: JointStates) -> tuple[Array, tuple[str, ...]]:
+        return read_commands(states)[:, :2], ()
 
 
 class StressSeries(JointSeries):
@@ -195,11 +175,13 @@ class StressSeries(JointSeries):
     damage = Column(_ALL, DAMAGE)
     """Its damage so far, shape (T, s)."""
 
-    def _row(self, state: JointState) -> tuple[Any, tuple[str, ...]]:
-        names = tuple(dict.fromkeys(name.partition("/")[0] for name in state.names))
-        if not names or state.names != tuple(f"{name}/{scalar}" for name in names for scalar in SCALARS):
-            raise MessageError(f"expected <section>/{', /'.join(SCALARS)}, found {', '.join(state.names) or 'nothing'}")
-        return state.position.reshape(len(names), len(SCALARS)), names
+    def _values(self, states: JointStates) -> tuple[Array, tuple[str, ...]]:
+        names = tuple(dict.fromkeys(name.partition("/")[0] for name in states.names))
+        if not names or states.names != tuple(f"{name}/{scalar}" for name in names for scalar in SCALARS):
+            raise MessageError(
+                f"expected <section>/{', /'.join(SCALARS)}, found {', '.join(states.names) or 'nothing'}"
+            )
+        return states.position.reshape(-1, len(names), len(SCALARS)), names
 
 
 class PoseSeries(Series):
@@ -220,24 +202,22 @@ class PoseSeries(Series):
         Raises:
             MessageError: The message cannot be decoded, or has a number that is not finite.
         """
-        keep = self.seen % self._every == 0
-        self.seen += 1
-        poses = read_pose_array(raw)
-        row = np.concatenate((poses.position, poses.orientation), axis=1)
-        if not np.isfinite(row).all():
-            raise MessageError("expected poses of the nodes, found a number that is not finite")
-        self.append(poses.stamp, row, keep=keep)
-
-    def rows(self, raws: Sequence[bytes]) -> Rows | None:
-        """As of `MarkSeries`; `extend` of the series counts them."""
         try:
-            found = read_pose_rows(raws)
+            self.extend(self._rows(*(read_pose_rows([raw]) or poses_by_rosbags(raw))))
         except MessageError:
-            return None
-        if found is None or not np.isfinite(found[1]).all():
-            return None
-        kept = [(self.seen + k) % self._every == 0 for k in range(len(raws))]
-        return usable(Rows(*found, kept=kept))
+            self.seen += 1
+            raise
+
+    def read(self, raws: Sequence[bytes]) -> Rows | None:
+        """As of `JointSeries`."""
+        found = read_pose_rows(raws)
+        return None if found is None else self._rows(*found)
+
+    def _rows(self, stamps: list[int], poses: Array) -> Rows:
+        if not np.isfinite(poses).all():
+            raise MessageError("expected poses of the nodes, found a number that is not finite")
+        kept = [(self.seen + k) % self._every == 0 for k in range(len(stamps))]  # `extend` counts them
+        return checked(Rows(stamps, poses, kept=kept))
 
     def extend(self, found: Rows) -> None:
         """As of `Series`."""
@@ -269,9 +249,9 @@ class WhirlSeries(JointSeries):
     motion = Column(4)
     """Codes of the motion states (`drill_twin.whirl.MotionCode`), shape (T, m)."""
 
-    def _row(self, state: JointState) -> tuple[Any, tuple[str, ...]]:
-        found = read_whirl_state(state)
-        return (found.orbit_radius, found.precession, found.ratio, found.confidence, found.motion), found.marks
+    def _values(self, states: JointStates) -> tuple[Array, tuple[str, ...]]:
+        marks, values = read_whirl_state(states)
+        return values.swapaxes(1, 2), marks
 
     @property
     def precession(self) -> Array:

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from drill_twin.core.arrays import Array
 from drill_twin.core.errors import MessageError
+from drill_twin.io.messages.decode import JointStates
 from drill_twin.io.messages.stamps import NANOSECONDS
 
 _LARGEST = 1e15
@@ -41,6 +42,8 @@ class Rows(NamedTuple):
     """Names of the parts of a row."""
     kept: Sequence[bool] | None = None
     """Rows that are kept; None: all."""
+    states: JointStates | None = None
+    """The messages of the rows, where they are JointStates."""
 
 
 class Series:
@@ -67,17 +70,10 @@ class Series:
         Raises:
             MessageError: A number is infinite or beyond all reason.
         """
-        values = np.asarray(row, np.float64)
-        if (np.abs(values) > _LARGEST).any():
-            raise MessageError(f"expected numbers within {_LARGEST:g}, found a larger one")
-        rows = self._layouts.setdefault((names, values.shape), _Rows(stamp))
-        rows.count += 1
-        if keep and (not rows.stamps or stamp > rows.stamps[-1]):
-            rows.stamps.append(stamp)
-            rows.values.append(values)
+        self.extend(checked(Rows([stamp], np.asarray([row], np.float64), names, [keep])))
 
     def extend(self, found: Rows) -> None:
-        """Append rows, each as `append`."""
+        """Append rows, or only count rows that are not kept."""
         rows = self._layouts.setdefault((found.names, found.values.shape[1:]), _Rows(found.stamps[0]))
         rows.count += len(found.stamps)
         for k, stamp in enumerate(found.stamps):
@@ -126,9 +122,15 @@ class Series:
         return stacked
 
 
-def usable(rows: Rows) -> Rows | None:
-    """The rows, if `append` takes each row; else None."""
-    return None if (np.abs(rows.values) > _LARGEST).any() else rows
+def checked(rows: Rows) -> Rows:
+    """The rows, if no number is infinite or beyond all reason.
+
+    Raises:
+        MessageError: A number is.
+    """
+    if (np.abs(rows.values) > _LARGEST).any():
+        raise MessageError(f"expected numbers within {_LARGEST:g}, found a larger one")
+    return rows
 
 
 def _text(layout: tuple[str, ...] | tuple[int, ...]) -> str:

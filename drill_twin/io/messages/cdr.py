@@ -22,7 +22,7 @@ from numpy.typing import ArrayLike, DTypeLike, NDArray
 from drill_twin.core.arrays import Array
 from drill_twin.core.errors import MessageError, NotFiniteError
 from drill_twin.io.messages.stamps import NANOSECONDS, TIME, header, pack_stamp, time_message
-from drill_twin.io.messages.topic_row import CLOCK, FLOAT64, JOINT_STATE, POSE_ARRAY
+from drill_twin.io.messages.topic_row import CLOCK, JOINT_STATE, POSE_ARRAY
 from drill_twin.io.messages.topics import FRAME_ID
 from drill_twin.io.messages.type_store import message, serialize
 
@@ -49,10 +49,6 @@ class Template:
         self._buffer = bytearray(raw)
         self._stamp_offsets = [match.start() for match in re.finditer(re.escape(_SENTINEL_BYTES), raw)]
 
-    def view(self, sentinel: NDArray[Any]) -> NDArray[Any]:
-        """Writable view, flat, of the block that holds `sentinel`."""
-        return np.ndarray(sentinel.size, sentinel.dtype, self._buffer, self.offset(sentinel))
-
     def offset(self, sentinel: NDArray[Any]) -> int:
         """Offset of a block [bytes]; 0 for an empty one.
 
@@ -69,12 +65,6 @@ class Template:
                 f"found it {len(places)} times; the message definition has changed"
             )
         return places[0]
-
-    def stamped(self, stamp: int) -> bytes:
-        """Copy of the bytes, with the present numbers and this stamp [ns]."""
-        for offset in self._stamp_offsets:
-            pack_stamp(self._buffer, offset, stamp)
-        return bytes(self._buffer)
 
     def rows(self, stamps: Sequence[int], blocks: Sequence[tuple[int, NDArray[Any]]]) -> list[bytes]:
         """Bytes of n messages at once.
@@ -171,20 +161,6 @@ class ClockTemplate:
     def rows(self, stamps: Sequence[int]) -> list[bytes]:
         """CDR of simulated times [ns]."""
         return self._template.rows(stamps, [])
-
-
-class Float64Template:
-    """std_msgs/Float64."""
-
-    def __init__(self) -> None:
-        values = sentinels(1, 1)
-        self._template = Template(message(FLOAT64, data=float(values[0])), FLOAT64)
-        self._data = self._template.view(values)
-
-    def fill(self, value: float) -> bytes:
-        """CDR of one number."""
-        self._data[0] = value
-        return self._template.stamped(0)
 
 
 def check_finite(topic: str, values: Array) -> None:

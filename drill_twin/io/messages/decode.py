@@ -6,15 +6,16 @@ from __future__ import annotations
 import struct
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
+from numpy.typing import NDArray
 
-from drill_twin.core.arrays import Array, Bytes
+from drill_twin.core.arrays import Array, Mask
 from drill_twin.core.errors import MessageError
 from drill_twin.io.messages.cdr import JointStateTemplate
-from drill_twin.io.messages.stamps import NANOSECONDS, header_stamp, unpack_stamp
+from drill_twin.io.messages.stamps import NANOSECONDS, header_stamp
 from drill_twin.io.messages.topic_row import CLOCK, FLOAT64, JOINT_STATE, POSE_ARRAY, STRING
-from drill_twin.io.messages.topics import FRAME_ID
 from drill_twin.io.messages.type_store import CDR_LITTLE_ENDIAN, SPARE_BYTES, deserialize
 
 _COUNT = struct.Struct("<I")
@@ -23,17 +24,15 @@ _FRAME_ID = 12  # then the length of the frame's name
 
 
 @dataclass(frozen=True, eq=False)
-class JointState:
-    """JointState as arrays; each is empty or as long as the names."""
+class JointArrays:
+    """Arrays of one JointState, shape (k,), or of n of one layout, shape (n, k); each has k names, or is empty."""
 
-    stamp: int
-    """Header stamp [ns]."""
     names: tuple[str, ...]
     """Joint names."""
     position: Array
     velocity: Array
     effort: Array
-    frame_id: str = FRAME_ID
+    frame_id: str
     """Frame of the header."""
 
     def index(self, name: str) -> int:
@@ -42,10 +41,16 @@ class JointState:
         Raises:
             MessageError: There is no such joint.
         """
-        try:
-            return self.names.index(name)
-        except ValueError:
-            raise MessageError(f"expected a joint {name!r}, found {', '.join(self.names) or 'none'}") from None
+        if name not in self.names:
+            raise MessageError(f"expected a joint {name!r}, found {', '.join(self.names) or 'none'}")
+        return self.names.index(name)
+
+    def column(self, array: str, name: str) -> Array:
+        """Values of a joint in an array, one a message; NaN where the joint or the array is missing."""
+        values: Array = getattr(self, array)
+        if name in self.names and values.size:
+            return values[..., self.names.index(name)]
+        return np.full(values.shape[:-1], np.nan)
 
     @property
     def has_number(self) -> bool:
@@ -54,35 +59,84 @@ class JointState:
 
 
 @dataclass(frozen=True, eq=False)
-class JointStates:
-    """JointStates of one layout, one a row; each array has a column for each name, or none."""
+class JointState(JointArrays):
+    """One JointState."""
+
+    stamp: int
+    """Header stamp [ns]."""
+
+
+@dataclass(frozen=True, eq=False)
+class JointStates(JointArrays):
+    """JointStates of one layout, one a row."""
 
     stamps: list[int]
     """Header stamps [ns]."""
-    names: tuple[str, ...]
-    """Joint names."""
-    position: Array
-    velocity: Array
-    effort: Array
-    frame_id: str
+
+    @classmethod
+    def of(cls, state: JointState) -> JointStates:
+        """Block of one message."""
+        arrays = (state.position[None], state.velocity[None], state.effort[None])
+        return cls(state.names, *arrays, state.frame_id, [state.stamp])
+
+    @property
+    def state(self) -> JointState:
+        """The first message."""
+        arrays = (self.position[0], self.velocity[0], self.effort[0])
+        return JointState(self.names, *arrays, self.frame_id, self.stamps[0])
+
+
+_Block = tuple[str, int, tuple[int, ...]]
+"""Name, offset [bytes] and shape of a block of numbers in a message."""
+
+
+@lru_cache(maxsize=64)
+def _kind_of(length: int, blocks: tuple[_Block, ...]) -> tuple[np.dtype[np.void], Mask]:
+    """Type of messages of a length [bytes] that begin with a header, and which bytes are no numbers; kept: 0.1 ms."""
+    names, offsets, shapes = zip(*blocks, strict=True)
+    kinds = ["<i4", "<u4", *(("<f8", shape) for shape in shapes)]
+    names, offsets = ("seconds", "parts", *names), (_STAMP, _STAMP + 4, *offsets)
+    kind = np.dtype({"names": names, "formats": kinds, "offsets": offsets, "itemsize": length})
+    mask = np.full(length, True)
+    for part, offset, *_ in (kind.fields or {}).values():
+        mask[offset : offset + part.itemsize] = False
+    return kind, mask
+
+
+class _Layout:
+    """Layout of messages of equal length: its numbers by offset, and what stands outside the numbers."""
+
+    def __init__(self, example: bytes, *blocks: _Block) -> None:
+        """Keep the layout of a message with these blocks of numbers."""
+        self._example = np.frombuffer(example, np.uint8)
+        self._kind, self._mask = _kind_of(len(example), blocks)
+
+    def read(self, raws: Sequence[bytes]) -> tuple[list[int], NDArray[np.void]] | None:
+        """Header stamps [ns] and blocks of messages, one a row; None where one differs outside its numbers."""
+        if any(len(raw) != self._mask.size for raw in raws):
+            return None
+        joined = b"".join(raws)
+        if ((np.frombuffer(joined, np.uint8).reshape(len(raws), -1) != self._example) & self._mask).any():
+            return None
+        rows = np.frombuffer(joined, self._kind)
+        stamps: list[int] = (rows["seconds"].astype(np.int64) * NANOSECONDS + rows["parts"]).tolist()
+        return stamps, rows
+
+
+_ARRAYS = ("position", "velocity", "effort")
 
 
 class JointStateReader:
-    """Decoder of the JointStates of one publisher: 5 us each after the first.
+    """Decoder of the JointStates of one publisher, 13 us for each message after the first.
 
-    The first message is decoded by rosbags. If a template of its names gives the same bytes, its layout is kept, and a
-    later message of equal length with equal bytes outside the numbers is read by offset. Any other message is decoded
-    by rosbags again.
+    The first message is decoded by rosbags. If a template of its names gives the same bytes, its layout is kept, and
+    later messages of equal length with equal bytes outside the numbers are read by offset. Any other message is
+    decoded by rosbags again.
     """
 
     def __init__(self) -> None:
-        self._length = -1
-        self._names: tuple[str, ...] = ()
-        self._frame_id = FRAME_ID
-        self._text = slice(0, 0)  # frame, names and the position's length
-        self._text_bytes = b""
-        self._gaps: list[tuple[slice, bytes]] = []
-        self._places = [(0, 0)] * 3
+        self._layout: _Layout | None = None
+        self._like: JointState | None = None  # a message of the layout
         self._refused: tuple[object, ...] = ()  # last layout whose template gives other bytes
 
     def read(self, raw: bytes) -> JointState:
@@ -91,69 +145,46 @@ class JointStateReader:
         Raises:
             MessageError: Not a JointState.
         """
-        if len(raw) == self._length and raw[self._text] == self._text_bytes and self._gaps_agree(raw):
-            arrays = [np.frombuffer(raw, np.float64, count, offset).copy() for count, offset in self._places]
-            return JointState(unpack_stamp(raw), self._names, arrays[0], arrays[1], arrays[2], self._frame_id)
-        state = read_joint_state(raw)
-        self._keep_layout(raw, state)
-        return state
+        return self.read_one(raw).state
+
+    def read_one(self, raw: bytes) -> JointStates:
+        """Decode one message as a block of one; raises MessageError as `read`."""
+        return self._by_layout([raw]) or JointStates.of(self._by_rosbags(raw))
 
     def read_rows(self, raws: Sequence[bytes]) -> JointStates | None:
-        """Decode messages at once; None where no layout is kept, or a message has another layout."""
-        if self._length < 0 or any(len(raw) != self._length for raw in raws):
+        """Decode messages at once; None where their layouts differ, or their writer pads with other bytes.
+
+        Raises:
+            MessageError: The first message is not a JointState.
+        """
+        return self._by_layout(raws) or (self.read_one(raws[0]) and self._by_layout(raws))
+
+    def _by_layout(self, raws: Sequence[bytes]) -> JointStates | None:
+        """Decode messages of the layout that is kept; None where there is none, or a message has another."""
+        found = None if self._layout is None else self._layout.read(raws)
+        if found is None or self._like is None:
             return None
-        table = np.frombuffer(b"".join(raws), np.uint8).reshape(len(raws), self._length)
-        for part, expected in ((slice(_STAMP), CDR_LITTLE_ENDIAN), (self._text, self._text_bytes), *self._gaps):
-            if (table[:, part] != np.frombuffer(expected, np.uint8)).any():
-                return None
-        position, velocity, effort = (float_columns(table, offset, count) for count, offset in self._places)
-        return JointStates(header_stamps(table), self._names, position, velocity, effort, self._frame_id)
+        stamps, rows = found
+        position, velocity, effort = (rows[name].copy() for name in _ARRAYS)
+        return JointStates(self._like.names, position, velocity, effort, self._like.frame_id, stamps)
 
-    def _gaps_agree(self, raw: bytes) -> bool:
-        return raw[:_STAMP] == CDR_LITTLE_ENDIAN and all(raw[gap] == expected for gap, expected in self._gaps)
-
-    def _keep_layout(self, raw: bytes, state: JointState) -> None:
-        """Keep the layout if its template gives exactly these bytes."""
-        layout = (state.names, state.frame_id, state.position.size, state.velocity.size, state.effort.size)
+    def _by_rosbags(self, raw: bytes) -> JointState:
+        """Decode a message, and keep its layout if a template of the layout gives exactly these bytes."""
+        state = read_joint_state(raw)
+        arrays = [getattr(state, name) for name in _ARRAYS]
+        sizes = [values.size for values in arrays]
+        layout = (state.names, state.frame_id, *sizes)
         if layout == self._refused or not state.position.size:
-            return
+            return state
         template = JointStateTemplate(
-            state.names, velocity=bool(state.velocity.size), effort=bool(state.effort.size), frame_id=state.frame_id
+            state.names, velocity=bool(sizes[1]), effort=bool(sizes[2]), frame_id=state.frame_id
         )
-        if template.fill(state.stamp, state.position, state.velocity, state.effort) != raw:
+        if template.fill(state.stamp, *arrays) != raw:
             self._refused = layout
-            return
-        self._places = [(size, offset) for size, offset in template.places]
-        self._names, self._frame_id = state.names, state.frame_id
-        self._length = len(raw)
-        start, end = _FRAME_ID, self._places[0][1]
-        self._text, self._text_bytes = slice(start, end), raw[start:end]
-        self._gaps = [(gap, raw[gap]) for gap in _gaps_after(self._places, len(raw))]
-
-
-def header_stamps(table: Bytes) -> list[int]:
-    """Header stamps [ns] of messages in little-endian CDR, one a row, shape (n, bytes)."""
-    whole = np.ascontiguousarray(table[:, _STAMP : _STAMP + 4]).view("<i4").astype(np.int64)
-    part = np.ascontiguousarray(table[:, _STAMP + 4 : _STAMP + 8]).view("<u4").astype(np.int64)
-    stamps: list[int] = (whole * NANOSECONDS + part).ravel().tolist()
-    return stamps
-
-
-def float_columns(table: Bytes, offset: int, count: int) -> Array:
-    """Numbers from an offset on in messages, one a row; shape (n, count)."""
-    numbers: Array = np.ascontiguousarray(table[:, offset : offset + 8 * count]).view(np.float64)
-    return numbers.reshape(len(table), count)
-
-
-def _gaps_after(places: list[tuple[int, int]], length: int) -> list[slice]:
-    """Slices after the first block that hold no numbers: lengths and padding."""
-    gaps, end = [], places[0][1] + 8 * places[0][0]
-    for count, offset in places[1:]:
-        if count:
-            gaps.append(slice(end, offset))
-            end = offset + 8 * count
-    gaps.append(slice(end, length))
-    return gaps
+            return state
+        places = zip(_ARRAYS, template.places, strict=True)
+        self._layout, self._like = _Layout(raw, *((name, at, (size,)) for name, (size, at) in places)), state
+        return state
 
 
 def read_joint_state(raw: bytes) -> JointState:
@@ -170,7 +201,8 @@ def read_joint_state(raw: bytes) -> JointState:
             raise MessageError(
                 f"expected a JointState with no or {len(names)} values of {label}, one a name, found {values.size}"
             )
-    return JointState(header_stamp(content), names, arrays[0], arrays[1], arrays[2], content.header.frame_id)
+    position, velocity, effort = arrays
+    return JointState(names, position, velocity, effort, content.header.frame_id, header_stamp(content))
 
 
 @dataclass(frozen=True, eq=False)
@@ -186,57 +218,46 @@ class PoseArray:
 
 
 def read_pose_array(raw: bytes) -> PoseArray:
-    """Decode a PoseArray of any writer; 3 us where it is little-endian.
+    """Decode a PoseArray of any writer.
 
     Raises:
         MessageError: Not a PoseArray.
     """
-    if raw[:_STAMP] != CDR_LITTLE_ENDIAN:
-        return _poses_by_rosbags(raw)
-    try:
-        place, count = _pose_block(raw)
-        poses = np.frombuffer(raw, np.float64, 7 * count, place).reshape(count, 7).copy()
-        if len(raw) - place - 56 * count > SPARE_BYTES:
-            raise ValueError("bytes left over")
-    except (struct.error, ValueError) as error:
-        raise MessageError(f"expected the CDR bytes of a {POSE_ARRAY}, found {len(raw)} others ({error})") from error
-    return PoseArray(unpack_stamp(raw), poses[:, :3], poses[:, 3:])
-
-
-def _pose_block(raw: bytes) -> tuple[int, int]:
-    """Offset of the numbers of a PoseArray, and number of poses."""
-    place = _FRAME_ID + 4 + _COUNT.unpack_from(raw, _FRAME_ID)[0]
-    place += -place % 4
-    count = _COUNT.unpack_from(raw, place)[0]
-    place += 4
-    return place + ((_STAMP - place) % 8 if count else 0), count
+    (stamp,), poses = read_pose_rows([raw]) or poses_by_rosbags(raw)
+    return PoseArray(stamp, poses[0, :, :3], poses[0, :, 3:])
 
 
 def read_pose_rows(raws: Sequence[bytes]) -> tuple[list[int], Array] | None:
     """Header stamps [ns] and poses x y z and quaternion x y z w, shape (n, nodes, 7), of messages of one layout.
 
-    None where their layouts differ, or a message is not little-endian.
+    None where their layouts differ, or the first is not little-endian.
 
     Raises:
         MessageError: The first message is not a PoseArray.
     """
-    read_pose_array(raws[0])
-    length = len(raws[0])
-    if raws[0][:_STAMP] != CDR_LITTLE_ENDIAN or any(len(raw) != length for raw in raws):
+    first = raws[0]
+    if first[:_STAMP] != CDR_LITTLE_ENDIAN:
         return None
-    place, count = _pose_block(raws[0])
-    table = np.frombuffer(b"".join(raws), np.uint8).reshape(len(raws), length)
-    for part in (slice(_STAMP), slice(_FRAME_ID, place)):
-        if (table[:, part] != table[:1, part]).any():
-            return None
-    return header_stamps(table), float_columns(table, place, 7 * count).reshape(len(raws), count, 7)
+    try:
+        place = _FRAME_ID + 4 + _COUNT.unpack_from(first, _FRAME_ID)[0]
+        place += -place % 4
+        count = _COUNT.unpack_from(first, place)[0]
+        place += 4
+        place += (_STAMP - place) % 8 if count else 0
+        if len(first) - place - 56 * count > SPARE_BYTES:
+            raise ValueError("bytes left over")
+        found = _Layout(first, ("poses", place, (count, 7))).read(raws)
+    except (struct.error, ValueError) as error:
+        raise MessageError(f"expected the CDR bytes of a {POSE_ARRAY}, found {len(first)} others ({error})") from error
+    return None if found is None else (found[0], found[1]["poses"].copy())
 
 
-def _poses_by_rosbags(raw: bytes) -> PoseArray:
+def poses_by_rosbags(raw: bytes) -> tuple[list[int], Array]:
+    """As `read_pose_rows` for one message of any writer."""
     content = deserialize(raw, POSE_ARRAY)
-    position = [(at.x, at.y, at.z) for at in (pose.position for pose in content.poses)]
-    orientation = [(turn.x, turn.y, turn.z, turn.w) for turn in (pose.orientation for pose in content.poses)]
-    return PoseArray(header_stamp(content), np.array(position).reshape(-1, 3), np.array(orientation).reshape(-1, 4))
+    poses = [(pose.position, pose.orientation) for pose in content.poses]
+    rows = [(at.x, at.y, at.z, turn.x, turn.y, turn.z, turn.w) for at, turn in poses]
+    return [header_stamp(content)], np.array(rows).reshape(1, -1, 7)
 
 
 def read_float64(raw: bytes) -> float:

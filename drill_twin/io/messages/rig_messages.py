@@ -8,11 +8,13 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from drill_twin.core.arrays import Array
 from drill_twin.core.errors import MessageError
 from drill_twin.core.rig_channels import RIG_CHANNELS, RIG_JOINTS
 from drill_twin.dynamics.twin.frame import RigState
-from drill_twin.io.messages.cdr import Float64Template, JointStateTemplate, finite_number
-from drill_twin.io.messages.decode import JointState
+from drill_twin.io.messages.cdr import JointStateTemplate, finite_number
+from drill_twin.io.messages.decode import JointArrays, JointState
+from drill_twin.io.messages.encode import encode_float64
 from drill_twin.io.messages.topics import RIG_COMMAND, RPS_COMMAND, WOB_COMMAND
 from drill_twin.scene.set_points.command import Command
 
@@ -41,7 +43,6 @@ class CommandEncoder:
             source: Who commands, in `header.frame_id` of each `/rig/command`: the full name of a node.
         """
         self._all = JointStateTemplate(COMMAND_JOINTS, frame_id=source)
-        self._one = Float64Template()
 
     def command(self, stamp: int, command: Command) -> bytes:
         """The set-points at a stamp [ns], as a JointState; all other fields are NaN."""
@@ -59,59 +60,66 @@ class CommandEncoder:
 
     def wob_command(self, command: Command) -> bytes:
         """Weight on bit [N] as a Float64."""
-        return self._one.fill(finite_number(WOB_COMMAND, "weight on bit", command.weight_on_bit))
+        return encode_float64(finite_number(WOB_COMMAND, "weight on bit", command.weight_on_bit))
 
     def rps_command(self, command: Command) -> bytes:
         """Top-drive speed [rev/s] as a Float64."""
-        return self._one.fill(finite_number(RPS_COMMAND, "rotation", command.rotation) / math.tau)
+        return encode_float64(finite_number(RPS_COMMAND, "rotation", command.rotation) / math.tau)
 
 
 def read_command(state: JointState) -> Command:
-    """Set-points of a `/rig/command`, NaN where it has none, without a check of their range.
+    """Set-points of a `/rig/command`, as `read_commands`."""
+    return Command(*read_commands(state).tolist())
+
+
+def read_commands(states: JointArrays) -> Array:
+    """Set-points of `/rig/command`, NaN where it has none, without a check of their range.
 
     A weight without a speed of the block lets the block rest.
+
+    Returns:
+        Weight on bit [N], speed of the top drive [rad/s] and of the block [m/s], shape (..., 3).
 
     Raises:
         MessageError: The message has none of the joints, or another joint for the weight.
     """
-    if "bit" in state.names and BIT_AXIAL not in state.names:
+    if "bit" in states.names and BIT_AXIAL not in states.names:
         raise MessageError(
             f"expected the weight on bit as effort of the joint {BIT_AXIAL!r} of a /rig/command, found a joint 'bit'"
         )
-    if not any(name in COMMAND_JOINTS for name in state.names):
-        found = ", ".join(state.names) or "none"
+    if not any(name in COMMAND_JOINTS for name in states.names):
+        found = ", ".join(states.names) or "none"
         raise MessageError(f"expected a joint of {', '.join(COMMAND_JOINTS)} in a /rig/command, found {found}")
-    velocity = dict(zip(state.names, state.velocity.tolist(), strict=False))
-    effort = dict(zip(state.names, state.effort.tolist(), strict=False))
-    weight, block = effort.get(BIT_AXIAL, math.nan), velocity.get(BLOCK, math.nan)
-    rests = math.isnan(block) and not math.isnan(weight)
-    return Command(weight, velocity.get(TOP_DRIVE, math.nan), 0.0 if rests else block)
+    weight, block = states.column("effort", BIT_AXIAL), states.column("velocity", BLOCK)
+    rests = np.isnan(block) & ~np.isnan(weight)
+    return np.stack((weight, states.column("velocity", TOP_DRIVE), np.where(rests, 0.0, block)), axis=-1)
 
 
-def read_measured_state(state: JointState) -> RigState:
-    """State of a rig of which not all joints are measured: NaN where the message has nothing.
+def read_measured_states(states: JointArrays) -> Array:
+    """Fields of `RigState`, shape (..., 12), of a rig of which not all joints are measured: NaN without a value.
 
     Raises:
         MessageError: The message has none of the joints.
     """
-    if not set(state.names) & set(RIG_JOINTS):
-        raise MessageError(f"expected joints of {', '.join(RIG_JOINTS)}, found {', '.join(state.names) or 'none'}")
-    found = dict.fromkeys(RigState._fields, math.nan)
-    for field, channel in RIG_CHANNELS.items():
-        values = getattr(state, channel.array)
-        if channel.joint in state.names and values.size:
-            found[field] = float(values[state.names.index(channel.joint)])
-    return RigState(**found)
+    if not set(states.names) & set(RIG_JOINTS):
+        raise MessageError(f"expected joints of {', '.join(RIG_JOINTS)}, found {', '.join(states.names) or 'none'}")
+    channels = (RIG_CHANNELS[field] for field in RigState._fields)
+    return np.stack([states.column(channel.array, channel.joint) for channel in channels], axis=-1)
 
 
 def read_rig_state(state: JointState) -> RigState:
-    """Rig state of a `/rig/state`.
+    """State of a `/rig/state`, as `read_rig_states`."""
+    return RigState(*read_rig_states(state).tolist())
+
+
+def read_rig_states(states: JointArrays) -> Array:
+    """Fields of `RigState`, shape (..., 12), of `/rig/state`.
 
     Raises:
         MessageError: A joint or an array is missing.
     """
-    if not (state.position.size and state.velocity.size and state.effort.size):
+    if not (states.position.size and states.velocity.size and states.effort.size):
         raise MessageError("expected a /rig/state with position, velocity and effort, found one of the arrays empty")
-    at = {joint: state.index(joint) for joint in RIG_JOINTS}
-    found = {field: getattr(state, channel.array)[at[channel.joint]] for field, channel in RIG_CHANNELS.items()}
-    return RigState(**{field: float(value) for field, value in found.items()})
+    for joint in RIG_JOINTS:
+        states.index(joint)
+    return read_measured_states(states)

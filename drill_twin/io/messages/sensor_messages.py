@@ -12,7 +12,7 @@ from drill_twin.core.errors import MessageError
 from drill_twin.dynamics.sensors.sampling import Reading
 from drill_twin.dynamics.sensors.subs import SUMMARY
 from drill_twin.io.messages.cdr import JointStateTemplate, Template, check_finite, sentinel_header, sentinels
-from drill_twin.io.messages.decode import JointState
+from drill_twin.io.messages.decode import JointArrays
 from drill_twin.io.messages.stamps import header_stamp, stamp_ns
 from drill_twin.io.messages.topic_row import IMU
 from drill_twin.io.messages.topics import FRAME_ID, SURFACE_STATE, imu_topic, summary_topic
@@ -66,13 +66,13 @@ class ImuEncoder:
         )
         self._topic = imu_topic(sub)
         self._template = Template(content, IMU)
-        self._force, self._rate = (self._template.view(block) for block in blocks)
+        self._offsets = [self._template.offset(block) for block in blocks]
 
     def encode(self, reading: Reading) -> bytes:
         """CDR of a reading, six values."""
         check_finite(self._topic, reading.values)
-        self._force[:], self._rate[:] = reading.values[:3], reading.values[3:]
-        return self._template.stamped(stamp_ns(reading.time))
+        blocks = zip(self._offsets, reading.values.reshape(2, 1, 3), strict=True)
+        return self._template.rows([stamp_ns(reading.time)], list(blocks))[0]
 
 
 class SummaryEncoder:
@@ -132,13 +132,12 @@ def read_imu(raw: bytes) -> ImuReading:
     return ImuReading(header_stamp(content), values, np.sqrt(np.maximum(covariances, 0.0)), content.header.frame_id)
 
 
-def read_summary(state: JointState) -> Array:
-    """Values of a summary in the order of `SUMMARY`, NaN where there is none.
+def read_summary(states: JointArrays) -> Array:
+    """Values of a summary or of several in the order of `SUMMARY`, NaN where there is none, shape (..., 10).
 
     Raises:
-        MessageError: The message has none of the values.
+        MessageError: The messages have none of the values.
     """
-    known = {name: value for name, value in zip(state.names, state.position, strict=False) if name in SUMMARY}
-    if not known:
-        raise MessageError(f"expected values such as {SUMMARY[0]}, found {', '.join(state.names) or 'none'}")
-    return np.array([known.get(name, np.nan) for name in SUMMARY])
+    if not set(SUMMARY) & set(states.names):
+        raise MessageError(f"expected values such as {SUMMARY[0]}, found {', '.join(states.names) or 'none'}")
+    return np.stack([states.column("position", name) for name in SUMMARY], axis=-1)

@@ -13,7 +13,7 @@ from typing import NamedTuple
 from drill_twin.core.arrays import Array
 from drill_twin.core.errors import MessageError
 from drill_twin.io.messages.cdr import JointStateTemplate, check_not_infinite
-from drill_twin.io.messages.decode import JointState
+from drill_twin.io.messages.decode import JointArrays
 from drill_twin.io.messages.diagnostics import Level, Status, decode_diagnostics, encode_diagnostics
 from drill_twin.io.messages.stamps import NANOSECONDS, header, header_stamp, seconds, stamp_ns, time_message
 from drill_twin.io.messages.topic_row import TIME_REFERENCE
@@ -21,30 +21,12 @@ from drill_twin.io.messages.topics import FRAME_ID, WHIRL_STATE
 from drill_twin.io.messages.type_store import deserialize, message, serialize
 
 WHIRL_SCALARS = ("orbit_radius", "precession", "ratio", "confidence", "motion")
+"""Radius of the centre line's orbit [m], precession [rad/s] (positive = forward), whirl ratio, confidence (0 to 1), and
+code of the motion state (`drill_twin.whirl.MotionCode`)."""
 STRING_LEVEL = "string"
 """Subject of the whole string on `/whirl/motion`."""
 
 _MOTION = "motion: "
-
-
-@dataclass(frozen=True, eq=False)
-class WhirlOfMarks:
-    """Whirl of each mark at one instant, arrays of shape (m,)."""
-
-    stamp: int
-    """Header stamp [ns]."""
-    marks: tuple[str, ...]
-    """Names of the marks."""
-    orbit_radius: Array
-    """Radius of the centre line's orbit [m]."""
-    precession: Array
-    """Precession [rad/s], positive = forward."""
-    ratio: Array
-    """Whirl ratio."""
-    confidence: Array
-    """Confidence, 0 to 1."""
-    motion: Array
-    """Codes of the motion states (`drill_twin.whirl.MotionCode`)."""
 
 
 @dataclass(frozen=True)
@@ -80,7 +62,7 @@ class WhirlStateEncoder:
 
         Args:
             stamps: Header stamps [ns], n of them.
-            values: The arrays of `WhirlOfMarks` as columns, NaN for what is not known, shape (n, m, 5).
+            values: `WHIRL_SCALARS` of each mark, NaN for what is not known, shape (n, m, 5).
 
         Raises:
             MessageError: A value is infinite.
@@ -89,20 +71,19 @@ class WhirlStateEncoder:
         return self._template.rows(stamps, values)
 
 
-def read_whirl_state(state: JointState) -> WhirlOfMarks:
-    """Findings of a `/whirl/state`.
+def read_whirl_state(states: JointArrays) -> tuple[tuple[str, ...], Array]:
+    """Names of m marks, and `WHIRL_SCALARS` of each, shape (..., m, 5), of a `/whirl/state` or of several.
 
     Raises:
         MessageError: The names are not the names of a `/whirl/state`.
     """
-    marks = tuple(name.removesuffix("/orbit_radius") for name in state.names if name.endswith("/orbit_radius"))
-    if state.names != tuple(f"{mark}/{scalar}" for mark in marks for scalar in WHIRL_SCALARS):
+    marks = tuple(name.removesuffix("/orbit_radius") for name in states.names if name.endswith("/orbit_radius"))
+    if states.names != tuple(f"{mark}/{scalar}" for mark in marks for scalar in WHIRL_SCALARS):
         raise MessageError(
             f"expected the joints <mark>/{', <mark>/'.join(WHIRL_SCALARS)} of a /whirl/state, "
-            f"found {', '.join(state.names) or 'none'}"
+            f"found {', '.join(states.names) or 'none'}"
         )
-    values = state.position.reshape(len(marks), len(WHIRL_SCALARS))
-    return WhirlOfMarks(state.stamp, marks, *values.T)
+    return marks, states.position.reshape(*states.position.shape[:-1], len(marks), len(WHIRL_SCALARS))
 
 
 def encode_motion(stamp: int, motions: Sequence[SubjectMotion], frame_id: str = FRAME_ID, onset: str = "") -> bytes:

@@ -32,10 +32,9 @@ def test_whirl_state():
     scalars = ("orbit_radius", "precession", "ratio", "confidence", "motion")
     assert joints.names[:5] == tuple(f"mark_1/{scalar}" for scalar in scalars)
     assert joints.velocity.size == joints.effort.size == 0
-    state = read_whirl_state(joints)
-    assert (state.stamp, state.marks) == (17, ("mark_1", "mark_2", "bit/centre"))
-    found = (state.orbit_radius, state.precession, state.ratio, state.confidence, state.motion)
-    np.testing.assert_array_equal(found, values)
+    marks, found = read_whirl_state(joints)
+    assert (joints.stamp, marks) == (17, ("mark_1", "mark_2", "bit/centre"))
+    np.testing.assert_array_equal(found, values.T)
 
 
 def test_other_joints_are_not_findings():

@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 
 from drill_twin.dynamics.twin.frame import Frames
-from drill_twin.io.messages.cdr import ClockTemplate, Float64Template, JointStateTemplate, PoseArrayTemplate
+from drill_twin.io.messages.cdr import ClockTemplate, JointStateTemplate, PoseArrayTemplate
 from drill_twin.io.messages.diagnostics import Level, Status, decode_diagnostics, encode_diagnostics
 from drill_twin.io.messages.drawing.markers import MarkerArrayTemplate
-from drill_twin.io.messages.encode import TwinEncoder, encode_string
+from drill_twin.io.messages.encode import TwinEncoder, encode_float64, encode_string
 from drill_twin.io.messages.topics import TOPICS
 from drill_twin.io.messages.type_store import type_hash
 
@@ -188,7 +188,7 @@ def test_clock(stamp):
 def test_float64_of_any_number_is_a_float(value):
     from std_msgs.msg import Float64
 
-    assert decoded(Float64Template().fill(value), Float64).data == float(value)
+    assert decoded(encode_float64(value), Float64).data == float(value)
 
 
 def test_string():

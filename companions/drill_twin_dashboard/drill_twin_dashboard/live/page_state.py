@@ -140,8 +140,7 @@ class PageState:
         self._supervision.rig(seconds(state.stamp), self._rig)
 
     def _on_whirl(self, state: JointState) -> None:
-        whirl = read_whirl_state(state)
-        for name, radius, precession in zip(whirl.marks, whirl.orbit_radius, whirl.precession, strict=True):
+        for name, (radius, precession, *_) in zip(*read_whirl_state(state), strict=True):
             self._mark(name).update(orbit=number(radius), precession=number(precession / math.tau))
 
     def _on_onset(self, found: tuple[int, OnsetMessage | None]) -> None:

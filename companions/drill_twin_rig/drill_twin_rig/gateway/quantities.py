@@ -33,7 +33,7 @@ from drill_twin.io.messages.topics import (
     sub_of,
     summary_topic,
 )
-from drill_twin.io.messages.whirl_encode import OnsetMessage, read_whirl_state
+from drill_twin.io.messages.whirl_encode import WHIRL_SCALARS, OnsetMessage, read_whirl_state
 from drill_twin.whirl import MotionCode, StickSlip
 
 ANGULAR_ACCELERATION = Dimension("angular acceleration", "rad/s^2", ("3 rad/s^2",))
@@ -210,13 +210,13 @@ class TwinQuantities:
         return bool(np.isfinite(position).any())
 
     def _on_whirl(self, message: JointState) -> bool:
-        state = read_whirl_state(message)
-        known = np.flatnonzero(np.isfinite(state.orbit_radius))
-        mark = known[state.orbit_radius[known].argmax()] if known.size else None  # no orbit yet, or none any more
-        for name in ("orbit_radius", "precession", "ratio", "confidence"):
-            self.values[f"whirl_{name}"] = math.nan if mark is None else float(getattr(state, name)[mark])
+        _, marks = read_whirl_state(message)
+        orbits = marks[np.isfinite(marks[:, 0])]  # none yet, or none any more
+        *found, motion = orbits[orbits[:, 0].argmax()].tolist() if orbits.size else [math.nan] * len(WHIRL_SCALARS)
+        for name, value in zip(WHIRL_SCALARS, found, strict=False):
+            self.values[f"whirl_{name}"] = value
         for kind, codes in _KINDS.items():
-            self.values[f"whirl_{kind}"] = float(mark is not None and state.motion[mark] in codes)
+            self.values[f"whirl_{kind}"] = float(motion in codes)
         return True
 
     def _on_factor(self, factor: float) -> bool:

@@ -161,10 +161,9 @@ class TransformsTemplate:
             ],
         )
         self._template = Template(content, TF_TYPE)
-        self._blocks = [self._template.view(row) for row in blocks]
+        self._offsets = [self._template.offset(row) for row in blocks]
 
     def fill(self, stamp: int, transforms: Sequence[Transform]) -> bytes:
         """CDR of these transforms, in the order of the layout, at a stamp [ns]."""
-        for block, transform in zip(self._blocks, transforms, strict=True):
-            block[:3], block[3:] = transform.translation, transform.rotation
-        return self._template.stamped(stamp)
+        rows = (np.array([[*transform.translation, *transform.rotation]]) for transform in transforms)
+        return self._template.rows([stamp], list(zip(self._offsets, rows, strict=True)))[0]

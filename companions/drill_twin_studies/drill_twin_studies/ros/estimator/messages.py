@@ -24,13 +24,9 @@ _VALUES = ("torque", "motor_torque", "hookload", "top_drive_speed", "bit_speed",
 
 def values_of(state: JointState, *, set_points: bool) -> dict[str, float]:
     """Channels of a message like `/rig/state` by name, NaN for what it does not have; set-points if asked for."""
-    found = {}
-    for name in _VALUES:
-        if name not in {"weight_on_bit", "rotation"} or set_points:
-            channel = channel_of(name)
-            known = channel.joint in state.names and (values := getattr(state, channel.array)).size
-            found[name] = float(values[state.names.index(channel.joint)]) if known else math.nan
-    return found
+    wanted = [name for name in _VALUES if set_points or name not in {"weight_on_bit", "rotation"}]
+    channels = zip(wanted, map(channel_of, wanted), strict=True)
+    return {name: float(state.column(channel.array, channel.joint)) for name, channel in channels}
 
 
 class EstimateEncoder:
