@@ -210,7 +210,7 @@ def _sentence(onset: Onset | None) -> str:
         return ""
     error = "" if onset.uncertainty_s is None else f", within {onset.uncertainty_s:.2g} s"
     undated = "" if onset.dated else "; its time is not known within a revolution"
-    return f"whirl began at {onset.time_s:.2f} s{error} at {onset.mark}, confidence {onset.confidence:.2f}{undated}"
+    return f"whirl began at {onset.time_s:.2f} s{error} at {onset.mark}{undated}"
 
 
 def _motions(findings: Findings) -> list[SubjectMotion]:
