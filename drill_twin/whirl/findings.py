@@ -24,7 +24,7 @@ class Onset:
     mark: str
     """Mark with the earliest crossing."""
     confidence: float
-    """Rank from 0 to 1, no probability: 1 less the chance that white noise is as large, times the coherence of the angle.
+    """Rank from 0 to 1, no probability: 1 less the chance that noise is as large, times the coherence of the angle.
     Of 200 kinematic records no onset above 0.99 was half a revolution off, and 4 of 22 below 0.5 were."""
     kind: Literal["asynchronous", "synchronous"]
     """Part of the motion that crossed its threshold."""

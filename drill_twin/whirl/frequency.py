@@ -4,7 +4,7 @@
 The frequency is the angle that a mark sweeps over the time it takes: the slope of its phase. The stretch is cut into
 windows of equal rotation, and the scatter of their means tells the interval (method of batch means, Law 2007, section
 9.5.3), wider where neighbours are alike, as in an autoregression of first order. A trend of the windows means that the
-motion is still changing. `python -m drill_twin_evidence.detection.frequency 200 9000` measures how often intervals hold.
+motion is still changing. `python -m drill_twin_evidence.detection.frequency 200 9000` counts intervals that hold.
 """
 
 from __future__ import annotations
