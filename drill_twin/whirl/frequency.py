@@ -27,9 +27,9 @@ WINDOWS, FEWEST, SHORTEST = 8, 5, 3.0
 intervals hold. With windows of two revolutions `pa6_bench` seemed settled after 15 s, in the midst of a change."""
 SHARE, LIKE = 0.95, 0.5
 """Share of the intervals that would hold if windows were independent: with 0.9, eight of ten wandering frequencies are
-held (seeds 2000 to 2199), with 0.95 nine. Largest correlation of neighbours; 0.4 changes nothing but the number told."""
+held (seeds 2000 to 2199), with 0.95 nine. Largest correlation of neighbours; with 0.4 as many of them hold."""
 CHANCE = 0.01
-"""Chance with which windows of a settled whirl have a trend (t test)."""
+"""Chance with which windows of a settled whirl have a trend (F test)."""
 MATTERS = 0.02
 """Least trend over a stretch that counts, over the rotation: `report.near_states.NEAR`; chosen, not measured."""
 BEGINS = (0.25, 0.5, 0.75)
@@ -48,10 +48,10 @@ class WhirlFrequency(NamedTuple):
     """The same over the rotation."""
     window_s: tuple[float, float]
     """Time over which the mean is taken [s], since the first sample."""
-    interval_hz: tuple[float, float] | None
+    interval_hz: tuple[float, float] | None = None
     """A settled whirl's frequency lies between in nine of ten cases; of any other, least and largest mean of a window.
     None for too short a whirl."""
-    changes: bool | None
+    changes: bool | None = None
     """Whether the frequency still changes; None for irregular motion and for too short a whirl."""
 
 
@@ -109,7 +109,7 @@ def _over(statistics: Columns, mark: int, begin: float, end: float, *, irregular
     length, swept, rotated = (one[cells, mark] for one in (statistics.length, statistics.swept, statistics.rotated))
     window = float(statistics.end[cells[0]] - length[0]), float(statistics.end[cells[-1]])
     hz, ratio = float(swept.sum() / length.sum()), float(swept.sum() / rotated.sum())
-    found = WhirlFrequency(mark, hz, ratio, window, None, None)
+    found = WhirlFrequency(mark, hz, ratio, window)
     if cells.size < 2 * each:
         return found
     means = swept.reshape(-1, each).sum(axis=1) / length.reshape(-1, each).sum(axis=1)

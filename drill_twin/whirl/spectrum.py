@@ -81,14 +81,6 @@ class Spectrum:
                 found.append(line)
         return found
 
-    def forward(self, *, beside: float | None = None) -> Peak | None:
-        """Highest line at positive frequencies, except at `beside` [Hz] (the rotation) and at zero."""
-        return self.peak(1.5 * self.resolution, math.inf, beside=beside)
-
-    def backward(self, *, beside: float | None = None) -> Peak | None:
-        """Highest line at negative frequencies, except at `beside` [Hz] and at zero."""
-        return self.peak(-math.inf, -1.5 * self.resolution, beside=beside)
-
 
 def centre_line(x: Array, y: Array, spin: Array | None = None, wall_offset: float = 0.0) -> ComplexArray:
     """Centre line z = x + i y [m] from a mark's record, without the spin [rad] of a wall mark; shapes (n,)."""
