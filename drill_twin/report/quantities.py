@@ -26,7 +26,7 @@ from drill_twin.report.string_curve import along_hole, arc_of, refined
 from drill_twin.scene import Scene
 from drill_twin.scene.set_points import extremes
 from drill_twin.whirl.motion.stick_slip_index import REST
-from drill_twin.whirl.spectrum import centre_line, lines_of
+from drill_twin.whirl.spectrum import lines_of
 
 
 def settled_from(bag: Recording) -> float:
@@ -154,16 +154,12 @@ def _statistics(values: Array, averaged: Mask | bool = True) -> dict[str, float]
 
 def spectrum_lines(recording: Recording) -> list[dict[str, float]]:
     """Highest lines of the spectrum while the frequency was taken, at its mark: `frequency_hz`, `radius_m`."""
-    found, marks = recording.summary, recording.marks
+    found, time = recording.summary, recording.marks.time
     if found.whirl_frequency_window_s is None or not found.rotation_rev_s:
         return []
-    begin, end = found.whirl_frequency_window_s
-    place = next(place for place in recording.places if place.name == found.frequency_mark)
-    chosen, column = (marks.time >= begin) & (marks.time <= end), marks.names.index(place.name)
-    x, y = np.moveaxis(marks.position[chosen, column, :2], -1, 0)
-    spin = marks.spin[chosen, column] if place.on == "wall" else None
-    centre = centre_line(x, y, spin, place.wall_offset)
-    lines = lines_of(marks.time[chosen], centre, found.rotation_rev_s)
+    chosen = slice(*np.searchsorted(time, found.whirl_frequency_window_s))
+    mark = [place.name for place in recording.places].index(str(found.frequency_mark))
+    lines = lines_of(time[chosen], recording.centre_lines()[chosen, mark], found.rotation_rev_s)
     return [{"frequency_hz": line.frequency, "radius_m": line.radius} for line in lines]
 
 

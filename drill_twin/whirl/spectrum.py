@@ -82,12 +82,6 @@ class Spectrum:
         return found
 
 
-def centre_line(x: Array, y: Array, spin: Array | None = None, wall_offset: float = 0.0) -> ComplexArray:
-    """Centre line z = x + i y [m] from a mark's record, without the spin [rad] of a wall mark; shapes (n,)."""
-    z = np.asarray(x, float) + 1j * np.asarray(y, float)
-    return z if spin is None else z - wall_offset * np.exp(1j * np.asarray(spin, float))
-
-
 def two_sided_spectrum(time: Array, z: ComplexArray, *, segment: float | None = None) -> Spectrum:
     """Spectrum of a record (Welch 1967: Hann windows, half overlap, mean power; offset removed).
 

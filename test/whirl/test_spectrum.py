@@ -4,7 +4,7 @@
 import numpy as np
 import pytest
 
-from drill_twin.whirl import AnalysisError, centre_line, spectrum_over_time, two_sided_spectrum
+from drill_twin.whirl import AnalysisError, spectrum_over_time, two_sided_spectrum
 
 TIME = np.arange(0.0, 30.0, 0.01)
 
@@ -38,13 +38,6 @@ def test_irregular_and_broken_records():
     time, z = TIME[keep], orbit(0.05, -0.7)[keep]
     z[::100] = np.nan
     assert two_sided_spectrum(time, z).peak(-np.inf, -0.1).frequency == pytest.approx(-0.7, abs=0.005)
-
-
-def test_centre_line_takes_the_spin_off():
-    spin = 4.0 * np.pi * TIME
-    z = orbit(0.05, 1.0)
-    place = z + 0.008 * np.exp(1j * spin)
-    assert centre_line(place.real, place.imag, spin, 0.008) == pytest.approx(z, abs=1e-15)
 
 
 def test_bad_records_are_refused():
