@@ -30,7 +30,6 @@ from drill_twin.io.samples import RigSample
 from drill_twin.whirl import BitMotion, MarkInfo, MotionCode, MotionState, Onset, StickSlip, StickSlipCode
 from drill_twin.whirl.analyzer import NOT_OBSERVABLE
 from drill_twin.whirl.findings import Findings, FoundRows
-from drill_twin.whirl.marks import centre_lines
 from drill_twin.whirl.motion.stick_slip_index import TIME_BASE
 from drill_twin.whirl.severity import WINDOW, accelerations, sizes, torsion_grade, turns_backwards
 
@@ -255,7 +254,7 @@ def _sentence(onset: Onset | None) -> str:
         return ""
     error = "" if onset.uncertainty_s is None else f", within {onset.uncertainty_s:.2g} s"
     undated = "" if onset.dated else "; its time is not known within a revolution"
-    return f"whirl began at {onset.time_s:.2f} s{error} at {onset.mark}, confidence {onset.confidence:.2f}{undated}"
+    return f"whirl began at {onset.time_s:.2f} s{error} at {onset.mark}{undated}"
 
 
 def _motions(findings: Findings) -> list[SubjectMotion]:

@@ -171,7 +171,7 @@ def _motion_cards(summary: Mapping[str, Any]) -> str:
     return (
         cards
         + card(summary["whirl_frequency_hz"], "{:+.2f} Hz", f"whirl{whose}, positive = forward")
-        + card(summary["whirl_ratio"], "{:+.2f}", f"whirl ratio{whose}, most frequent")
+        + card(summary["whirl_ratio"], "{:+.2f}", f"whirl ratio{whose}")
     )
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Quantities of a recording for its summary: loads, fatigue, precession of the leading mark, depth in the wall."""
+"""Quantities of a recording for its summary: loads, fatigue, spectrum of the leading mark, depth in the wall."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ from drill_twin.report.string_curve import along_hole, arc_of, refined
 from drill_twin.scene import Scene
 from drill_twin.scene.set_points import extremes
 from drill_twin.whirl.motion.stick_slip_index import REST
-from drill_twin.whirl.spectrum import WINDOW, precession_record
+from drill_twin.whirl.spectrum import lines_of
 
 
 def settled_from(bag: Recording) -> float:
@@ -152,40 +152,15 @@ def _statistics(values: Array, averaged: Mask | bool = True) -> dict[str, float]
     return {"mean": float((late if late.size else known).mean()), "min": float(known.min()), "max": float(known.max())}
 
 
-def precession(recording: Recording) -> dict[str, Any]:
-    """Keys of the summary on the precession at `frequency_mark` from the onset until the whirl ends.
-
-    * `whirl_frequency_interval_hz`: smallest and largest mean over windows of `window_rev` revolutions [Hz].
-    * `spectrum_lines`: highest lines of the spectrum: `frequency_hz`, `radius_m`.
-    * `ratios`: whirl ratio as `mode` (the most frequent), as `line` (the highest of the spectrum) and as
-      `mean` (weighted by the radius); None where unknown.
-    """
-    found = recording.summary
-    result: dict[str, Any] = {
-        "window_rev": WINDOW,
-        "whirl_frequency_interval_hz": None,
-        "spectrum_lines": [],
-        "ratios": {"mode": found.mode_ratio, "line": None, "mean": None},
-    }
-    rotation = found.rotation_rev_s
-    if found.onset_s is None or found.frequency_mark is None or not rotation:
-        return result
-    mark = [place.name for place in recording.places].index(found.frequency_mark)
-    end = math.inf if found.whirl_end_s is None else found.whirl_end_s
-    whirl, marks = recording.whirl, recording.marks
-    common, of_whirl, of_marks = np.intersect1d(whirl.time, marks.time, return_indices=True)
-    chosen = (common >= found.onset_s) & (common <= end)
-    time, at, seen = common[chosen], of_whirl[chosen], of_marks[chosen]
-    record = precession_record(
-        time, whirl.precession[at, mark], whirl.ratio[at, mark], whirl.orbit_radius[at, mark],
-        recording.centre_lines()[seen, mark], rotation,
-    )  # fmt: skip
-    result["whirl_frequency_interval_hz"] = record.interval_hz
-    result["spectrum_lines"] = [{"frequency_hz": line.frequency, "radius_m": line.radius} for line in record.lines]
-    result["ratios"]["mean"] = record.mean_ratio
-    if record.lines:
-        result["ratios"]["line"] = record.lines[0].frequency / abs(rotation)
-    return result
+def spectrum_lines(recording: Recording) -> list[dict[str, float]]:
+    """Highest lines of the spectrum while the frequency was taken, at its mark: `frequency_hz`, `radius_m`."""
+    found, time = recording.summary, recording.marks.time
+    if found.whirl_frequency_window_s is None or not found.rotation_rev_s:
+        return []
+    chosen = slice(*np.searchsorted(time, found.whirl_frequency_window_s))
+    mark = [place.name for place in recording.places].index(str(found.frequency_mark))
+    lines = lines_of(time[chosen], recording.centre_lines()[chosen, mark], found.rotation_rev_s)
+    return [{"frequency_hz": line.frequency, "radius_m": line.radius} for line in lines]
 
 
 SOFT = 0.1

@@ -19,9 +19,9 @@ from drill_twin.report.quantities import (
     block_weight,
     fatigue,
     loads,
-    precession,
     settled_from,
     soft_wall,
+    spectrum_lines,
     wall_depth,
 )
 from drill_twin.report.recording import Recording, read_recording
@@ -31,7 +31,8 @@ from drill_twin.whirl import MotionPeriod
 
 _OF_THE_ONSET = ("mark", "confidence", "criterion", "uncertainty_s", "dated", "at_start")
 _OF_THE_WHIRL = (
-    "mark_onset_s", "whirl_frequency_hz", "whirl_ratio", "frequency_mark", "lasting_motion", "whirl_end_s",
+    "mark_onset_s", "whirl_frequency_hz", "whirl_ratio", "whirl_frequency_window_s", "whirl_frequency_interval_hz",
+    "whirl_frequency_changes", "frequency_mark", "lasting_motion", "whirl_end_s",
 )  # fmt: skip
 """Fields of the onset and of the findings that the summary has under their own names."""
 NOTICED = 0.01
@@ -49,16 +50,18 @@ def summarise(bag: Recording | Bag | str | Path) -> dict[str, Any]:
 
         * `run`, `runs`: number of the run, and of runs in the bag. `start_utc`: date of time 0 where the stamps of the
           bag are dates, else None.
-        * `onset_s`, `onset_mark`, `onset_confidence`: the onset of whirl; None where there was none. `whirl_end_s`:
+        * `onset_s`, `onset_mark`, `onset_confidence`: the onset of whirl, and how clear it is, a rank from 0 to 1 and
+          no probability; None where there was none. `whirl_end_s`:
           time since which the string whirls no more, where the whirl was a transient. `onset_uncertainty_s`,
           `onset_dated`: from a downhole sub, how far off the time may be, and whether it is known within a revolution.
           `onset_at_start`: whether the string whirled already at the start of what is analysed.
         * `lasting_motion`: state of the string for most of the second half of the time since the onset.
-        * `whirl_frequency_hz`: most frequent precession after the onset [Hz], positive = the sense of rotation, at
-          `frequency_mark`; `whirl_ratio`: the same over the rotation, `rotation_rev_s`. None for irregular motion,
-          which has no single frequency.
-        * `whirl_frequency_interval_hz`, `window_rev`, `spectrum_lines`, `ratios`: see
-          `drill_twin.report.quantities`.
+        * `whirl_frequency_hz`: mean precession over `whirl_frequency_window_s` [Hz], positive = the sense of rotation,
+          at `frequency_mark`; `whirl_ratio`: the same over the rotation meanwhile. None for irregular motion, which has
+          no single frequency. `whirl_frequency_changes`: whether it still changes; None for too short a whirl.
+          `whirl_frequency_interval_hz`: where it does not change, it lies between in nine of ten cases; else the least
+          and the largest mean of a window of two revolutions or more.
+        * `spectrum_lines`: highest lines of the spectrum over the same time: `frequency_hz`, `radius_m`.
         * `max_radius_m`: largest distance of the centre line from the hole's axis by mark [m].
         * `motion`, `mark_motion`: timelines of the motion states, each with start and end, criterion and confidence.
         * `whirl_observable`: whether the bag has positions of marks.
@@ -115,7 +118,7 @@ def summarise(bag: Recording | Bag | str | Path) -> dict[str, Any]:
         "onset_s": found.onset_s,
         **{f"onset_{key}": getattr(onset, key, None) for key in _OF_THE_ONSET},
         **{key: getattr(found, key) for key in _OF_THE_WHIRL},
-        **precession(bag),
+        "spectrum_lines": spectrum_lines(bag),
         "rotation_rev_s": found.rotation_rev_s,
         "max_radius_m": found.max_radius_m,
         "clearance_m": {mark.name: mark.clearance for mark in bag.places},

@@ -59,7 +59,7 @@ def findings(summary: Summary) -> Iterator[Row]:
     yield "whirl frequency", _frequency(summary)
     if summary["spectrum_lines"]:
         yield "lines of the spectrum", _lines(summary)
-    yield "whirl ratio", _ratio(summary)
+    yield "whirl ratio", number_text(summary["whirl_ratio"], "{:+.3f}", "none")
     yield "rotation", rotation(summary, units_of(summary))
     for mark, value in summary["max_radius_m"].items():
         yield f"largest radius, {mark}", radius_text(value, summary["clearance_m"].get(mark), units_of(summary))
@@ -167,8 +167,8 @@ def _onset(summary: Summary) -> str:
     if summary.get("onset_at_start"):
         first = "; a sub is analysed from its first revolutions at a steady speed" if summary.get("sub") else ""
         return (
-            f"before {summary['onset_s']:.2f} s: there from the start of what is analysed, at {summary['onset_mark']} "
-            f"(confidence {summary['onset_confidence']:.2f}){first}"
+            f"before {summary['onset_s']:.2f} s: there from the start of what is analysed, at "
+            f"{summary['onset_mark']}{first}"
         )
     sure = summary.get("onset_uncertainty_s")
     known = "" if sure is None else f" +- {sure:.2f} s"
@@ -176,10 +176,7 @@ def _onset(summary: Summary) -> str:
         known += ", not dated within a revolution"
     end = summary["whirl_end_s"]
     ended = f"; a transient: no whirl since {end:.2f} s (seen live revolutions later)" if transient(summary) else ""
-    return (
-        f"{summary['onset_s']:.2f} s{known}, first at {summary['onset_mark']} "
-        f"(confidence {summary['onset_confidence']:.2f}){ended}"
-    )
+    return f"{summary['onset_s']:.2f} s{known}, first at {summary['onset_mark']}{ended}"
 
 
 def _no_onset(summary: Summary) -> str:
@@ -191,22 +188,26 @@ def _no_onset(summary: Summary) -> str:
 
 
 def interval(summary: Summary) -> str:
-    """Interval of the precession over windows as text; empty where the whirl is too short for two."""
+    """Interval of the whirl frequency as text; empty where the whirl is too short."""
     found = summary["whirl_frequency_interval_hz"]
-    return "" if found is None else f"{found[0]:+.2f} to {found[1]:+.2f} Hz"
+    return "" if found is None else f"{found[0]:+.3f} to {found[1]:+.3f} Hz"
 
 
 def _frequency(summary: Summary) -> str:
-    frequency, mark = summary["whirl_frequency_hz"], summary["frequency_mark"]
-    if over := interval(summary):
-        over += f" over windows of {summary['window_rev']:g} revolutions"
+    frequency, changes = summary["whirl_frequency_hz"], summary["whirl_frequency_changes"]
     if irregular(summary):
-        return f"no single one, the motion is irregular{f': {over}, at {mark}' if over else ''}"
+        over = f": {found} in windows, at {summary['frequency_mark']}" if (found := interval(summary)) else ""
+        return f"no single one, the motion is irregular{over}"
     if frequency is None:
         return "none"
+    begin, end = summary["whirl_frequency_window_s"]
     while_it_lasted = ", while it lasted" if transient(summary) else ""
-    sense = "forward" if frequency > 0.0 else "backward"
-    return f"{frequency:+.3f} Hz ({sense}), at {mark}{while_it_lasted}{f'; {over}' if over else ''}"
+    unsettled = {True: "; still changing", False: ""}.get(changes, "; too short to tell whether it has settled")
+    spread = f", {interval(summary)} {'in windows' if unsettled else 'in nine of ten cases'}" * bool(interval(summary))
+    return (
+        f"{frequency:+.3f} Hz ({'forward' if frequency > 0.0 else 'backward'}){spread}, at {summary['frequency_mark']} "
+        f"from {begin:.2f} to {end:.2f} s{while_it_lasted}{unsettled}"
+    )
 
 
 def _lines(summary: Summary) -> str:
@@ -216,15 +217,6 @@ def _lines(summary: Summary) -> str:
         for line in summary["spectrum_lines"]
     )
     return f"{', '.join(lines)}, at {summary['frequency_mark']}"
-
-
-def _ratio(summary: Summary) -> str:
-    """Whirl ratio, each number with its meaning."""
-    names = {"mode": "most frequent", "line": "highest line of the spectrum", "mean": "mean weighted by the radius"}
-    if irregular(summary):
-        del names["mode"]
-    found = {kind: value for kind, value in summary["ratios"].items() if value is not None and kind in names}
-    return ", ".join(f"{value:+.3f} ({names[kind]})" for kind, value in found.items()) or "unknown"
 
 
 def rotation(summary: Summary, units: UnitSystem) -> str:

@@ -9,10 +9,10 @@ from drill_twin.whirl.criteria import BitMotion, MotionCode, MotionState, StickS
 from drill_twin.whirl.findings import Findings, MotionPeriod, Onset, Quality, StickSlipPeriod, Summary
 from drill_twin.whirl.marks import AnalysisError, MarkInfo
 from drill_twin.whirl.motion.stick_slip import StickSlip
-from drill_twin.whirl.spectrum import Peak, Spectrum, centre_line, spectrum_over_time, two_sided_spectrum
+from drill_twin.whirl.spectrum import Peak, Spectrum, spectrum_over_time, two_sided_spectrum
 
 __all__ = [
     "AnalysisError", "Analyzer", "BitMotion", "BitOnlyAnalyzer", "Findings", "MarkInfo", "MotionCode",
     "MotionPeriod", "MotionState", "Onset", "Peak", "Quality", "Spectrum", "StickSlip", "StickSlipCode",
-    "StickSlipPeriod", "Summary", "centre_line", "spectrum_over_time", "two_sided_spectrum",
+    "StickSlipPeriod", "Summary", "spectrum_over_time", "two_sided_spectrum",
 ]  # fmt: skip

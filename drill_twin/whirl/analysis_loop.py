@@ -153,7 +153,7 @@ def analyse(words: Integers, kind: Any) -> int:
             ):  # fmt: skip
                 return DESCRIBE
         elif step == STATISTICS:
-            add_bin(statistics, orbit, onsets.active, full, history.length[0])
+            add_bin(statistics, orbit, onsets.active, full, history)
             flow.step[0] = ADD
         elif step == ADD:
             add_sample(block, samples, clock, bins, separation, carrier)

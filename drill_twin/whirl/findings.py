@@ -23,7 +23,8 @@ class Onset:
     mark: str
     """Mark with the earliest crossing."""
     confidence: float
-    """Confidence, 0 to 1: 1 less the probability that noise alone is as large, times the coherence of the angle."""
+    """Rank from 0 to 1, no probability: 1 less the chance that noise is as large, times the coherence of the angle.
+    Of 200 kinematic records no onset above 0.99 was half a revolution off, and 4 of 22 below 0.5 were."""
     kind: Literal["asynchronous", "synchronous"]
     """Part of the motion that crossed its threshold."""
     detected_s: float
@@ -49,7 +50,7 @@ class MotionPeriod:
     criterion: str
     """Criterion that decided the state, as text."""
     confidence: float
-    """Mean share of the estimates for the state while it held, 0 to 1."""
+    """Mean share of the recent estimates that were for the state while it held, 0 to 1."""
 
 
 @dataclass(frozen=True)
@@ -116,7 +117,7 @@ class Findings:
     ratio: Array
     """Whirl ratio; nan as above, and at rest."""
     confidence: Array
-    """Confidence in precession and ratio, 0 to 1."""
+    """How clear precession and ratio are, a rank from 0 to 1 and no probability: coherence, less the share of noise."""
     whirl_radius: Array
     """Rms radius of the asynchronous part over the last revolution, noise removed [m]."""
     synchronous_radius: Array
@@ -219,10 +220,17 @@ class Summary:
     mark_onset_s: dict[str, float | None] = field(default_factory=dict)
     """Time at which each mark's radius crossed its threshold [s]."""
     whirl_frequency_hz: float | None = None
-    """Most frequent precession after the onset [Hz], positive = forward, at `frequency_mark`; None where the motion
-    that lasts is irregular and has no single one."""
+    """Mean precession over `whirl_frequency_window_s` [Hz], positive = forward, at `frequency_mark`; None where the
+    motion that lasts is irregular and has no single one (`drill_twin.whirl.frequency`)."""
     whirl_ratio: float | None = None
-    """Most frequent whirl ratio (the mode, weighted by the power of the motion); None as above."""
+    """The same over the rotation."""
+    whirl_frequency_window_s: tuple[float, float] | None = None
+    """Time of the mean [s]: the settled part of the whirl, or most of a whirl that still changes or is irregular."""
+    whirl_frequency_interval_hz: tuple[float, float] | None = None
+    """Interval that holds the frequency of a settled whirl in nine of ten cases; of any other whirl, least and largest
+    mean of a window. None for too short a whirl."""
+    whirl_frequency_changes: bool | None = None
+    """Whether the frequency still changes; None for irregular motion and for too short a whirl."""
     frequency_mark: str | None = None
     """Mark with the largest whirl relative to its clearance, whose frequency is reported."""
     max_radius_m: dict[str, float | None] = field(default_factory=dict)
@@ -250,9 +258,9 @@ class Summary:
     whirl_end_s: float | None = None
     """Time since which the string has not whirled any more [s]: the whirl was a transient; None where it whirls at the
     end of the record, or never did."""
-    mode_frequency_hz: float | None = None
+    mean_frequency_hz: float | None = None
     """`whirl_frequency_hz`, for irregular motion too: there it depends on the length of the record [Hz]."""
-    mode_ratio: float | None = None
+    mean_ratio: float | None = None
     """`whirl_ratio`, for irregular motion too."""
     observable: bool = True
     """False if there were no positions of marks, so that whirl is not observable."""

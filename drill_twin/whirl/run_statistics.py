@@ -1,9 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Statistics of a whole run for its summary: rotation, sample rate, dominant precession, largest radius.
+"""Statistics of a whole run for its summary: rotation, sample rate, and the whirl over time.
 
-Each bin adds (radius / clearance)^2 x its duration to a histogram over the precession ratio, which becomes the power of
-the motion by ratio, in bounded memory. The dominant ratio is the centroid of the cells around the highest peak: a run
-that alternates between forward whirl and backward rolling gets the ratio of the stronger motion, not the mean ratio.
+The whirl since the onset is kept in cells of some revolutions: the angle that each mark swept, the angle of rotation
+meanwhile and the power of the motion. When all cells are taken, each two become one, so that memory is bounded.
 """
 
 from __future__ import annotations
@@ -16,34 +15,34 @@ from drill_twin.core.arrays import Mask
 from drill_twin.core.compile.jit import strict_kernel
 from drill_twin.whirl import criteria
 from drill_twin.whirl.columns import Columns, columns
+from drill_twin.whirl.history import end_of
 from drill_twin.whirl.sample_bins import BINS
 
-WIDTH = 0.02
-"""Width of a cell, in whirl ratio, up to `EVEN`; chosen, not measured."""
-EVEN = 6.0
-"""Ratio from which cells keep their width over their ratio."""
-LARGEST_RATIO = 60.0
-"""Largest ratio; a larger ratio is counted in an outermost cell. A stabiliser rolls at up to 50 times the rotation."""
-EVEN_CELLS = round(EVEN / WIDTH)
-CELLS = 2 * (EVEN_CELLS + math.ceil(EVEN_CELLS * math.log(LARGEST_RATIO / EVEN)))
-PEAK_CELLS = 3
-"""Cells on each side of a peak that belong to the peak; chosen, not measured."""
+CELLS = 256
+"""Cells of the whirl; it takes 128 or more once they have a second revolution. Chosen, not measured."""
 
 
 def new_statistics(m: int) -> Columns:
     """Sums over the bins of a run, before the first bin of m marks."""
+    length, swept, rotated, power = np.zeros((4, CELLS, m))
     return columns(
         "RunStatistics",
         1,
-        power=np.zeros((m, CELLS)),  # of the motion over its precession ratio [s]: the weight of a cell
-        ratio=np.zeros((m, CELLS)),  # the same times the ratio
-        precession=np.zeros((m, CELLS)),  # the same times the precession [rev/s]
+        width=1.0,  # revolutions of a cell
+        first=0.0,  # revolutions at the begin of the first cell
+        end=np.zeros(CELLS),  # time of the last estimate in a cell [s]; 0 for none
+        length=length,  # time for which the precession of a mark is known [s], (cells, m)
+        swept=swept,  # by the mark meanwhile [rev], positive = forward
+        rotated=rotated,  # by the string meanwhile [rev]
+        power=power,  # radius over the clearance, squared, times the time [s]
         seconds=0.0,  # of rotation [s], since the onset if there was one
         turns=0.0,  # of rotation [rev], since the onset if there was one
         samples=0.0,  # since rotation began
         revolutions=0.0,  # since rotation began
         per_revolution=math.nan,  # accepted samples in a revolution; nan before rotation
         last_estimate=0.0,  # time [s]
+        estimated_angle=0.0,  # of rotation at the last estimate [rad]
+        unwrapped=np.full((2, m), math.nan),  # angle of each mark's motion there [rad], as in `History`
         begun=False,  # True after the first bin
         whirled=False,  # True after the onset
         counted=False,  # True after the first bin since the onset
@@ -54,38 +53,38 @@ def new_statistics(m: int) -> Columns:
     )
 
 
-def dominant_precession(statistics: Columns) -> tuple[int, float, float] | None:
-    """Mark with the largest power, its dominant ratio and precession [rev/s]; None if nothing was added."""
-    total = statistics.power.sum(axis=1)
-    mark = int(np.argmax(total))
-    if total[mark] <= 0.0:
-        return None
-    weight = statistics.power[mark]
-    smooth = np.convolve(weight, np.ones(2 * PEAK_CELLS + 1), mode="same")
-    centre = int(np.argmax(smooth))
-    around = slice(max(0, centre - PEAK_CELLS), centre + PEAK_CELLS + 1)
-    power = float(weight[around].sum())
-    ratio = float(statistics.ratio[mark, around].sum()) / power
-    return mark, ratio, float(statistics.precession[mark, around].sum()) / power
+@strict_kernel
+def _halve(statistics: Columns) -> None:
+    """Make one cell of each two."""
+    for i in range(CELLS):
+        here = 2 * i < CELLS
+        statistics.end[i] = max(statistics.end[2 * i], statistics.end[2 * i + 1]) if here else 0.0
+        for sums in (statistics.length, statistics.swept, statistics.rotated, statistics.power):
+            for k in range(sums.shape[1]):
+                sums[i, k] = sums[2 * i, k] + sums[2 * i + 1, k] if here else 0.0
+    statistics.width[0] *= 2.0
 
 
 @strict_kernel
-def _add_power(statistics: Columns, orbit: Columns, whirling: Mask, seconds: float) -> None:
-    """Add the orbits of a bin of a length [s]; nan ratios add nothing."""
+def _add_whirl(statistics: Columns, orbit: Columns, whirling: Mask, full: Columns, history: Columns) -> None:
+    """Add what the marks swept since the last estimate; a mark without a precession adds nothing."""
+    while full.revolutions[0] - statistics.first[0] >= CELLS * statistics.width[0]:
+        _halve(statistics)
+    cell, last = int((full.revolutions[0] - statistics.first[0]) / statistics.width[0]), end_of(history) - 1
+    seconds, turned = full.time[0] - statistics.last_estimate[0], full.angle[0] - statistics.estimated_angle[0]
+    statistics.end[cell] = full.time[0]
     for k in range(whirling.size):
-        radius, ratio = orbit.radius[0 if whirling[k] else 1, k], orbit.ratio[k]
-        weight = radius * radius * seconds
-        if math.isfinite(ratio) and weight > 0.0:
-            size = abs(ratio)
-            place = size / WIDTH if size < EVEN else EVEN_CELLS * (1.0 + math.log(size / EVEN))
-            cell = min(max(int(CELLS // 2 + (place if ratio > 0.0 else -place)), 0), CELLS - 1)
-            statistics.power[k, cell] += weight
-            statistics.ratio[k, cell] += weight * ratio
-            statistics.precession[k, cell] += weight * orbit.precession[k]
+        row = 0 if whirling[k] else 1
+        swept = history.unwrapped[last, row, k] - statistics.unwrapped[row, k]
+        if math.isfinite(orbit.ratio[k]) and math.isfinite(swept):
+            statistics.length[cell, k] += seconds
+            statistics.swept[cell, k] += (-swept if orbit.rotation[0] < 0.0 else swept) / math.tau
+            statistics.rotated[cell, k] += abs(turned) / math.tau
+            statistics.power[cell, k] += seconds * orbit.radius[row, k] ** 2
 
 
 @strict_kernel
-def add_bin(statistics: Columns, orbit: Columns, whirling: Mask, full: Columns, length: int) -> None:
+def add_bin(statistics: Columns, orbit: Columns, whirling: Mask, full: Columns, history: Columns) -> None:
     """Add a bin.
 
     Args:
@@ -93,7 +92,7 @@ def add_bin(statistics: Columns, orbit: Columns, whirling: Mask, full: Columns, 
         orbit: Orbits of the marks.
         whirling: Marks in asynchronous whirl, shape (m,).
         full: The bin.
-        length: Number of bins since the last gap.
+        history: The last revolutions.
     """
     begun, statistics.begun[0] = statistics.begun[0], True
     seconds, angle = full.time[0] - statistics.last_time[0], full.angle[0] - statistics.last_angle[0]
@@ -103,7 +102,9 @@ def add_bin(statistics: Columns, orbit: Columns, whirling: Mask, full: Columns, 
     if statistics.whirled[0] and not statistics.counted[0]:
         statistics.counted[0] = True
         statistics.seconds[0] = statistics.turns[0] = 0.0
-    if not begun or length < 2:
+        statistics.first[0] = full.revolutions[0]
+    if not begun or history.length[0] < 2:
+        statistics.unwrapped[:] = math.nan  # the angle over a gap is not known
         return
     if abs(orbit.recent_rotation[0]) >= criteria.REST_ROTATION:
         statistics.seconds[0] += seconds
@@ -115,5 +116,8 @@ def add_bin(statistics: Columns, orbit: Columns, whirling: Mask, full: Columns, 
     if not statistics.estimated[0]:
         return
     if statistics.whirled[0]:
-        _add_power(statistics, orbit, whirling, full.time[0] - statistics.last_estimate[0])
-    statistics.last_estimate[0] = full.time[0]
+        _add_whirl(statistics, orbit, whirling, full, history)
+    statistics.last_estimate[0], statistics.estimated_angle[0] = full.time[0], full.angle[0]
+    for row in range(2):
+        for k in range(whirling.size):
+            statistics.unwrapped[row, k] = history.unwrapped[end_of(history) - 1, row, k]

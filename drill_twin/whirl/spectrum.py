@@ -4,9 +4,8 @@
 Offline, for reports. A complex record z = x + i y has a spectrum with two different sides: a forward orbit is a line
 at a positive frequency, a backward orbit at a negative frequency (Lee and Lee 1997, directional spectra of rotors).
 
-The precession over a record is its interval over windows, its mean, and the lines of the spectrum. Irregular motion has
-no single frequency: the most frequent precession, the highest line and the mean differ, and each of them depends on the
-length of the record.
+Irregular motion has no single frequency: its highest line and its mean precession differ, and both depend on the length
+of the record.
 """
 
 from __future__ import annotations
@@ -81,20 +80,6 @@ class Spectrum:
             if all(abs(line.frequency - other.frequency) > 2.0 * self.resolution for other in found):
                 found.append(line)
         return found
-
-    def forward(self, *, beside: float | None = None) -> Peak | None:
-        """Highest line at positive frequencies, except at `beside` [Hz] (the rotation) and at zero."""
-        return self.peak(1.5 * self.resolution, math.inf, beside=beside)
-
-    def backward(self, *, beside: float | None = None) -> Peak | None:
-        """Highest line at negative frequencies, except at `beside` [Hz] and at zero."""
-        return self.peak(-math.inf, -1.5 * self.resolution, beside=beside)
-
-
-def centre_line(x: Array, y: Array, spin: Array | None = None, wall_offset: float = 0.0) -> ComplexArray:
-    """Centre line z = x + i y [m] from a mark's record, without the spin [rad] of a wall mark; shapes (n,)."""
-    z = np.asarray(x, float) + 1j * np.asarray(y, float)
-    return z if spin is None else z - wall_offset * np.exp(1j * np.asarray(spin, float))
 
 
 def two_sided_spectrum(time: Array, z: ComplexArray, *, segment: float | None = None) -> Spectrum:
@@ -179,63 +164,22 @@ def _tapers(centres: NDArray[np.intp], length: int, samples: int) -> tuple[NDArr
     return np.clip(middle + step, 0, samples - 1), taper
 
 
-WINDOW = 10.0
-"""Length of a window [rev]."""
 LINES = 3
 """Lines of the spectrum that are listed."""
-SEGMENT = 4
-"""Windows in a segment of the spectrum."""
+SEGMENT = 40.0
+"""Length of a segment of the spectrum [rev]; chosen, not measured."""
 
 
-@dataclass(frozen=True)
-class PrecessionRecord:
-    """Precession of a mark while the string whirls."""
-
-    interval_hz: tuple[float, float] | None
-    """Smallest and largest mean precession of a window of `WINDOW` revolutions [Hz], positive = the sense of rotation;
-    weighted by the radius. None where the record is shorter than two windows."""
-    mean_ratio: float | None
-    """Mean whirl ratio, weighted by the radius."""
-    lines: tuple[Peak, ...]
-    """Highest lines of the spectrum, highest first; positive = the sense of rotation."""
-
-
-def precession_record(
-    time: Array, precession: Array, ratio: Array, radius: Array, centre: ComplexArray, rotation: float
-) -> PrecessionRecord:
-    """Precession of a mark from its findings at samples, shapes (n,), while the string whirls.
+def lines_of(time: Array, centre: ComplexArray, rotation: float) -> list[Peak]:
+    """Highest lines of a mark, highest first, positive = the sense of rotation; none of too short a record.
 
     Args:
-        time: Times of the samples [s], rising.
-        precession: Precession [rev/s], positive = forward; nan where unknown.
-        ratio: Whirl ratio.
-        radius: Distance of the centre line from the hole's axis [m].
-        centre: Centre line z = x + i y [m].
-        rotation: Mean rotation [rev/s], signed.
+        time: Times of the samples [s], rising, shape (n,).
+        centre: Centre line z = x + i y [m], shape (n,).
+        rotation: Mean rotation [rev/s], signed, not 0.
     """
-    known = np.isfinite(ratio) & np.isfinite(precession) & (radius > 0.0)
-    mean = float(np.average(ratio[known], weights=radius[known])) if known.any() else None
-    return PrecessionRecord(
-        _interval(time[known], precession[known], radius[known], abs(rotation)), mean, _lines(time, centre, rotation)
-    )
-
-
-def _interval(time: Array, precession: Array, radius: Array, rotation: float) -> tuple[float, float] | None:
-    if time.size == 0 or rotation <= 0.0:
-        return None
-    window = np.floor((time - time[0]) * rotation / WINDOW).astype(np.intp)
-    whole = math.floor((time[-1] - time[0]) * rotation / WINDOW + 1e-9)
-    weight = np.bincount(window, radius, minlength=whole)[:whole]
-    total = np.bincount(window, radius * precession, minlength=whole)[:whole]
-    means = total[weight > 0.0] / weight[weight > 0.0]
-    return (float(means.min()), float(means.max())) if means.size > 1 else None
-
-
-def _lines(time: Array, centre: ComplexArray, rotation: float) -> tuple[Peak, ...]:
-    segment = SEGMENT * WINDOW / abs(rotation) if rotation else None
     try:
-        spectrum = two_sided_spectrum(time, centre, segment=segment)
+        spectrum = two_sided_spectrum(time, centre, segment=SEGMENT / abs(rotation))
     except AnalysisError:
-        return ()  # too short a record
-    sense = -1.0 if rotation < 0.0 else 1.0
-    return tuple(Peak(sense * line.frequency, line.radius) for line in spectrum.lines(LINES))
+        return []
+    return [Peak(math.copysign(1.0, rotation) * line.frequency, line.radius) for line in spectrum.lines(LINES)]

@@ -12,9 +12,9 @@ from drill_twin.whirl.columns import Columns
 from drill_twin.whirl.criteria import MotionState
 from drill_twin.whirl.decisions import Decisions, doubt
 from drill_twin.whirl.findings import Quality, Summary
+from drill_twin.whirl.frequency import whirl_frequency
 from drill_twin.whirl.motion.states import lasting_motion, whirl_end
 from drill_twin.whirl.motion.stick_slip import StickSlip
-from drill_twin.whirl.run_statistics import dominant_precession
 
 
 def summarise(
@@ -35,20 +35,25 @@ def summarise(
         bit: Motion of the bit.
         quality: Counts of samples.
     """
-    mark, ratio, precession = dominant_precession(statistics) or (None, None, None)
     timelines = decisions.timelines
     motion, onset = timelines[-1].periods, decisions.onset
     seconds, turns = statistics.seconds.item(), statistics.turns.item()
     end = decisions.origin + float(statistics.last_time[0])
-    lasting = lasting_motion(motion, decisions.origin if onset is None else onset.time_s, end)
-    single = lasting is not MotionState.IRREGULAR
+    lasting, over = lasting_motion(motion, decisions.origin if onset is None else onset.time_s, end), whirl_end(motion)
+    irregular = lasting is MotionState.IRREGULAR
+    whirl = onset and whirl_frequency(
+        statistics, timelines, onset.time_s, over or end, decisions.origin, irregular=irregular
+    )
     unseen = [name for name, radius in zip(names, largest.tolist(), strict=True) if not math.isfinite(radius)]
     return Summary(
         onset=onset,
         mark_onset_s=dict(zip(names, decisions.crossed, strict=True)),
-        whirl_frequency_hz=precession if single else None,
-        whirl_ratio=ratio if single else None,
-        frequency_mark=None if mark is None else names[mark],
+        whirl_frequency_hz=whirl.hz if whirl and not irregular else None,
+        whirl_ratio=whirl.ratio if whirl and not irregular else None,
+        whirl_frequency_window_s=whirl.window_s if whirl else None,
+        whirl_frequency_interval_hz=whirl.interval_hz if whirl else None,
+        whirl_frequency_changes=whirl.changes if whirl else None,
+        frequency_mark=names[whirl.mark] if whirl else None,
         max_radius_m=dict(zip(names, map(number_or_none, largest.tolist()), strict=True)),
         rotation_rev_s=turns / seconds if seconds > 0.0 else None,
         motion=motion,
@@ -59,9 +64,9 @@ def summarise(
         largest_stick_slip_index=number_or_none(bit.largest_index),
         quality=quality,
         lasting_motion=lasting,
-        whirl_end_s=whirl_end(motion),
-        mode_frequency_hz=precession,
-        mode_ratio=ratio,
+        whirl_end_s=over,
+        mean_frequency_hz=whirl.hz if whirl else None,
+        mean_ratio=whirl.ratio if whirl else None,
         notes=_notes(quality, timelines[-1].dropped, decisions.rolling_ratio, unseen),
     )
 

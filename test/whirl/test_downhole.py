@@ -56,7 +56,7 @@ TILTS = ((0.0, 0.0), (0.2, 0.0), (0.0, 0.6))
 def test_sense_ratio_radius_and_onset_are_found(slope, lean, ratio):
     begin = 14.0
     found = analyse_sub(*read(30.0, ratio, begin, slope=slope, lean=lean), MARK, RADIUS, NOISE)
-    assert found.mode_ratio == pytest.approx(ratio, abs=0.02)
+    assert found.mean_ratio == pytest.approx(ratio, abs=0.02)
     crossing = begin - math.log(9.0) / (2.0 * TURN / math.tau)  # of 5 % on the way to 50 %
     assert found.onset_s == pytest.approx(crossing, abs=math.tau / TURN)
     assert found.max_radius_m["sub"] == pytest.approx(0.5 * CLEARANCE, rel=0.15)
@@ -123,7 +123,7 @@ def test_readings_that_are_lost_repeated_or_absurd_are_survived():
     order = np.insert(np.flatnonzero(kept), 1300, [1000, 800])
     found = analyse_sub(stamp[order], values[order], MARK, RADIUS, NOISE)
     assert (found.quality.incomplete, found.quality.late) == (2, 2)
-    assert found.mode_ratio == pytest.approx(0.5, abs=0.02)
+    assert found.mean_ratio == pytest.approx(0.5, abs=0.02)
     whole = analyse_sub(*read(30.0, 0.5, 14.0), MARK, RADIUS, NOISE)
     assert found.onset_s == pytest.approx(whole.onset_s, abs=0.1)
 
@@ -132,7 +132,7 @@ def test_after_a_long_gap_the_analysis_begins_again():
     stamp, values = read(40.0, 0.5, 25.0)
     kept = (stamp < 8e9) | (stamp > 12e9)
     found = analyse_sub(stamp[kept], values[kept], MARK, RADIUS, NOISE)
-    assert found.mode_ratio == pytest.approx(0.5, abs=0.02)
+    assert found.mean_ratio == pytest.approx(0.5, abs=0.02)
     assert found.onset_s == pytest.approx(25.0 - math.log(9.0) / 4.0, abs=0.5)
 
 
@@ -140,7 +140,7 @@ def test_a_whirl_that_is_there_at_the_start_is_found_and_said_to_be():
     found = analyse_sub(*read(20.0, 0.6, -5.0), MARK, RADIUS, NOISE)
     assert found.onset.at_start
     assert "from the start" in found.onset.criterion
-    assert found.mode_ratio == pytest.approx(0.6, abs=0.03)
+    assert found.mean_ratio == pytest.approx(0.6, abs=0.03)
     assert found.max_radius_m["sub"] < 0.75 * CLEARANCE
     assert "contact" not in found.mark_motion["sub"][-1].criterion
 

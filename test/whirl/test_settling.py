@@ -80,7 +80,7 @@ def test_irregular_motion_has_no_single_frequency():
     assert summary.lasting_motion is MotionState.IRREGULAR
     assert summary.whirl_frequency_hz is None
     assert summary.whirl_ratio is None
-    assert summary.mode_frequency_hz is not None
+    assert summary.mean_frequency_hz is not None
 
 
 def swing(time, pace, angle, radius):

@@ -158,7 +158,7 @@ def run_motion(
     return Motion(
         time=times, centre=centre, contact=contact, hookload=hookload, torque=torque,
         clearance=np.array([info.clearance for info in infos]),
-        onset=number_or_nan(found.onset_s), frequency=number_or_nan(found.mode_frequency_hz),
+        onset=number_or_nan(found.onset_s), frequency=number_or_nan(found.mean_frequency_hz),
         stick_slip_period=max(found.stick_slip, key=lambda one: one.cycles).period_s if found.stick_slip else math.nan,
         cost=float(spent.mean()) / period, frame_p95=float(np.quantile(spent, 0.95)), iterations=iterations,
         compile_seconds=compiled,

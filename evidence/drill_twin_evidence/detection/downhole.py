@@ -68,8 +68,8 @@ class SubScore:
             self.slow += abs(_precession(run, true)) < SLOWEST
         else:
             self.onset_error.append(float(np.interp(found.onset.time_s, run.time, revolutions)) - began)
-            if found.mode_ratio is not None:
-                self.senses.append((found.mode_ratio > 0.0) == (_swept(run, true) > 0.0))
+            if found.mean_ratio is not None:
+                self.senses.append((found.mean_ratio > 0.0) == (_swept(run, true) > 0.0))
 
 
 def measure_sub(benches: int, drawn: int, events: int, hours: float) -> dict[str, Any]:

@@ -5,6 +5,7 @@ import json
 
 import numpy as np
 import pytest
+from scipy import stats
 
 from drill_twin.report.figures.style import save
 from drill_twin_evidence.detection.cases import BENCH, bench, recorded, simulated
@@ -42,21 +43,23 @@ def test_minutes_of_steady_rotation():
 
 @pytest.fixture(scope="module")
 def runs():
-    """Three runs of the bench and a random one."""
-    return bench(2), bench(8), bench(16), simulated(10)
+    """Six random runs, with seeds by which nothing was chosen."""
+    return [simulated(seed) for seed in range(300, 306)]
 
 
 @pytest.mark.parametrize("forces", [True, False])
 def test_simulated_sample(runs, forces):
+    """At the rates of the page on detection; all runs: the long tests."""
     score = Score()
     for run in runs:
         record = recorded(run, truth_of(run), forces=forces)
         score.add(record.truth, analyse(record), record.rotation)
-    assert score.met == score.onsets > 0
-    assert score.missed == score.false == 0
-    # Not every state comes in four runs, and some only for a moment: the share of the time stands for them here.
-    assert np.trace(score.string) > 0.93 * score.string.sum()
-    assert np.trace(score.marks) > 0.9 * score.marks.sum()
+    assert score.onsets > 0
+    assert stats.binom.cdf(score.met, score.onsets, 0.84) > 1e-3
+    assert score.missed + score.false <= 1
+    # Not every state comes in six runs, and some only for a moment: the share of the time stands for them here.
+    assert np.trace(score.string) > 0.9 * score.string.sum()
+    assert np.trace(score.marks) > 0.85 * score.marks.sum()
 
 
 def test_steady_bench_has_no_onset():

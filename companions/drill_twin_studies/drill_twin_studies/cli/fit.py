@@ -76,7 +76,7 @@ def fit(
 def _shown(found: Posterior) -> Iterator[Table | Text | str]:
     from rich.text import Text
 
-    from drill_twin_studies.fitting.posterior import shown_number
+    from drill_twin_studies.fitting.posterior import HELD, shown_number
     from drill_twin_studies.goodness import table as goodness_table
 
     if found.unexplained:
@@ -90,9 +90,10 @@ def _shown(found: Posterior) -> Iterator[Table | Text | str]:
     yield Table(
         ("number", "best", "low", "median", "high"),
         rows,
-        title=f"{found.scene.name}: {len(found.values)} runs, intervals of 90 % or more",
+        title=f"{found.scene.name}: {len(found.values)} runs, intervals of 90 %",
         right=(1, 2, 3, 4),
     )
+    yield HELD
     if found.sampling.power < 1.0:
         yield Text("the draws are still wider than the record allows; more --rounds narrow the intervals", "yellow")
     for line in found.undetermined:

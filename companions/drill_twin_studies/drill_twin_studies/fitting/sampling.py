@@ -83,10 +83,10 @@ class Sampling:
 
     @property
     def intervals(self) -> Array:
-        """Ends of the intervals of 90 % or more in the unit cube, shape (2, d): 5 and 95 % quantiles.
+        """Ends of the intervals in the unit cube, shape (2, d): 5 and 95 % quantiles.
 
-        An interval reaches an end of its range, and holds 95 %, where more draws are near it than of the prior: they
-        cannot lie beyond it, so a quantile would leave out each truth that is near it.
+        An interval reaches an end of its range, and has 95 % of the draws, where more draws are near it than of the
+        prior: they cannot lie beyond it, so a quantile would leave out each truth that is near it.
         """
         low, high = (weighted_quantile(self.cube, self.weights, share) for share in (0.05, 0.95))
         near_low, near_high = self.at_ends > END

@@ -106,7 +106,7 @@ def regime_of(
         grows: True if a motion grows that would not be calm in the time asked.
     """
     state = summary.motion[-1].state if summary.motion else MotionState.AT_REST
-    ratio = summary.mode_ratio or 0.0
+    ratio = summary.mean_ratio or 0.0
     stands = abs(ratio) < criteria.STANDING_RATIO and state not in {MotionState.IRREGULAR, MotionState.IMPACTS}
     if not (state in NO_WHIRL or state is MotionState.NOT_OBSERVABLE or stands):
         if state not in _BY_STATE and (widest := summary.mark_motion.get(summary.frequency_mark or "")):

@@ -209,7 +209,7 @@ class Runner:
         summary, widest = values["summary"], int(np.argmax(shares))
         orbit = np.rint(values["centre"][-ORBIT:, widest] / clearance[widest] * 1000.0)
         onset, hz, ratio = (
-            number_or_nan(found) for found in (summary.onset_s, summary.mode_frequency_hz, summary.mode_ratio)
+            number_or_nan(found) for found in (summary.onset_s, summary.mean_frequency_hz, summary.mean_ratio)
         )
         length, index = key.length(self.duration, self.asked), values["stick_slip_index"]
         torsion = TorsionalSpeeds(float(index[1].max()), *values["mean_speed"].tolist())

@@ -5,6 +5,7 @@ import json
 
 import numpy as np
 import pytest
+from scipy import stats
 from scipy.io import savemat
 from typer.testing import CliRunner
 
@@ -22,17 +23,36 @@ OVER = {"wob": 55e3, "numerics.step": "20 ms", "numerics.frame_rate": 10.0}
 @pytest.fixture(scope="module")
 def record(tmp_path_factory):
     """Bit speed of a hidden twin over 30 s, with noise."""
-    found = dt.Ensemble("two_mass", {key: [value] for key, value in HIDDEN.items()}, overrides=OVER).run(
+    return measured(HIDDEN, 1, tmp_path_factory.mktemp("record") / "rig.csv")
+
+
+def measured(hidden, seed, path):
+    """File of the bit speed of a twin with hidden numbers over 30 s, with noise."""
+    found = dt.Ensemble("two_mass", {key: [value] for key, value in hidden.items()}, overrides=OVER).run(
         30.0, outputs=("channels",), mark_rate=10.0
     )
-    noise = 0.05 * np.random.default_rng(1).standard_normal(found["time"].size)
+    noise = 0.05 * np.random.default_rng(seed).standard_normal(found["time"].size)
     rows = np.column_stack((found["time"], (found["bit_speed"][0] + noise) * 30.0 / np.pi))
-    path = tmp_path_factory.mktemp("record") / "rig.csv"
     np.savetxt(path, rows, delimiter=",", header="time_s,bit speed [rpm]", comments="")
     return path
 
 
-def test_hidden_numbers_lie_in_their_intervals_and_the_fitted_scene_has_them(record, tmp_path):
+def test_hidden_numbers_of_drawn_twins_lie_in_their_intervals(tmp_path):
+    """At the rate that is printed; 300 twins: `make fit-coverage`."""
+    held = 0
+    for seed in range(400, 403):
+        draw = np.random.default_rng(seed)
+        hidden = dict(zip(FREE, (draw.uniform(0.55, 0.95), draw.uniform(0.2, 6.0)), strict=True))
+        path = measured(hidden, seed, tmp_path / f"{seed}.csv")
+        found = dt.fit(
+            path, "two_mass", FREE, channels=["bit_speed=bit speed [rpm]"], overrides=OVER, end=30.0, rate=10.0,
+            members=32, seed=seed,
+        )  # fmt: skip
+        held += sum(low <= hidden[key] <= high for key, (low, high) in found.intervals.items())
+    assert stats.binom.cdf(held, 6, 0.85) > 1e-2
+
+
+def test_the_fitted_scene_has_the_best_numbers(record, tmp_path):
     options = [f"--free={key}={span}" for key, span in FREE.items()]
     options += [
         f"--set={key}={value}" for key, value in (OVER | {"wob": "55 kN", "numerics.frame_rate": "10 Hz"}).items()
@@ -48,11 +68,7 @@ def test_hidden_numbers_lie_in_their_intervals_and_the_fitted_scene_has_them(rec
     assert found["undetermined"] == []
     assert [said.partition(":")[0] for said in found["of_law"]] == [*HIDDEN]
     for key, hidden in HIDDEN.items():
-        numbers = found["numbers"][key]
-        # of one record: a right band of 90 % misses in one of ten, one of 99 %, 1.57 times as wide, in one of a hundred
-        middle, half = 0.5 * (numbers["low"] + numbers["high"]), 0.5 * (numbers["high"] - numbers["low"])
-        assert abs(hidden - middle) <= 1.57 * half
-        assert 2.0 * half < 0.2 * hidden
+        assert found["numbers"][key]["high"] - found["numbers"][key]["low"] < 0.2 * hidden
     fitted = dt.load_scene(tmp_path / "fit" / "fitted.yaml")
     assert fitted.effects.bit_torque_stribeck.sticking == found["numbers"]["bit_torque_stribeck.sticking"]["best"]
     assert (tmp_path / "fit" / "fit.png").stat().st_size > 10_000

@@ -136,8 +136,8 @@ def measure(done: Run, spectrum_of: str = "mark_2") -> Measured:
         line = float(frequency[int(np.argmax(height))]) if height.size else None
     return Measured(
         found.onset_s,
-        found.mode_frequency_hz,
-        found.mode_ratio,
+        found.mean_frequency_hz,
+        found.mean_ratio,
         line,
         _largest(done.point, done.names),
         tuple((period.start_s, period.state.value) for period in found.motion),

@@ -1,0 +1,136 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Whirl frequency of a run: the mean over the last settled stretch of its whirl, with an interval from windows.
+
+The frequency is the angle that a mark sweeps over the time it takes: the slope of its phase. The stretch is cut into
+windows of equal rotation, and the scatter of their means tells the interval (method of batch means, Law 2007, section
+9.5.3), wider where neighbours are alike, as in an autoregression of first order. A trend of the windows means that the
+motion is still changing. `python -m drill_twin_evidence.detection.frequency 200 9000` counts intervals that hold.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+from scipy import special
+
+from drill_twin.core.arrays import Array
+from drill_twin.whirl.columns import Columns
+from drill_twin.whirl.criteria import MotionState
+from drill_twin.whirl.findings import MotionPeriod
+from drill_twin.whirl.motion.states import Timeline, lasting_motion
+
+WINDOWS, FEWEST, SHORTEST = 8, 5, 3.0
+"""Windows of a settled stretch, the fewest that tell a trend, and the shortest [rev]: of 12 or 16 windows fewer
+intervals hold. With windows of two revolutions `pa6_bench` seemed settled after 15 s, in the midst of a change."""
+SHARE, LIKE = 0.95, 0.5
+"""Share of the intervals that would hold if windows were independent: with 0.9, eight of ten wandering frequencies are
+held (seeds 2000 to 2199), with 0.95 nine. Largest correlation of neighbours; with 0.4 as many of them hold."""
+CHANCE = 0.01
+"""Chance with which windows of a settled whirl have a trend (F test)."""
+MATTERS = 0.02
+"""Least trend over a stretch that counts, over the rotation: `report.near_states.NEAR`; chosen, not measured."""
+BEGINS = (0.25, 0.5, 0.75)
+"""Shares of a stretch that are left out at its begin, until the rest has no trend. Chosen, not measured."""
+_FORWARD = {MotionState.SYNCHRONOUS_WHIRL, MotionState.FORWARD_WHIRL}
+_BACKWARD = {MotionState.BACKWARD_WHIRL, MotionState.ROLLING, MotionState.CREEPING}
+
+
+class WhirlFrequency(NamedTuple):
+    """Frequency of the whirl at a mark."""
+
+    mark: int
+    hz: float
+    """Mean precession over the window [Hz], positive = forward."""
+    ratio: float
+    """The same over the rotation."""
+    window_s: tuple[float, float]
+    """Time over which the mean is taken [s], since the first sample."""
+    interval_hz: tuple[float, float] | None = None
+    """A settled whirl's frequency lies between in nine of ten cases; of any other, least and largest mean of a window.
+    None for too short a whirl."""
+    changes: bool | None = None
+    """Whether the frequency still changes; None for irregular motion and for too short a whirl."""
+
+
+def whirl_frequency(
+    statistics: Columns, timelines: Sequence[Timeline], onset: float, end: float, origin: float, *, irregular: bool
+) -> WhirlFrequency | None:
+    """Frequency over the settled part of the longest stretch in which a mark keeps the sense of the motion that lasts.
+
+    The mark is the one with the most power in the second half of the whirl.
+
+    Args:
+        statistics: Sums over the bins.
+        timelines: Motion states of the marks, then of the string.
+        onset: Time of the onset [s].
+        end: End of the whirl [s].
+        origin: Time of the first sample [s].
+        irregular: Whether the motion that lasts is irregular, and never settled.
+
+    Returns:
+        The frequency; None without a precession there.
+    """
+    late = (statistics.end > 0.5 * (onset + end) - origin) & (statistics.end <= end - origin)
+    power = statistics.power[late].sum(axis=0)
+    if not power.size or not power.max() > 0.0:
+        return None
+    mark, found = int(np.argmax(power)), None
+    begin, end = _stretch(timelines[mark].periods, onset, end)
+    for share in BEGINS:
+        last = _over(statistics, mark, begin + share * (end - begin) - origin, end - origin, irregular=irregular)
+        if found is None or (last is not None and found.changes is not False and last.changes is False):
+            found = last
+    return found and found._replace(window_s=(found.window_s[0] + origin, found.window_s[1] + origin))
+
+
+def _stretch(periods: Sequence[MotionPeriod], onset: float, end: float) -> tuple[float, float]:
+    """Longest time [s] between onset and end in which a mark keeps the sense of the motion that lasts."""
+    periods = [period for period in periods if period.start_s < end]
+    lasting = lasting_motion(periods, onset, end)
+    senses = next((group for group in (_FORWARD, _BACKWARD) if lasting in group), {lasting})
+    runs: list[tuple[float, float]] = []
+    for period, stop in zip(periods, [*(after.start_s for after in periods[1:]), end], strict=True):
+        if period.state in senses:
+            begin = runs.pop()[0] if runs and runs[-1][1] == period.start_s else max(period.start_s, onset)
+            runs.append((begin, stop))
+    return max(runs, key=lambda run: run[1] - run[0], default=(onset, end))
+
+
+def _over(statistics: Columns, mark: int, begin: float, end: float, *, irregular: bool) -> WhirlFrequency | None:
+    """Frequency over a time [s]."""
+    cells = np.flatnonzero((statistics.end > begin) & (statistics.end <= end) & (statistics.length[:, mark] > 0.0))
+    if not cells.size:
+        return None
+    each = max(math.ceil(SHORTEST / statistics.width.item()), cells.size // WINDOWS)  # cells of a window
+    cells = cells[cells.size % each if cells.size > each else 0 :]
+    length, swept, rotated = (one[cells, mark] for one in (statistics.length, statistics.swept, statistics.rotated))
+    window = float(statistics.end[cells[0]] - length[0]), float(statistics.end[cells[-1]])
+    hz, ratio = float(swept.sum() / length.sum()), float(swept.sum() / rotated.sum())
+    found = WhirlFrequency(mark, hz, ratio, window)
+    if cells.size < 2 * each:
+        return found
+    means = swept.reshape(-1, each).sum(axis=1) / length.reshape(-1, each).sum(axis=1)
+    count, centred = means.size, means - means.mean()
+    changes = _trend(means) > MATTERS * rotated.sum() / length.sum()
+    square = max(float(centred @ centred), np.finfo(float).tiny)
+    alike = max(float(centred[1:] @ centred[:-1]) / square + 1.0 / count, 0.0)  # Kendall 1954
+    if changes or irregular or count < WINDOWS or alike > LIKE:
+        spread = float(means.min()), float(means.max())
+        return found._replace(interval_hz=spread, changes=True if changes and not irregular else None)
+    error = math.sqrt(square / (count - 1) / count * (1.0 + alike) / (1.0 - alike))
+    half = float(special.stdtrit(count - 1, 0.5 + 0.5 * SHARE)) * error
+    return found._replace(interval_hz=(hz - half, hz + half), changes=False)
+
+
+def _trend(means: Array) -> float:
+    """Range of a parabola through means of windows; 0 where chance explains it (F test), or where they are too few."""
+    if means.size < FEWEST:
+        return 0.0
+    place = np.linspace(-1.0, 1.0, means.size)
+    curve = np.polynomial.Polynomial.fit(place, means, 2)(place)
+    shown, rest = float(np.sum((curve - means.mean()) ** 2)), float(np.sum((means - curve) ** 2))
+    sure = 0.5 * shown * (means.size - 3) > special.fdtri(2, means.size - 3, 1.0 - CHANCE) * rest
+    return float(np.ptp(curve)) if sure else 0.0
