@@ -58,7 +58,7 @@ numerics: {frame_rate: 50 Hz}
 
 def of(state, ratio=-0.5, bit=BitMotion.STEADY, **more):
     """Findings with one motion."""
-    return Summary(motion=(MotionPeriod(0.0, state, "", 1.0),), mode_ratio=ratio, bit=bit, **more)
+    return Summary(motion=(MotionPeriod(0.0, state, "", 1.0),), mean_ratio=ratio, bit=bit, **more)
 
 
 def kind(summary, torsion=STEADY):
