@@ -41,7 +41,7 @@ SWINGS = 0.5
 SMALL = 0.1
 """Share of bow and eccentricity that is left. Not zero: a perfect string never leaves the axis of a vertical hole."""
 
-BACKWARD = (MotionState.BACKWARD_WHIRL.value, MotionState.ROLLING.value)
+BACKWARD = (MotionState.BACKWARD_WHIRL.value, MotionState.ROLLING.value, MotionState.CREEPING.value)
 CALM = (MotionState.FIXED_AXIS.value, MotionState.AT_REST.value)
 FORWARD = (MotionState.FORWARD_WHIRL.value, MotionState.SYNCHRONOUS_WHIRL.value)
 

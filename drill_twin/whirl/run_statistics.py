@@ -38,6 +38,7 @@ def new_statistics(m: int) -> Columns:
         power=np.zeros((m, CELLS)),  # of the motion over its precession ratio [s]: the weight of a cell
         ratio=np.zeros((m, CELLS)),  # the same times the ratio
         precession=np.zeros((m, CELLS)),  # the same times the precession [rev/s]
+        left=np.zeros(m),  # the power times its irregular share [s]
         seconds=0.0,  # of rotation [s], since the onset if there was one
         turns=0.0,  # of rotation [rev], since the onset if there was one
         samples=0.0,  # since rotation began
@@ -54,8 +55,8 @@ def new_statistics(m: int) -> Columns:
     )
 
 
-def dominant_precession(statistics: Columns) -> tuple[int, float, float] | None:
-    """Mark with the largest power, its dominant ratio and precession [rev/s]; None if nothing was added."""
+def dominant_precession(statistics: Columns) -> tuple[int, float, float, float] | None:
+    """Mark with the largest power, its dominant ratio, precession [rev/s] and irregular share; None without power."""
     total = statistics.power.sum(axis=1)
     mark = int(np.argmax(total))
     if total[mark] <= 0.0:
@@ -66,7 +67,8 @@ def dominant_precession(statistics: Columns) -> tuple[int, float, float] | None:
     around = slice(max(0, centre - PEAK_CELLS), centre + PEAK_CELLS + 1)
     power = float(weight[around].sum())
     ratio = float(statistics.ratio[mark, around].sum()) / power
-    return mark, ratio, float(statistics.precession[mark, around].sum()) / power
+    precession = float(statistics.precession[mark, around].sum()) / power
+    return mark, ratio, precession, float(statistics.left[mark] / total[mark])
 
 
 @strict_kernel
@@ -82,6 +84,7 @@ def _add_power(statistics: Columns, orbit: Columns, whirling: Mask, seconds: flo
             statistics.power[k, cell] += weight
             statistics.ratio[k, cell] += weight * ratio
             statistics.precession[k, cell] += weight * orbit.precession[k]
+            statistics.left[k] += weight * orbit.left[k]
 
 
 @strict_kernel

@@ -35,7 +35,7 @@ def summarise(
         bit: Motion of the bit.
         quality: Counts of samples.
     """
-    mark, ratio, precession = dominant_precession(statistics) or (None, None, None)
+    mark, ratio, precession, irregular = dominant_precession(statistics) or (None, None, None, None)
     timelines = decisions.timelines
     motion, onset = timelines[-1].periods, decisions.onset
     seconds, turns = statistics.seconds.item(), statistics.turns.item()
@@ -62,6 +62,7 @@ def summarise(
         whirl_end_s=whirl_end(motion),
         mode_frequency_hz=precession,
         mode_ratio=ratio,
+        irregular_share=irregular,
         notes=_notes(quality, timelines[-1].dropped, decisions.rolling_ratio, unseen),
     )
 

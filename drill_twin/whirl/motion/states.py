@@ -118,6 +118,7 @@ def whirl_end(periods: Sequence[MotionPeriod]) -> float | None:
 STATES = tuple(MotionState)
 (
     HIDDEN, AT_REST, FIXED_AXIS, SWING, SYNCHRONOUS, FORWARD, ROLLING, SECOND_BENDING, IRREGULAR, REVERSE, SPIRAL,
+    CREEPING, IMPACTS,
 ) = range(len(STATES))  # fmt: skip
 
 RISE = 0.1

@@ -79,6 +79,7 @@ _BY_STATE = {
     MotionState.FORWARD_WHIRL: Regime.FORWARD,
     MotionState.BACKWARD_WHIRL: Regime.BACKWARD,
     MotionState.ROLLING: Regime.BACKWARD,
+    MotionState.CREEPING: Regime.BACKWARD,
     MotionState.IRREGULAR: Regime.IRREGULAR,
 }
 
