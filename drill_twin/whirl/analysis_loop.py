@@ -80,7 +80,7 @@ def estimate_orbit(
     fit_orbit(orbit, history, averaged.level, separation.arm)
     judge(carrier, orbit.seen, orbit.rotation[0], rolling_ratio)
     crossed = watch_synchronous(synchronous, history, orbit, onsets.swing)
-    ended = ends(onsets, averaged, orbit, history, separation.arm)
+    ended = ends(onsets, averaged, orbit, history, separation.arm, carrier.carried)
     return DECIDE_FIRST if crossed or ended else ESTIMATE
 
 

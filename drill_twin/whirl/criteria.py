@@ -60,12 +60,13 @@ class MotionState(Enum):
     `COHERENCE` or an unevenness of the radius above `UNEVENNESS`, and two lines leave `LEFT` of the power or more. Two
     whirls at once, which leave less, are named by the stronger."""
     BACKWARD_WHIRL = "backward whirl"
-    """Regular whirl against the sense of rotation, free of the wall for half of the time or more."""
+    """Regular whirl against the sense of rotation that neither rolls nor creeps: free of the wall for half of the time
+    or more, or sliding along it faster than it would roll."""
     SPIRAL = "spiral"
     """Of the string only: whirl, with marks that do not lie in one plane (planarity below `PLANAR`): a helix."""
     CREEPING = "creeping along the wall"
-    """Regular whirl against the sense of rotation, in contact, whose contact point slips by more than `ROLLING_SLIP` of
-    the rim speed: the string slides, and hardly accelerates."""
+    """Regular whirl against the sense of rotation, in contact, slower than rolling by more than `ROLLING_SLIP` of the
+    rim speed: the contact point slips."""
     IMPACTS = "striking the wall"
     """Regular whirl of either sense that comes to the wall `STRIKES` times in a revolution or more, was nearer to the
     axis than `AWAY` before each, and is free of the wall for half of the time or more. Strikes that follow each other

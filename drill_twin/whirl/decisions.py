@@ -77,8 +77,8 @@ def criterion_text(found: MotionState, state: Columns, mark: int, *, contact_kno
             return f"{orbit_text}: displaced, and stands there (slower than {criteria.STANDING_RATIO:.3f})"
         case MotionState.PLANE_SWING:
             return (
-                f"to and fro, rms radius {100 * state.onsets.swing[mark]:.1f} % of the clearance: lines of either sense "
-                f"are nearly equal (rotary coefficient below {criteria.ROTARY:g})"
+                f"to and fro, rms radius {100 * state.onsets.swing[mark]:.1f} % of the clearance: its lines of either "
+                f"sense are nearly equal (rotary coefficient below {criteria.ROTARY:g})"
             )
         case MotionState.FIXED_AXIS:
             return f"asynchronous radius {100 * whirl:.1f} %, synchronous {100 * synchronous:.1f} % of the clearance"

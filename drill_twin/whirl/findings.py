@@ -276,8 +276,8 @@ class Summary:
     """`whirl_ratio`, for irregular motion too."""
     irregular_share: float | None = None
     """Share of the power of the whirl since the onset, at `frequency_mark`, in neither of the two strongest lines of up
-    to 12 revolutions (`orbit.two_lines`): small for one whirl or two, large for motion without order; growth and changes
-    count too. None without a whirl."""
+    to 12 revolutions (`orbit.two_lines`): small for one whirl or two, large for motion without order or while it grows
+    or changes. None without a whirl."""
     observable: bool = True
     """False if there were no positions of marks, so that whirl is not observable."""
     sub: SubFindings | None = None

@@ -12,7 +12,7 @@ from drill_twin.core.arrays import Array, Mask
 from drill_twin.core.compile.jit import as_python
 from drill_twin.whirl import criteria
 from drill_twin.whirl.columns import Columns
-from drill_twin.whirl.history import ASYNCHRONOUS, MOVING, newest, newest_in
+from drill_twin.whirl.history import ASYNCHRONOUS, SYNCHRONOUS, newest, newest_in
 from drill_twin.whirl.onset.asynchronous_onset import INTERVAL, is_converged, update_candidate, width_for
 from drill_twin.whirl.onset.plane_swing import swing_radius, to_and_fro
 from drill_twin.whirl.onset.threshold_crossing import (
@@ -208,7 +208,8 @@ class OnsetDetector:
         precession = abs(float(self._orbit.rate[0, mark])) * float(time[-1] - time[0])
         slow = precession < criteria.SETTLING_RATIO * abs(float(angle[-1] - angle[0]))
         moved = history.vector[newest(history, min(since, history.length.item())), :, mark]
-        if to_and_fro(moved[:, ASYNCHRONOUS]) or to_and_fro(moved[:, MOVING]) or self._synchronous(swept, mark, since):
+        fast = abs(self._rate[mark]) > criteria.DEFINITE_RATIO * math.tau * abs(float(self._orbit.rotation[0]))
+        if self._synchronous(swept, mark, since) or (not fast and any(map(to_and_fro, moved[:, :SYNCHRONOUS].T))):
             return False
         return not (slow or self._inclined[mark]) or swept.in_hole >= criteria.SETTLING_ANGLE
 

@@ -107,7 +107,7 @@ def test_a_string_that_swings_on_the_low_side_does_not_whirl(pace, angle):
 def test_a_whirl_on_the_low_side_is_one(ratio):
     """An orbit about a point of the low side, that never goes round the hole."""
     time = clock(100, 30)
-    rest, whirl = 0.8 * (1.0 - np.exp(-time / 0.1)), growth(12.0, 0.05, 1.0, ratio, limit=0.3)
+    rest, whirl = 0.6 * (1.0 - np.exp(-time / 0.1)), growth(12.0, 0.05, 1.0, ratio, limit=0.3)
     moved = motion(time, marks=(INCLINED,), bow=0.02, offset=rest[:, None], whirl=whirl)
     summary = play(moved.with_noise(0.003, 5))[0].summary()
     assert summary.onset.time_s == pytest.approx(moved.true_onset(), abs=3.0)

@@ -108,6 +108,7 @@ def new_motion(m: int) -> Columns:
         lines=np.zeros((m, 2, 2)),  # rate [rad/s] and radius [m] of the two strongest lines of the asynchronous part
         due=np.zeros(1),  # revolutions at which the lines are found again [rev]
         rest=np.zeros((2, CAPACITY), complex),  # work
+        creeps=False,  # the contact point moves backward more slowly than in rolling
         rolls=False,  # the contact point slips little, if there is contact
         helical=np.zeros(1, bool),  # the string is a helix
         two_sided=np.zeros(1, bool),  # the string has marks on both sides of the axis
@@ -233,6 +234,7 @@ def _update_flags(motion: Columns, orbit: Columns, whirling: Mask, rolling_ratio
         motion.strikes[k] = orbit.strikes[k] >= most and not motion.in_contact[k]
         slip = _slip(orbit.ratio[k], rolling_ratio[k])
         slides = slip > criteria.ROLLING_SLIP + 0.1
+        motion.creeps[k] = rolling_ratio[k] < orbit.ratio[k] < 0.0
         motion.rolls[k] = slip < criteria.ROLLING_SLIP or (motion.rolls[k] and not slides)
 
 
@@ -272,7 +274,7 @@ def _of_mark(motion: Columns, orbit: Columns, onsets: Columns, k: int, synchrono
         return FIXED_AXIS
     if motion.strikes[k]:
         return IMPACTS
-    if motion.in_contact[k] and ratio < 0.0:
+    if motion.in_contact[k] and (motion.rolls[k] or motion.creeps[k]):
         return ROLLING if motion.rolls[k] else CREEPING
     return FORWARD if ratio > 0.0 else REVERSE
 

@@ -198,7 +198,8 @@ class StickSlip:
     @property
     def decrement(self) -> tuple[float, float, float] | None:
         """Logarithmic decrement of the swing, its standard error and its chance; None where fewer than three cycles are
-        known."""
+        known.
+        """
         if len(self._heights) < FEWEST_HEIGHTS:
             return None
         fit = linregress(range(len(self._heights)), self._heights)

@@ -202,10 +202,13 @@ def drop_candidates(onsets: Columns) -> None:
 
 
 @strict_kernel
-def ends(onsets: Columns, averaged: Columns, orbit: Columns, history: Columns, arm: ComplexArray) -> bool:
+def ends(
+    onsets: Columns, averaged: Columns, orbit: Columns, history: Columns, arm: ComplexArray, carried: Array
+) -> bool:
     """Find the orbits that have become `small` or `constant`; return whether `OnsetDetector.release` must decide.
 
-    `arm` is that from the centre line to the marked points [m], shape (m,).
+    `arm` is that from the centre line to the marked points [m], and `carried` the rates of fast orbits [rad/s], which
+    seen once a bin may pass for any motion; shapes (m,).
     """
     fall = criteria.RELEASE_RADIUS / criteria.ONSET_RADIUS
     bins, end, any_ends = bins_in(history, criteria.SWEEP_WINDOW), end_of(history), False
@@ -216,7 +219,9 @@ def ends(onsets: Columns, averaged: Columns, orbit: Columns, history: Columns, a
     for k in range(onsets.active.size):
         onsets.swing[k] = 0.0
         stays, noise = onsets.inclined[k] and keeps_to_low_side(history, arm[k], k, side), averaged.level[k]
-        onsets.plane[k] = swings(history, arm[k], k, noise * averaged.clearance[k], stays, onsets.rest[:side])
+        slow = abs(carried[k]) < criteria.DEFINITE_RATIO * math.tau * abs(orbit.rotation[0])
+        noise_m = noise * averaged.clearance[k]
+        onsets.plane[k] = slow and swings(history, arm[k], k, noise_m, stays, onsets.rest[:side])
         if landed and onsets.plane[k]:
             swing = swing_radius(history, arm[k], k, bins, 0) / averaged.clearance[k]
             swing = math.sqrt(max(swing * swing - 2.0 * noise * noise, 0.0))

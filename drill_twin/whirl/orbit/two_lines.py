@@ -105,7 +105,7 @@ def _size(rest: ComplexArray, time: Array, middle: float, rate: float) -> comple
 
 @strict_kernel
 def _take(rest: ComplexArray, time: Array, middle: float, rate: float, size: complex) -> complex:
-    """Take the line of a rate [rad/s] from the motion: of this size [m], or of the size that fits best where it is 0."""
+    """Take the line of a rate [rad/s] and a size [m], or of the size that fits best where it is 0, from the motion."""
     if size == 0j:
         size = _size(rest, time, middle, rate)
     for i in range(rest.size):

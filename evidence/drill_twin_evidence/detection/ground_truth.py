@@ -244,8 +244,8 @@ class _Points:
         out = self._radius[window, k]
         touching = float((out > TOUCHING).mean()) > CONTACT
         slip = 1.0 - ratio / rolling if rolling else 0.0
-        if touching and ratio < 0.0:
-            return "rolling along the wall" if abs(slip) < ROLLING else "creeping along the wall", rough
+        if touching and ratio < 0.0 and slip > -ROLLING:
+            return "rolling along the wall" if slip < ROLLING else "creeping along the wall", rough
         if not touching and _strikes(out) >= 2.0 * WINDOW:
             return "striking the wall", rough
         return "forward whirl" if ratio > 0.0 else "backward whirl", rough
