@@ -49,7 +49,7 @@ def test_two_lines_of_a_known_sum():
     at = 191 + CAPACITY + 1
     time, vector = np.zeros(2 * CAPACITY), np.zeros((2 * CAPACITY, 3, 1), complex)
     time[at - 192 : at] = seen
-    vector[at - 192 : at, 0, 0] = np.exp(2.1j * seen) + 0.4 * np.exp(-5.3j * seen + 1.0) + noise
+    vector[at - 192 : at, 0, 0] = np.exp(2.1j * seen) + 0.4 * np.exp(-5.3j * seen + 1.0j) + noise
     history = new_history(1)._replace(time=time, vector=vector, appended=np.array([192]))
     lines, work = np.empty((2, 2)), np.zeros((2, 192), complex)
     left = as_python(find_lines)(history, 0, 0.0, work[0], work[1], lines)

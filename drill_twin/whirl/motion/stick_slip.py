@@ -181,7 +181,7 @@ class StickSlip:
         self._sticks = self._lasts = False  # the last cycle; a period
         self._repeats = 0
         self._pending: StickSlipPeriod | None = None
-        self._heights: list[float] = []  # logarithms of fastest less slowest of the last cycles
+        self._heights: list[tuple[float, float]] = []  # start [s] of the last cycles, log of fastest less slowest
         self._lowest = math.inf  # of all heights of the swing
         self._decays = False
 
@@ -202,7 +202,7 @@ class StickSlip:
         """
         if len(self._heights) < FEWEST_HEIGHTS:
             return None
-        fit = linregress(range(len(self._heights)), self._heights)
+        fit = linregress(range(len(self._heights)), [height for _, height in self._heights])
         return -float(fit.slope), float(fit.stderr), float(fit.pvalue)
 
     def push(self, time: float, bit_speed: float, top_speed: float = math.nan) -> None:
@@ -260,12 +260,13 @@ class StickSlip:
         sticks = FULL <= severity < math.inf
         self._repeats = self._repeats + 1 if sticks is self._sticks else 1
         self._sticks = sticks
-        self._heights = [*self._heights[1 - MOST_HEIGHTS :], math.log(max(fastest - slowest, SMALLEST_HEIGHT))]
-        self._lowest = min(self._lowest, self._heights[-1])
-        self._decays = self._falls() and self._heights[-1] == self._lowest
+        height = math.log(max(fastest - slowest, SMALLEST_HEIGHT))
+        self._heights = [*self._heights[1 - MOST_HEIGHTS :], (start, height)]
+        self._lowest = min(self._lowest, height)
+        self._decays = self._falls() and height == self._lowest
         if self._decays:
             # The first cycles of a swing that dies away are no stick-slip either.
-            if self._lasts and self.periods[-1].cycles <= len(self._heights):
+            if self.periods and self.periods[-1].start_s >= self._heights[0][0]:
                 self.periods.pop()
             self._pending, self._repeats, self._lasts = None, 0, False
             return
