@@ -203,6 +203,9 @@ class OnsetDetector:
         history = self._history
         if swept.smallest < criteria.LEAST_SWEPT_ANGLE or self._onsets.plane[mark]:
             return False
+        swing = float((self._onsets.swing * self._clearance).max())
+        if self._inclined[mark] and swing > float(self._averaged.radius[mark] * self._clearance[mark]):
+            return False  # another mark swings farther, on the low side: this mark follows
         window = newest(history, newest_in(history, criteria.ORBIT_WINDOW))
         angle, time = history.angle[window], history.time[window]
         precession = abs(float(self._orbit.rate[0, mark])) * float(time[-1] - time[0])
