@@ -248,10 +248,9 @@ UNEVENNESS = 0.3
 LINES_WINDOW = 12.0
 """Irregular: window of the two lines [rev], at most since the whirl was detected: lines 1/12 of the rotation apart are
 told from each other."""
-LEFT = 0.2
+LEFT = 0.1
 """Irregular: least share of the power that neither of the two strongest lines has; below, the motion is two whirls at
-once or an ellipse. Measured by `test/whirl/kinds.py` on seeds below 500: two whirls leave less than 0.1 in most, and
-lines without order more than 0.3."""
+once or an ellipse. Chosen on `test/whirl/kinds.py` and one run of an elastic bounce, which at 0.2 loses its name."""
 SETTLING_TIME = 1.0
 """Irregular: only this long after the whirl was detected, since growth is uneven too [rev]."""
 IRREGULARITY_MEMORY = 4.0
