@@ -46,7 +46,9 @@ LONGER = 30.0
 """Time for which a repeat holds the last set-points after the run's end, at least; the run's length where that is more
 [s]. What the start set off dies away, and the stick-slip index is of the last 20 s."""
 
-BACKWARD = (MotionState.BACKWARD_WHIRL.value, MotionState.ROLLING.value, MotionState.IMPACTS.value)
+BACKWARD = tuple(
+    one.value for one in (MotionState.BACKWARD_WHIRL, MotionState.ROLLING, MotionState.CREEPING, MotionState.IMPACTS)
+)
 CALM = (MotionState.FIXED_AXIS.value, MotionState.AT_REST.value)
 FORWARD = (MotionState.FORWARD_WHIRL.value, MotionState.SYNCHRONOUS_WHIRL.value)
 _FRICTION = {"wall_friction.coefficient": "", "wall_friction.sliding": ""}

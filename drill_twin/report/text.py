@@ -24,7 +24,10 @@ from drill_twin.whirl import MotionState, criteria
 
 _OF_THE_STRING = {MotionState.SPIRAL.value, MotionState.SECOND_BENDING.value}
 """States of the string's shape, which no single mark can have."""
-FIELD_NAMES = {MotionState.ROLLING.value: "backward whirl", MotionState.IRREGULAR.value: "chaotic whirl"}
+FIELD_NAMES = {
+    **dict.fromkeys((MotionState.ROLLING.value, MotionState.CREEPING.value), "backward whirl"),
+    MotionState.IRREGULAR.value: "chaotic whirl",
+}
 """Field names of states that have another name here (vocabulary of D-WIS)."""
 ON_THE_WALL = 1.005
 """Radius over the clearance from which a row tells how deep in the wall a mark was; not measured."""

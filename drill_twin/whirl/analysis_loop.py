@@ -19,7 +19,7 @@ from drill_twin.whirl import criteria
 from drill_twin.whirl.analyzer_state import BIN_FULL, SKIPPED, add_sample, note_findings, take_sample
 from drill_twin.whirl.columns import Columns
 from drill_twin.whirl.history import append
-from drill_twin.whirl.motion.classifier import classify
+from drill_twin.whirl.motion.classifier import classify, find_two_lines
 from drill_twin.whirl.onset.asynchronous_onset import average_radius, drop_candidates, ends, watch
 from drill_twin.whirl.onset.synchronous_onset import watch_synchronous
 from drill_twin.whirl.orbit.carrier import judge, restore
@@ -77,22 +77,23 @@ def estimate_orbit(
     if not statistics.estimated[0]:
         return NOT_DUE
     flow.due_revolutions[0], flow.due_time[0] = revolutions + INTERVAL_REV - 0.25 / BINS, time + INTERVAL_S
-    fit_orbit(orbit, history, averaged.level)
+    fit_orbit(orbit, history, averaged.level, separation.arm)
     judge(carrier, orbit.seen, orbit.rotation[0], rolling_ratio)
     crossed = watch_synchronous(synchronous, history, orbit, onsets.swing)
-    ended = ends(onsets, averaged, orbit, history, separation.arm)
+    ended = ends(onsets, averaged, orbit, history, separation.arm, carrier.carried)
     return DECIDE_FIRST if crossed or ended else ESTIMATE
 
 
 @strict_kernel
 def estimate_state(
     orbit: Columns, shape: Columns, history: Columns, motion: Columns, onsets: Columns, synchronous: Columns,
-    noise: Array, rolling_ratio: Array, full: Columns, definite: Array,
+    noise: Array, rolling_ratio: Array, full: Columns, carrier: Columns,
 ) -> bool:  # fmt: skip
     """Estimate precession, shape and motion states; return whether a state must be described."""
     find_precession(orbit, onsets.active, noise)
-    for k in range(definite.size):
-        orbit.confidence[k] *= definite[k]
+    for k in range(noise.size):
+        orbit.confidence[k] *= carrier.definite[k]
+    find_two_lines(motion, orbit, history, onsets, carrier.carried)
     find_shape(shape, history)
     return classify(motion, orbit, shape, onsets, synchronous, rolling_ratio, full)
 
@@ -149,7 +150,7 @@ def analyse(words: Integers, kind: Any) -> int:
             flow.new[0] = True
             if estimate_state(
                 orbit, shape, history, motion, onsets, synchronous, averaged.level, rolling_ratio, full,
-                carrier.definite,
+                carrier,
             ):  # fmt: skip
                 return DESCRIBE
         elif step == STATISTICS:

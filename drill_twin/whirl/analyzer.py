@@ -250,6 +250,7 @@ class Analyzer:
             bit_criterion=self._bit.criterion,
             onset=decisions.onset,
             quality=self.quality,
+            irregular_share=float(orbit.left[state.motion.mark[-1]]),
         )
 
 

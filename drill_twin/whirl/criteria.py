@@ -38,8 +38,9 @@ class MotionState(Enum):
     """No whirl: the asynchronous part is below `ONSET_RADIUS` or stands (`STANDING_RATIO`), and there is no synchronous
     onset. A bowed string that spins about its bent shape has this state, whether centred or lying on one side."""
     PLANE_SWING = "swinging in a plane"
-    """No whirl: the mark moves to and fro in a plane, as on the low side of an inclined hole, with an rms radius above
-    `ONSET_RADIUS`; its lines at +f and -f are equal (`onset.low_side_swing`)."""
+    """No whirl: the mark moves to and fro in a plane or on the low side of an inclined hole, with an rms radius above
+    `ONSET_RADIUS`; its lines at +f and -f are nearly equal, so that the rotary coefficient is below `ROTARY`
+    (`onset.plane_swing`). A wider ellipse is a whirl in the sense of its stronger line."""
     SYNCHRONOUS_WHIRL = "synchronous whirl"
     """Forced, not self-excited: the part that turns with the string (1x, of unbalance or bow) has grown, by a
     synchronous onset, and there is no asynchronous whirl. Its phase to the string is steady, or turns by half a turn in
@@ -50,22 +51,26 @@ class MotionState(Enum):
     ROLLING = "rolling along the wall"
     """Regular whirl against the sense of rotation, in contact for more than `CONTACT_FRACTION` of the time, and the
     contact point slips by less than `ROLLING_SLIP` of the rim speed: the ratio is within that share of pure rolling,
-    -r_o / clearance. Where r_o is unknown, any backward whirl in contact."""
+    -r_o / clearance. Where r_o is unknown, any backward whirl in contact: it may creep."""
     SECOND_BENDING = "second bending"
     """Of the string only: whirl, with the marks in one rotating plane (planarity above `PLANAR`), on both sides of the
     axis with more than `LOBE` of the largest radius each."""
     IRREGULAR = "irregular"
     """Whirl without a steady rate or radius: most of the last revolutions had a coherence of the angle below
-    `COHERENCE` or an unevenness of the radius above `UNEVENNESS`."""
+    `COHERENCE` or an unevenness of the radius above `UNEVENNESS`, and two lines leave `LEFT` of the power or more. Two
+    whirls at once, which leave less, are named by the stronger."""
     BACKWARD_WHIRL = "backward whirl"
-    """Regular whirl against the sense of rotation that does not roll: free of the wall, or sliding along it."""
+    """Regular whirl against the sense of rotation that neither rolls nor creeps: free of the wall for half of the time
+    or more, or sliding along it faster than it would roll."""
     SPIRAL = "spiral"
     """Of the string only: whirl, with marks that do not lie in one plane (planarity below `PLANAR`): a helix."""
     CREEPING = "creeping along the wall"
-    """Regular whirl against the sense of rotation, in contact, whose contact point slips by more than `ROLLING_SLIP` of
-    the rim speed: the string slides, and hardly accelerates."""
+    """Regular whirl against the sense of rotation, in contact, slower than rolling by more than `ROLLING_SLIP` of the
+    rim speed: the contact point slips."""
     IMPACTS = "striking the wall"
-    """Whirl that leaves the wall and strikes it again and again."""
+    """Regular whirl of either sense that comes to the wall `STRIKES` times in a revolution or more, was nearer to the
+    axis than `AWAY` before each, and is free of the wall for half of the time or more. Strikes that follow each other
+    within an eighth of a revolution are not told apart, and irregular motion keeps its name."""
 
 
 class BitMotion(Enum):
@@ -180,10 +185,10 @@ FALLING_TIME = 2.0
 """Onset: duration from the first rotation during which a string in an inclined hole may fall to its low side
 [rev]."""
 ROTARY = 0.5
-"""Low side: smallest rotary coefficient of a whirl that stays there, over `SIDE_WINDOW`; a swing is below. The ellipse
-with this coefficient is 0.27 times as wide as long (`onset.low_side_swing`)."""
+"""Smallest rotary coefficient of a whirl that moves along a line or stays on the low side, over `SIDE_WINDOW`; a swing
+is below. The ellipse with this coefficient is 0.27 times as wide as long (`onset.plane_swing`)."""
 SIDE_WINDOW = 12.0
-"""Low side: duration for which a swing stays there [rev]."""
+"""Swing: duration over which it is judged [rev]."""
 SWEEP_WINDOW = 6.0
 """Onset: duration within which that angle is swept; otherwise offset or bow have changed, and are estimated anew. A
 whirl that has not swept it in this duration has ended [rev]."""
@@ -224,6 +229,11 @@ DEFINITE_RATIO = 6.0
 too, would look like what is found."""
 CONTACT_RADIUS = 0.95
 """Contact, where no wall force is given: radius about the hole's axis, as a fraction of the clearance."""
+AWAY = 0.9
+"""Impacts: radius about the hole's axis, as a fraction of the clearance, within which the string has left the wall;
+chosen on `test/whirl/kinds.py`, so that noise at the wall is no strike."""
+STRIKES = 1.0
+"""Impacts: least number of strikes in a revolution; chosen: fewer are single blows. No longer below half of it."""
 CONTACT_FRACTION = 0.5
 """Along the wall: share of the time in contact."""
 CONTACT_HYSTERESIS = 0.1
@@ -235,6 +245,12 @@ COHERENCE = 0.85
 """Irregular: coherence of the angle with a steady rate below this."""
 UNEVENNESS = 0.3
 """Irregular: rms deviation of the radius from its trend over its mean above this."""
+LINES_WINDOW = 12.0
+"""Irregular: window of the two lines [rev], at most since the whirl was detected: lines 1/12 of the rotation apart are
+told from each other."""
+LEFT = 0.1
+"""Irregular: least share of the power that neither of the two strongest lines has; below, the motion is two whirls at
+once or an ellipse. Chosen on `test/whirl/kinds.py` and one run of an elastic bounce, which at 0.2 loses its name."""
 SETTLING_TIME = 1.0
 """Irregular: only this long after the whirl was detected, since growth is uneven too [rev]."""
 IRREGULARITY_MEMORY = 4.0

@@ -6,6 +6,7 @@ The text of a motion state gives the criterion that decided it, with its numbers
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 
 import numpy as np
@@ -75,16 +76,20 @@ def criterion_text(found: MotionState, state: Columns, mark: int, *, contact_kno
         case MotionState.FIXED_AXIS if row == 0 and abs(ratio) < criteria.STANDING_RATIO:
             return f"{orbit_text}: displaced, and stands there (slower than {criteria.STANDING_RATIO:.3f})"
         case MotionState.PLANE_SWING:
-            return f"to and fro on the low side, rms radius {100 * state.onsets.swing[mark]:.1f} % of the clearance"
+            return (
+                f"to and fro, rms radius {100 * state.onsets.swing[mark]:.1f} % of the clearance: its lines of either "
+                f"sense are nearly equal (rotary coefficient below {criteria.ROTARY:g})"
+            )
         case MotionState.FIXED_AXIS:
             return f"asynchronous radius {100 * whirl:.1f} %, synchronous {100 * synchronous:.1f} % of the clearance"
         case MotionState.IRREGULAR:
             coherence, unevenness = float(orbit.coherence[row, mark]), float(orbit.unevenness[row, mark])
+            left = 100 * float(orbit.left[mark])
             rough = float(state.motion.irregularity.share[mark])
             return (
                 f"{orbit_text}, rough for {100 * rough:.0f} % of the last {criteria.IRREGULARITY_MEMORY:g} revolutions "
                 f"(coherence below {criteria.COHERENCE:g} or unevenness above {criteria.UNEVENNESS:g}); now coherence "
-                f"{coherence:.2f}, unevenness {unevenness:.2f}"
+                f"{coherence:.2f}, unevenness {unevenness:.2f}, {left:.0f} % of the power in neither of its two lines"
             )
         case MotionState.SPIRAL:
             return (
@@ -99,9 +104,20 @@ def criterion_text(found: MotionState, state: Columns, mark: int, *, contact_kno
             return f"{orbit_text} ({sense}), about its mean"
         case _:
             contact = float(orbit.contact[mark])
-            slides = contact > criteria.CONTACT_FRACTION and found is not MotionState.ROLLING
-            sliding = ", sliding along the wall" if slides else ""
-            return f"{orbit_text} ({sense}){sliding}, in contact {100 * contact:.0f} % of the time"
+            rolling_ratio, how = float(state.marks.rolling_ratio[mark]), ""
+            if found is MotionState.IMPACTS:
+                how = f", {orbit.strikes[mark]:.1f} strikes in a revolution"
+            elif found is MotionState.ROLLING and rolling_ratio == 0.0:
+                how = ", rolling or creeping: the radius of the string is not known"
+            elif found is MotionState.CREEPING or (found is MotionState.ROLLING and ratio < 0.0):
+                how = f", slip {abs(1.0 - ratio / rolling_ratio):.2f} of the rim speed"
+            elif contact > criteria.CONTACT_FRACTION:
+                how = ", sliding along the wall"
+            if state.motion.irregularity.active[mark]:
+                turn = math.tau * float(orbit.rotation[0])
+                rate, size = state.motion.lines[mark, 1] / (turn, state.marks.clearance[mark])
+                how += f", and a line of {100 * size:.0f} % at {rate:+.2f}"
+            return f"{orbit_text} ({sense}){how}, in contact {100 * contact:.0f} % of the time"
 
 
 AT_START = "; there from the start of what is analysed, so its onset was before"

@@ -152,6 +152,8 @@ class Findings:
     """Counts of good and bad samples."""
     bit_index: float = math.nan
     """Stick-slip index of the bit; nan while it is not known."""
+    irregular_share: float = 0.0
+    """Share of the power of the whirl, at the mark that names `motion`, in neither of its two strongest lines."""
 
     @property
     def codes(self) -> list[int]:
@@ -262,6 +264,10 @@ class Summary:
     """`whirl_frequency_hz`, for irregular motion too: there it depends on the length of the record [Hz]."""
     mean_ratio: float | None = None
     """`whirl_ratio`, for irregular motion too."""
+    irregular_share: float | None = None
+    """Share of the power of the whirl since the onset, at `frequency_mark`, in neither of the two strongest lines of up
+    to 12 revolutions (`orbit.two_lines`): small for one whirl or two, large for motion without order or while it grows
+    or changes. None without a whirl."""
     observable: bool = True
     """False if there were no positions of marks, so that whirl is not observable."""
     sub: SubFindings | None = None

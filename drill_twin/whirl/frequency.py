@@ -48,6 +48,8 @@ class WhirlFrequency(NamedTuple):
     """The same over the rotation."""
     window_s: tuple[float, float]
     """Time over which the mean is taken [s], since the first sample."""
+    irregular_share: float
+    """Irregular share of the motion's power in the window."""
     interval_hz: tuple[float, float] | None = None
     """A settled whirl's frequency lies between in nine of ten cases; of any other, least and largest mean of a window.
     None for too short a whirl."""
@@ -109,7 +111,8 @@ def _over(statistics: Columns, mark: int, begin: float, end: float, *, irregular
     length, swept, rotated = (one[cells, mark] for one in (statistics.length, statistics.swept, statistics.rotated))
     window = float(statistics.end[cells[0]] - length[0]), float(statistics.end[cells[-1]])
     hz, ratio = float(swept.sum() / length.sum()), float(swept.sum() / rotated.sum())
-    found = WhirlFrequency(mark, hz, ratio, window)
+    share = float(statistics.left[cells, mark].sum() / statistics.power[cells, mark].sum())
+    found = WhirlFrequency(mark, hz, ratio, window, share)
     if cells.size < 2 * each:
         return found
     means = swept.reshape(-1, each).sum(axis=1) / length.reshape(-1, each).sum(axis=1)

@@ -12,9 +12,9 @@ from drill_twin.core.arrays import Array, Mask
 from drill_twin.core.compile.jit import as_python
 from drill_twin.whirl import criteria
 from drill_twin.whirl.columns import Columns
-from drill_twin.whirl.history import ASYNCHRONOUS, newest, newest_in
+from drill_twin.whirl.history import ASYNCHRONOUS, SYNCHRONOUS, newest, newest_in
 from drill_twin.whirl.onset.asynchronous_onset import INTERVAL, is_converged, update_candidate, width_for
-from drill_twin.whirl.onset.low_side_swing import swing_radius
+from drill_twin.whirl.onset.plane_swing import swing_radius, to_and_fro
 from drill_twin.whirl.onset.threshold_crossing import (
     Crossing,
     Detection,
@@ -79,7 +79,7 @@ class OnsetDetector:
             if whirl is not None:
                 whirls[mark] = whirl
         if whirls or onsets.active.any():  # the string whirls as one: so do the other marks that are displaced
-            others = (mark for mark in sorted(self._displaced) if mark not in whirls and not onsets.low_side[mark])
+            others = (mark for mark in sorted(self._displaced) if mark not in whirls and not onsets.plane[mark])
             whirls |= {mark: self._displaced[mark] for mark in others}
         crossings = [self._start_whirl(mark, whirl) for mark, whirl in whirls.items()]
         onsets.displaced[:] = False
@@ -94,7 +94,7 @@ class OnsetDetector:
         for mark in np.flatnonzero(onsets.active & constant & ~onsets.small).tolist():
             swept = self._swept(mark, bins)
             stands = swept.smallest < criteria.LEAST_SWEPT_ANGLE and not swept.steady
-            constant[mark] = stands or onsets.low_side[mark]
+            constant[mark] = stands or onsets.plane[mark]
         marks: list[int] = np.flatnonzero(onsets.active & (onsets.small | constant)).tolist()
         onsets.active[marks] = onsets.displaced[marks] = False
         onsets.began[marks] = onsets.time[marks] = math.nan
@@ -133,7 +133,9 @@ class OnsetDetector:
         candidate = int(onsets.bin[mark]), begun, float(onsets.noise[mark])
         if self._whirls(swept, mark, since):
             return _Displacement(*candidate, *position, valid_from)
-        if elapsed > criteria.SWEEP_WINDOW and onsets.low_side[mark]:
+        if elapsed > criteria.SWEEP_WINDOW and onsets.plane[mark]:
+            if not (self._inclined[mark] or early or mark in self._displaced):
+                self._displaced[mark] = _Displacement(*candidate, *position, valid_from)
             onsets.time[mark] = math.nan
             return None
         turns = swept.smallest >= criteria.LEAST_SWEPT_ANGLE  # as yet too slowly
@@ -199,13 +201,18 @@ class OnsetDetector:
     def _whirls(self, swept: SweptAngle, mark: int, since: int) -> bool:
         """Check that the vector of a mark orbits since so many bins: it does not settle, nor is it synchronous."""
         history = self._history
-        if swept.smallest < criteria.LEAST_SWEPT_ANGLE or self._onsets.low_side[mark]:
+        if swept.smallest < criteria.LEAST_SWEPT_ANGLE or self._onsets.plane[mark]:
             return False
+        swing = float((self._onsets.swing * self._clearance).max())
+        if self._inclined[mark] and swing > float(self._averaged.radius[mark] * self._clearance[mark]):
+            return False  # another mark swings farther, on the low side: this mark follows
         window = newest(history, newest_in(history, criteria.ORBIT_WINDOW))
         angle, time = history.angle[window], history.time[window]
         precession = abs(float(self._orbit.rate[0, mark])) * float(time[-1] - time[0])
         slow = precession < criteria.SETTLING_RATIO * abs(float(angle[-1] - angle[0]))
-        if self._synchronous(swept, mark, since):
+        moved = history.vector[newest(history, min(since, history.length.item())), :, mark]
+        fast = abs(self._rate[mark]) > criteria.DEFINITE_RATIO * math.tau * abs(float(self._orbit.rotation[0]))
+        if self._synchronous(swept, mark, since) or (not fast and any(map(to_and_fro, moved[:, :SYNCHRONOUS].T))):
             return False
         return not (slow or self._inclined[mark]) or swept.in_hole >= criteria.SETTLING_ANGLE
 

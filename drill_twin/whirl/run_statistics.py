@@ -24,7 +24,7 @@ CELLS = 256
 
 def new_statistics(m: int) -> Columns:
     """Sums over the bins of a run, before the first bin of m marks."""
-    length, swept, rotated, power = np.zeros((4, CELLS, m))
+    length, swept, rotated, power, left = np.zeros((5, CELLS, m))
     return columns(
         "RunStatistics",
         1,
@@ -35,6 +35,7 @@ def new_statistics(m: int) -> Columns:
         swept=swept,  # by the mark meanwhile [rev], positive = forward
         rotated=rotated,  # by the string meanwhile [rev]
         power=power,  # radius over the clearance, squared, times the time [s]
+        left=left,  # the same times the irregular share of the motion [s]
         seconds=0.0,  # of rotation [s], since the onset if there was one
         turns=0.0,  # of rotation [rev], since the onset if there was one
         samples=0.0,  # since rotation began
@@ -59,7 +60,7 @@ def _halve(statistics: Columns) -> None:
     for i in range(CELLS):
         here = 2 * i < CELLS
         statistics.end[i] = max(statistics.end[2 * i], statistics.end[2 * i + 1]) if here else 0.0
-        for sums in (statistics.length, statistics.swept, statistics.rotated, statistics.power):
+        for sums in (statistics.length, statistics.swept, statistics.rotated, statistics.power, statistics.left):
             for k in range(sums.shape[1]):
                 sums[i, k] = sums[2 * i, k] + sums[2 * i + 1, k] if here else 0.0
     statistics.width[0] *= 2.0
@@ -80,7 +81,9 @@ def _add_whirl(statistics: Columns, orbit: Columns, whirling: Mask, full: Column
             statistics.length[cell, k] += seconds
             statistics.swept[cell, k] += (-swept if orbit.rotation[0] < 0.0 else swept) / math.tau
             statistics.rotated[cell, k] += abs(turned) / math.tau
-            statistics.power[cell, k] += seconds * orbit.radius[row, k] ** 2
+            power = seconds * orbit.radius[row, k] ** 2
+            statistics.power[cell, k] += power
+            statistics.left[cell, k] += power * orbit.left[k]
 
 
 @strict_kernel

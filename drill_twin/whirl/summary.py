@@ -67,6 +67,7 @@ def summarise(
         whirl_end_s=over,
         mean_frequency_hz=whirl.hz if whirl else None,
         mean_ratio=whirl.ratio if whirl else None,
+        irregular_share=whirl.irregular_share if whirl else None,
         notes=_notes(quality, timelines[-1].dropped, decisions.rolling_ratio, unseen),
     )
 

@@ -159,3 +159,33 @@ def test_the_index_of_an_array():
     assert stick_slip_index(12.0 + 0.1 * turning) < 0.1
     assert stick_slip_index(np.full(9, 3.0)) == 0.0
     assert stick_slip_index(np.array([-1.0, 1.0])) == math.inf
+
+
+def free_swing(decrement, mean=9.0, period=6.0, cycles=12, height=1.1):
+    """A swing about the mean whose height falls by a logarithmic decrement a cycle, and its times [s]."""
+    time = np.arange(0.0, cycles * period, 0.05)
+    swing = height * np.exp(-decrement * time / period) * np.sin(2.0 * np.pi * time / period)
+    return time, np.maximum(mean * (1.0 + swing), 0.0)
+
+
+@pytest.mark.parametrize("decrement", [0.03, 0.05, 0.1])
+@pytest.mark.parametrize("height", [0.9, 1.1])
+def test_a_free_swing_that_dies_away_is_no_stick_slip(decrement, height):
+    bit = followed(*free_swing(decrement, height=height, cycles=7))
+    assert bit.motion is BitMotion.DECAYING
+    assert bit.periods == []
+    assert bit.decrement[0] == pytest.approx(decrement, abs=0.25 * decrement)
+    assert bit.index > 0.5  # what the index is does not depend on why
+
+
+def test_a_steady_or_growing_swing_does_not_die_away():
+    for decrement in (0.0, -0.05):
+        bit = followed(*free_swing(decrement))
+        assert bit.motion is BitMotion.STICK_SLIP
+        assert bit.periods[-1].cycles > 5
+
+
+def test_two_cycles_do_not_tell_whether_a_swing_dies_away():
+    bit = followed(*free_swing(0.05, height=0.9, cycles=4))
+    assert bit.motion is BitMotion.VIBRATION
+    assert bit.criterion.endswith("whether it dies away is not known yet")

@@ -130,6 +130,17 @@ def test_what_slides_along_the_wall_does_not_roll(ratio, state):
     assert "sliding along the wall, in contact 100 %" in found[-1].motion_criterion
 
 
+@pytest.mark.parametrize(
+    ("ratio", "state"), [(-0.07, MotionState.CREEPING), (-0.03, MotionState.CREEPING), (-1.88, MotionState.ROLLING)]
+)
+def test_creep_along_the_wall_is_told_from_rolling(ratio, state):
+    """Ratios of a collar that rolls at -1.878: 0.03 g and 2.6 g."""
+    mark = MarkInfo("m", 2.0, "wall", 0.1016, 0.0541)
+    _, found = play(pressed(motion(clock(100, 40), marks=(mark,), whirl=shaped([1.0], ratio=ratio, level=1.0))))
+    assert found[-1].motion is state
+    assert f"slip {abs(1.0 + ratio / 1.878):.2f} of the rim speed" in found[-1].motion_criterion
+
+
 def test_any_backward_whirl_in_contact_rolls_where_the_rim_is_not_known():
     mark = MarkInfo("m", 2.0, "centre", 0.0, 0.08175)
     _, found = play(pressed(motion(clock(100, 14), marks=(mark,), whirl=shaped([1.0], ratio=-0.5))), force=True)

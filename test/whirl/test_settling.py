@@ -107,7 +107,7 @@ def test_a_string_that_swings_on_the_low_side_does_not_whirl(pace, angle):
 def test_a_whirl_on_the_low_side_is_one(ratio):
     """An orbit about a point of the low side, that never goes round the hole."""
     time = clock(100, 30)
-    rest, whirl = 0.8 * (1.0 - np.exp(-time / 0.1)), growth(12.0, 0.05, 1.0, ratio, limit=0.3)
+    rest, whirl = 0.6 * (1.0 - np.exp(-time / 0.1)), growth(12.0, 0.05, 1.0, ratio, limit=0.3)
     moved = motion(time, marks=(INCLINED,), bow=0.02, offset=rest[:, None], whirl=whirl)
     summary = play(moved.with_noise(0.003, 5))[0].summary()
     assert summary.onset.time_s == pytest.approx(moved.true_onset(), abs=3.0)
@@ -121,3 +121,19 @@ def test_a_swing_that_becomes_a_whirl_round_the_hole_is_an_onset_then():
     summary = play(motion(time, marks=(INCLINED,), bow=0.02, offset=path[:, None]).with_noise(0.003, 6))[0].summary()
     assert summary.onset.time_s == pytest.approx(20.0, abs=3.0)
     assert [period.state for period in summary.motion][-1] in {MotionState.FORWARD_WHIRL, MotionState.IRREGULAR}
+
+
+def test_a_stabiliser_that_follows_the_swing_of_the_collars_does_not_whirl():
+    """As in `wells/s_shaped` at 180 rpm: an ellipse of 0.1 mm in 1.7 mm beside a swing of centimetres."""
+    marks = (
+        replace(BENCH, name="collars", inclined=True),
+        replace(BENCH, name="tight", clearance=0.0017, inclined=True),
+    )
+    time = clock(100, 40)
+    small = growth(10.0, 0.05, 1.0, -0.65, limit=0.08)(time, 4.0 * np.pi * time)
+    place = np.stack((swing(time, 0.7, 20.0, 0.95), 0.9 * (1.0 - np.exp(-time / 0.1)) + small), axis=-1)
+    moved = motion(time, marks=marks).with_noise(0.003, 4)
+    rest = place * [mark.clearance for mark in marks]
+    summary = play(replace(moved, rest=rest))[0].summary()
+    assert summary.onset is None, summary.onset
+    assert summary.lasting_motion is MotionState.PLANE_SWING

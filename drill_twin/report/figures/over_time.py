@@ -149,7 +149,7 @@ def _band(panel: Axes, row: int, periods: tuple[MotionPeriod, ...], end: float) 
         panel.barh(row, stop - start, left=start, height=0.78, color=STATE_COLOURS[period.state], linewidth=0,
                    gid=f"{name}, {start:.2f} to {stop:.2f} s")  # fmt: skip
         if (stop - start) / max(end, 1e-9) > _LETTER * len(name):
-            dark = period.state in {MotionState.ROLLING, MotionState.BACKWARD_WHIRL}
+            dark = period.state in {MotionState.ROLLING, MotionState.BACKWARD_WHIRL, MotionState.IMPACTS}
             panel.text(
                 0.5 * (start + stop), row, name, ha="center", va="center", fontsize=9, color="white" if dark else INK
             )

@@ -45,6 +45,8 @@ STATE_COLOURS = {
     MotionState.IRREGULAR: YELLOW,
     MotionState.BACKWARD_WHIRL: VERMILION,
     MotionState.SPIRAL: PURPLE,
+    MotionState.CREEPING: "#80cdc1",
+    MotionState.IMPACTS: INK,
 }
 
 DPI = 130

@@ -11,12 +11,15 @@ from drill_twin.core.arrays import Array, Mask
 from drill_twin.core.compile.jit import strict_kernel
 from drill_twin.whirl import criteria
 from drill_twin.whirl.columns import Columns, columns
+from drill_twin.whirl.history import CAPACITY, bins_in, end_of
 from drill_twin.whirl.motion.states import (
     AT_REST,
     CHANGED,
+    CREEPING,
     FIXED_AXIS,
     FORWARD,
     HIDDEN,
+    IMPACTS,
     IRREGULAR,
     REVERSE,
     ROLLING,
@@ -29,6 +32,7 @@ from drill_twin.whirl.motion.states import (
     update_states,
 )
 from drill_twin.whirl.orbit.orbit import is_aliased
+from drill_twin.whirl.orbit.two_lines import find_lines
 
 RISE = 0.1
 """Irregular motion starts when its share of the time last rose above this."""
@@ -100,6 +104,11 @@ def new_motion(m: int) -> Columns:
         irregularity=new_irregularity(m),
         in_contact=False,
         still=False,
+        strikes=False,  # the wall, again and again
+        lines=np.zeros((m, 2, 2)),  # rate [rad/s] and radius [m] of the two strongest lines of the asynchronous part
+        due=np.zeros(1),  # revolutions at which the lines are found again [rev]
+        rest=np.zeros((2, CAPACITY), complex),  # work
+        creeps=False,  # the contact point moves backward more slowly than in rolling
         rolls=False,  # the contact point slips little, if there is contact
         helical=np.zeros(1, bool),  # the string is a helix
         two_sided=np.zeros(1, bool),  # the string has marks on both sides of the axis
@@ -107,6 +116,28 @@ def new_motion(m: int) -> Columns:
         mark=np.append(np.arange(m), 0),  # mark whose orbit tells the state of a subject
         began=np.full(m + 1, math.nan),  # begin of the whirl of each subject [s], nan without
     )
+
+
+@strict_kernel
+def find_two_lines(motion: Columns, orbit: Columns, history: Columns, onsets: Columns, carried: Array) -> None:
+    """Find the lines of the marks in asynchronous whirl once a revolution; two regular lines give the precession.
+
+    `carried` are the rates of fast orbits, or 0 [rad/s], shape (m,).
+    """
+    revolutions = history.revolutions[end_of(history) - 1]
+    due = revolutions >= motion.due[0]
+    if due:
+        motion.due[0] = revolutions + 1.0
+    for k in range(onsets.active.size):
+        if not onsets.active[k]:
+            orbit.left[k] = 0.0
+        elif due:
+            n = bins_in(history, min(criteria.LINES_WINDOW, revolutions - onsets.detected[k] + criteria.SUSTAIN))
+            orbit.left[k] = find_lines(history, k, carried[k], motion.rest[0, :n], motion.rest[1, :n], motion.lines[k])
+        if motion.irregularity.active[k] and orbit.left[k] < criteria.LEFT and math.isfinite(orbit.ratio[k]):
+            rotation = orbit.rotation[0]
+            orbit.precession[k] = math.copysign(1.0, rotation) * motion.lines[k, 0, 0] / math.tau
+            orbit.ratio[k] = orbit.precession[k] / abs(rotation)
 
 
 @strict_kernel
@@ -199,8 +230,11 @@ def _update_flags(motion: Columns, orbit: Columns, whirling: Mask, rolling_ratio
         contact, least = orbit.contact[k], criteria.CONTACT_FRACTION
         leaves = contact < least - criteria.CONTACT_HYSTERESIS
         motion.in_contact[k] = contact > least or (motion.in_contact[k] and not leaves)
+        most = criteria.STRIKES * (0.5 if motion.strikes[k] else 1.0)
+        motion.strikes[k] = orbit.strikes[k] >= most and not motion.in_contact[k]
         slip = _slip(orbit.ratio[k], rolling_ratio[k])
         slides = slip > criteria.ROLLING_SLIP + 0.1
+        motion.creeps[k] = rolling_ratio[k] < orbit.ratio[k] < 0.0
         motion.rolls[k] = slip < criteria.ROLLING_SLIP or (motion.rolls[k] and not slides)
 
 
@@ -234,12 +268,14 @@ def _of_mark(motion: Columns, orbit: Columns, onsets: Columns, k: int, synchrono
         held = motion.hysteresis.held[k] == SWING
         swings = onsets.swing[k] > (criteria.RELEASE_RADIUS if held else criteria.ONSET_RADIUS)
         return SYNCHRONOUS if synchronous else SWING if swings else FIXED_AXIS
-    if motion.irregularity.active[k]:
+    if motion.irregularity.active[k] and orbit.left[k] >= criteria.LEFT:
         return IRREGULAR
     if abs(ratio) < criteria.STANDING_RATIO and motion.still[k]:
         return FIXED_AXIS
-    if motion.in_contact[k] and motion.rolls[k]:
-        return ROLLING
+    if motion.strikes[k]:
+        return IMPACTS
+    if motion.in_contact[k] and (motion.rolls[k] or motion.creeps[k]):
+        return ROLLING if motion.rolls[k] else CREEPING
     return FORWARD if ratio > 0.0 else REVERSE
 
 

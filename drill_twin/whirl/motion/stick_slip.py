@@ -6,11 +6,19 @@ two equal poles, oscillates about its own slow mean. A cycle runs from one cross
 next, once the speed has been below the mean less a quarter in between; crossings are interpolated. Its severity is the
 same index, over the cycle. Two cycles in a row with a severity of 1 start a period of stick-slip; two others in a row,
 or three periods without a cycle, end it. The start-up has no cycles.
+
+A swing that nothing feeds dies away: its height falls from cycle to cycle by the same factor, whose logarithm is the
+logarithmic decrement (2 pi times the damping ratio). It is the slope of the logarithm of the height over the last
+cycles. Where that slope is below 0 beyond `CHANCE`, the height has fallen by `FALLEN` over these cycles and was never
+lower since the swing began, the swing is decaying, not stick-slip, whatever its index. The first fall of a swing that
+comes and goes (a beat) is not told from a decay.
 """
 
 from __future__ import annotations
 
 import math
+
+from scipy.stats import linregress
 
 from drill_twin.core.compile.jit import as_python, strict_kernel
 from drill_twin.whirl.columns import Columns, columns
@@ -39,6 +47,11 @@ IN_A_ROW = 2
 """Equal cycles in a row that begin or end a period of stick-slip."""
 QUIET = 3.0
 """Periods without a cycle after which a period of stick-slip is over."""
+FEWEST_HEIGHTS, MOST_HEIGHTS = 3, 8
+"""Cycles over which the decrement is fitted: a line and a scatter about it; chosen: not much longer than the index."""
+CHANCE, FALLEN = 0.01, 0.1
+"""A decay: largest chance, in either sense, that heights which only scatter give the slope (Student), for each cycle;
+and least logarithm of the height lost over the cycles (chosen)."""
 LONGEST_GAP = 0.5
 """Longest interval between samples within a cycle [s]."""
 LARGEST_COUNT = 2000
@@ -50,6 +63,10 @@ _MOTIONS = (
     BitMotion.STICK_SLIP,
 )  # fmt: skip
 """In the order of the codes of `stick_slip_index`."""
+SWINGS = (BitMotion.VIBRATION, BitMotion.STICK_SLIP)
+"""Motions that are sustained, or not known to decay."""
+SMALLEST_HEIGHT = 1e-9
+"""Height of a swing whose logarithm is taken [rad/s], far below what a sensor resolves."""
 
 
 NOTHING, JUDGED, COMPLETED, STOPPED = range(4)
@@ -164,6 +181,9 @@ class StickSlip:
         self._sticks = self._lasts = False  # the last cycle; a period
         self._repeats = 0
         self._pending: StickSlipPeriod | None = None
+        self._heights: list[tuple[float, float]] = []  # start [s] of the last cycles, log of fastest less slowest
+        self._lowest = math.inf  # of all heights of the swing
+        self._decays = False
 
     @property
     def index(self) -> float:
@@ -174,6 +194,16 @@ class StickSlip:
     def largest_index(self) -> float:
         """Largest index so far; nan while none was known."""
         return float(self.speed.window.largest[0])
+
+    @property
+    def decrement(self) -> tuple[float, float, float] | None:
+        """Logarithmic decrement of the swing, its standard error and its chance; None where fewer than three cycles are
+        known.
+        """
+        if len(self._heights) < FEWEST_HEIGHTS:
+            return None
+        fit = linregress(range(len(self._heights)), [height for _, height in self._heights])
+        return -float(fit.slope), float(fit.stderr), float(fit.pvalue)
 
     def push(self, time: float, bit_speed: float, top_speed: float = math.nan) -> None:
         """Add the speeds of bit and top drive [rad/s] at a time [s]; nan for an unknown speed of the top drive.
@@ -188,12 +218,21 @@ class StickSlip:
         if outcome == COMPLETED:
             self._complete()
         elif outcome == STOPPED:
-            self._pending, self._repeats, self._lasts = None, 0, False
+            self._forget()
+        if not self.speed.window.turning[0]:
+            self._forget()
+            self._decays = False
         motion = _MOTIONS[self.speed.window.motion[0]]
+        if self._decays and motion in SWINGS:
+            motion = BitMotion.DECAYING
         if motion is not self.motion:
             self.motion, self.criterion = motion, self._criterion(motion)
-        if not self.speed.window.turning[0]:
-            self._pending, self._repeats, self._lasts = None, 0, False
+
+    def _forget(self) -> None:
+        """Forget the cycles so far; a swing that has died away keeps its name while the index holds it."""
+        self._pending, self._repeats, self._lasts = None, 0, False
+        self._heights.clear()
+        self._lowest = math.inf
 
     def _criterion(self, motion: BitMotion) -> str:
         """Text of what decided a motion."""
@@ -205,9 +244,12 @@ class StickSlip:
         if motion is BitMotion.STANDS:
             return f"mean speed {window.mean[0]:.2f} rad/s while the top drive turns"
         bound = {BitMotion.STEADY: f"below {MODERATE:g}", BitMotion.VIBRATION: f"{MODERATE:g} to {FULL:g}"}
+        bound |= {BitMotion.STICK_SLIP: f"at least {FULL:g}", BitMotion.DECAYING: "of a swing that dies away"}
+        fell = self.decrement
+        known = f"decrement {fell[0]:.3f} +- {fell[1]:.3f} a cycle" if fell else "whether it dies away is not known yet"
         return (
-            f"stick-slip index {self.index:.2f}, {bound.get(motion, f'at least {FULL:g}')}: "
-            f"{window.slowest[0]:.2f} to {window.fastest[0]:.2f} rad/s in at most {TIME_BASE} s"
+            f"stick-slip index {self.index:.2f}, {bound[motion]}: {window.slowest[0]:.2f} to {window.fastest[0]:.2f} "
+            f"rad/s in at most {TIME_BASE} s{f'; {known}' if motion in (*SWINGS, BitMotion.DECAYING) else ''}"
         )
 
     def _complete(self) -> None:
@@ -218,10 +260,25 @@ class StickSlip:
         sticks = FULL <= severity < math.inf
         self._repeats = self._repeats + 1 if sticks is self._sticks else 1
         self._sticks = sticks
+        height = math.log(max(fastest - slowest, SMALLEST_HEIGHT))
+        self._heights = [*self._heights[1 - MOST_HEIGHTS :], (start, height)]
+        self._lowest = min(self._lowest, height)
+        self._decays = self._falls() and height == self._lowest
+        if self._decays:
+            # The first cycles of a swing that dies away are no stick-slip either.
+            if self.periods and self.periods[-1].start_s >= self._heights[0][0]:
+                self.periods.pop()
+            self._pending, self._repeats, self._lasts = None, 0, False
+            return
         if sticks:
             self._add_cycle(StickSlipPeriod(start, end, 1, length, length, length, slowest, fastest, severity))
         elif self._repeats >= IN_A_ROW:
             self._pending, self._lasts = None, False
+
+    def _falls(self) -> bool:
+        """Check that the swing surely loses height from cycle to cycle."""
+        fell = self.decrement
+        return fell is not None and fell[2] < CHANCE and fell[0] * (len(self._heights) - 1) > FALLEN
 
     def _add_cycle(self, one: StickSlipPeriod) -> None:
         """Add a cycle that sticks to its period of stick-slip."""

@@ -37,7 +37,7 @@ from drill_twin.core.compile.jit import strict_kernel
 from drill_twin.whirl import criteria
 from drill_twin.whirl.columns import Columns, columns
 from drill_twin.whirl.history import ASYNCHRONOUS, CAPACITY, bins_in, end_of
-from drill_twin.whirl.onset.low_side_swing import keeps_to_low_side, rotary_coefficient, swing_radius
+from drill_twin.whirl.onset.plane_swing import keeps_to_low_side, swing_radius, swings
 from drill_twin.whirl.sample_bins import BINS
 
 GAIN = 20.0
@@ -152,10 +152,10 @@ def new_onsets(inclined: Mask) -> Columns:
         displaced=False,  # has left its steady position
         falling=inclined.copy(),  # to the low side, in the first revolutions
         inclined=inclined,  # in an inclined hole
-        low_side=False,  # moves on the low side of an inclined hole, with a rotary coefficient of a swing
-        swing=0.0,  # `swing_radius` over the clearance of a mark that swings on the low side; else 0
+        plane=False,  # moves to and fro in a plane, or on the low side of an inclined hole
+        swing=0.0,  # `swing_radius` over the clearance of a mark that swings; else 0
         small=False,  # the orbit has become small
-        constant=False,  # it has swept no angle, or swings on the low side
+        constant=False,  # it has swept no angle, or swings
         rest=np.zeros(CAPACITY, complex),  # work
     )
 
@@ -172,7 +172,7 @@ def watch(onsets: Columns, averaged: Columns, history: Columns) -> bool:
             return True
         if math.isnan(onsets.time[k]) or averaged.radius[k] < averaged.release[k]:
             continue
-        least = criteria.SWEEP_WINDOW if onsets.low_side[k] else criteria.SUSTAIN  # a swing is dropped, not confirmed
+        least = criteria.SWEEP_WINDOW if onsets.plane[k] else criteria.SUSTAIN  # a swing is dropped, not confirmed
         if math.isnan(onsets.began[k]) and not onsets.falling[k] and not now - onsets.revolutions[k] < least:
             return True
     for k in range(m):
@@ -202,10 +202,13 @@ def drop_candidates(onsets: Columns) -> None:
 
 
 @strict_kernel
-def ends(onsets: Columns, averaged: Columns, orbit: Columns, history: Columns, arm: ComplexArray) -> bool:
+def ends(
+    onsets: Columns, averaged: Columns, orbit: Columns, history: Columns, arm: ComplexArray, carried: Array
+) -> bool:
     """Find the orbits that have become `small` or `constant`; return whether `OnsetDetector.release` must decide.
 
-    `arm` is that from the centre line to the marked points [m], shape (m,).
+    `arm` is that from the centre line to the marked points [m], and `carried` the rates of fast orbits [rad/s], which
+    seen once a bin may pass for any motion; shapes (m,).
     """
     fall = criteria.RELEASE_RADIUS / criteria.ONSET_RADIUS
     bins, end, any_ends = bins_in(history, criteria.SWEEP_WINDOW), end_of(history), False
@@ -215,10 +218,12 @@ def ends(onsets: Columns, averaged: Columns, orbit: Columns, history: Columns, a
     landed = long and history.revolutions[first] > criteria.FALLING_TIME
     for k in range(onsets.active.size):
         onsets.swing[k] = 0.0
-        stays = onsets.inclined[k] and keeps_to_low_side(history, arm[k], k, side)
-        onsets.low_side[k] = stays and rotary_coefficient(history, arm[k], k, onsets.rest[:side]) < criteria.ROTARY
-        if landed and onsets.low_side[k]:
-            swing, noise = swing_radius(history, arm[k], k, bins, 0) / averaged.clearance[k], averaged.level[k]
+        stays, noise = onsets.inclined[k] and keeps_to_low_side(history, arm[k], k, side), averaged.level[k]
+        slow = abs(carried[k]) < criteria.DEFINITE_RATIO * math.tau * abs(orbit.rotation[0])
+        noise_m = noise * averaged.clearance[k]
+        onsets.plane[k] = slow and swings(history, arm[k], k, noise_m, stays, onsets.rest[:side])
+        if landed and onsets.plane[k]:
+            swing = swing_radius(history, arm[k], k, bins, 0) / averaged.clearance[k]
             swing = math.sqrt(max(swing * swing - 2.0 * noise * noise, 0.0))
             if swing > criteria.RELEASE_RADIUS:
                 onsets.swing[k] = swing

@@ -19,7 +19,7 @@ import math
 
 import numpy as np
 
-from drill_twin.core.arrays import Array, Integers, Mask
+from drill_twin.core.arrays import Array, ComplexArray, Integers, Mask
 from drill_twin.core.compile.jit import strict_kernel
 from drill_twin.whirl import criteria
 from drill_twin.whirl.columns import Columns, columns
@@ -58,7 +58,9 @@ def new_orbit(clearance: Array) -> Columns:
         synchronous=0.0,  # radius of the synchronous part over the window, over the clearance
         synchronous_share=0.0,  # its share of the rms radius of the motion about the offset
         contact=0.0,  # share of the window in contact with the wall
+        strikes=0.0,  # contacts in a revolution after the centre line was nearer to the axis than `criteria.AWAY`
         seen=True,  # marks seen in at least half of the bins of the last revolution
+        left=0.0,  # share of the asynchronous power in neither of its two strongest lines; 0 without such a whirl
         precession=math.nan,  # [rev/s], positive = forward
         ratio=math.nan,  # whirl ratio
         confidence=0.0,  # in both
@@ -74,8 +76,15 @@ def new_orbit(clearance: Array) -> Columns:
 
 
 @strict_kernel
-def fit_orbit(orbit: Columns, history: Columns, noise: Array) -> None:
-    """Estimate with the newest bin; `noise` of a bin per axis over the clearance, shape (m,)."""
+def fit_orbit(orbit: Columns, history: Columns, noise: Array, arm: ComplexArray) -> None:
+    """Estimate with the newest bin.
+
+    Args:
+        orbit: The orbits.
+        history: The bins.
+        noise: Of a bin per axis over the clearance, shape (m,).
+        arm: From the centre line to the marked points [m], shape (m,).
+    """
     m, end = noise.size, end_of(history)
     n, last = bins_in(history, criteria.ORBIT_WINDOW), bins_in(history, 1.0)
     first = end - n
@@ -90,12 +99,17 @@ def fit_orbit(orbit: Columns, history: Columns, noise: Array) -> None:
     orbit.recent_rotation[0] = mean_rate(history, recent)
     for k in range(m):
         clearance, variance = orbit.clearance[k], 2.0 * noise[k] * noise[k]
-        contact, seen, synchronous = 0.0, 0, 0j
+        contact, seen, synchronous, strikes, away = 0.0, 0, 0j, 0, False
         for i in range(first, end):
             contact += history.contact[i, k]
+            strikes += away and history.contact[i, k] > 0.0
+            away = history.contact[i, k] == 0.0 and (
+                away or abs(history.position[i, k] - arm[k] * history.phasor[i, k]) < criteria.AWAY * clearance
+            )
             synchronous += history.vector[i, SYNCHRONOUS, k]
             seen += i >= end - last and history.seen[i, k]
         orbit.contact[k] = contact / n
+        orbit.strikes[k] = strikes / max(span, SHORTEST_WINDOW)
         orbit.seen[k] = 2 * seen >= last
         orbit.synchronous[k] = abs(synchronous) / (n * clearance)
         for row in range(2):

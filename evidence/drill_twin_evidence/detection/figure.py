@@ -20,6 +20,8 @@ _SHORT = {
     "irregular": "irregular",
     "backward whirl": "reverse",
     "spiral": "spiral",
+    "creeping along the wall": "creeping",
+    "striking the wall": "impacts",
 }
 
 

@@ -32,8 +32,8 @@ WINDOW = 1.0
 """Half the window in which a state is evaluated [rev]."""
 CONTACT, COHERENCE, UNEVENNESS, PLANAR, LOBE, ROLLING = 0.5, 0.85, 0.3, 0.7, 0.3, 0.5
 """Share of time in contact; regularity of angle and radius; planarity; second lobe; slip over r_o Omega."""
-TOUCHING = 0.95
-"""In contact: least radius of the centre line over the clearance [-]."""
+TOUCHING, AWAY = 0.95, 0.9
+"""In contact: least radius of the centre line over the clearance; away from the wall: largest [-]."""
 MIN_ROTATION = 0.05
 """No state is assigned below this rotation [rev/s]."""
 STATES_PER_TURN = 8
@@ -123,8 +123,7 @@ def truth_of(run: Run) -> Truth:
     angle = math.tau * revolutions * (-1.0 if run.top_speed[-1] < 0.0 else 1.0)
     onsets = tuple(onset(run.time, whirl[:, k] / clearance[k], angle) for k in range(clearance.size))
     known = [time for time in onsets if time is not None]
-    touching = np.abs(run.mark_centre) > TOUCHING * clearance
-    marks = _Points(run.time, revolutions, whirl, touching, run.top_speed)
+    marks = _Points(run.time, revolutions, whirl, np.abs(run.mark_centre) / clearance, run.top_speed)
     whirling = np.stack([whirls(radius[:, k], revolutions) for k in range(clearance.size)], axis=1)
     for k, began in enumerate(onsets):
         whirling[run.time < (math.inf if began is None else began), k] = False
@@ -172,9 +171,8 @@ def _grid(revolutions: Array) -> list[int]:
 
 
 def _string(run: Run, revolutions: Array, whirling: Mask, rolling: Array, at: list[int]) -> tuple[str, ...]:
-    touching = np.abs(run.centre) > TOUCHING * run.clearance
     whirl = asynchronous(run.centre, run.spin, revolutions)
-    nodes = _Points(run.time, revolutions, whirl, touching, run.top_speed)
+    nodes = _Points(run.time, revolutions, whirl, np.abs(run.centre) / run.clearance, run.top_speed)
     length = np.gradient(run.arc)
     states, rough = [], []
     for i in at:
@@ -215,9 +213,9 @@ def _second_lobe(shape: ComplexArray) -> float:
 class _Points:
     """The asynchronous part of points of the centre line over time, shape (T, k)."""
 
-    def __init__(self, time: Array, revolutions: Array, whirl: ComplexArray, contact: Mask, speed: Array) -> None:
+    def __init__(self, time: Array, revolutions: Array, whirl: ComplexArray, radius: Array, speed: Array) -> None:
         self._time, self._revolutions, self._speed = time, revolutions, speed
-        self._whirl, self._contact = whirl, contact
+        self._whirl, self._radius = whirl, radius
         self._velocity = np.gradient(whirl, time, axis=0)
 
     def window(self, i: int) -> slice:
@@ -243,8 +241,18 @@ class _Points:
         coherence = abs(back.sum()) / radius.sum()
         unevenness = float(np.sqrt(((radius - trend) ** 2).mean())) / float(radius.mean())
         rough = coherence < COHERENCE or unevenness > UNEVENNESS
-        touching = float(self._contact[window, k].mean()) > CONTACT
+        out = self._radius[window, k]
+        touching = float((out > TOUCHING).mean()) > CONTACT
         slip = 1.0 - ratio / rolling if rolling else 0.0
-        if touching and ratio < 0.0 and abs(slip) < ROLLING:
-            return "rolling along the wall", rough
+        if touching and ratio < 0.0 and slip > -ROLLING:
+            return "rolling along the wall" if slip < ROLLING else "creeping along the wall", rough
+        if not touching and _strikes(out) >= 2.0 * WINDOW:
+            return "striking the wall", rough
         return "forward whirl" if ratio > 0.0 else "backward whirl", rough
+
+
+def _strikes(radius: Array) -> int:
+    """Number of contacts of a radius over the clearance, shape (n,), each after a place away from the wall."""
+    known = np.where(radius > TOUCHING, 1, np.where(radius < AWAY, -1, 0))
+    known = known[known != 0]
+    return int((np.diff(known) > 0).sum())

@@ -25,6 +25,9 @@ STATES = (
     "backward whirl",
     "spiral",
     "not observable",
+    "swinging in a plane",
+    "creeping along the wall",
+    "striking the wall",
 )
 """Motion states in the order of the confusion matrix."""
 MAX_ONSET_ERROR = 0.5

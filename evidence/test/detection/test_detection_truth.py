@@ -48,6 +48,7 @@ ONE_SIDE = np.sin(np.pi * ALONG)
         (0.5, ONE_SIDE, 0.6, "forward whirl"),
         (-0.5, ONE_SIDE, 0.6, "backward whirl"),
         (-0.1, ONE_SIDE, 1.0, "rolling along the wall"),
+        (-0.02, ONE_SIDE, 1.0, "creeping along the wall"),
         (0.5, ONE_SIDE, 1.0, "forward whirl"),
         (0.5, np.sin(2.0 * np.pi * ALONG), 0.6, "second bending"),
         (0.5, np.exp(2j * np.pi * ALONG), 0.6, "spiral"),
@@ -72,6 +73,13 @@ def test_motion_without_pace_is_irregular():
     assert late.count("irregular") > 0.8 * len(late)
 
 
+def test_whirl_that_strikes_the_wall():
+    hops = (0.85 + 0.15 * np.cos(3.0 * ANGLE))[:, None]
+    truth = truth_of(run_of(hops * whirl(-0.5, ONE_SIDE, 1.0)))
+    late = [found for time, found in zip(truth.time, truth.motion, strict=True) if 15.0 < time < 24.0]
+    assert set(late) == {"striking the wall"}
+
+
 def test_bow_and_lean_are_no_whirl():
     turn = np.exp(1j * ANGLE)
     bow = run_of((0.3 * turn)[:, None] * ONE_SIDE[None, :])
@@ -94,8 +102,7 @@ def test_synchronous_part_is_taken_off():
 
 
 def test_labels_are_the_analyzers_words():
-    inclined = {MotionState.PLANE_SWING}  # the records are of vertical holes
-    assert set(STATES) == {state.value for state in set(MotionState) - inclined}
+    assert set(STATES) == {state.value for state in MotionState}
     assert set(MOTIONS) < set(STATES)
 
 

@@ -56,7 +56,7 @@ _RIG = (
 )  # fmt: skip
 _KINDS = {
     "forward": (MotionCode.FORWARD_WHIRL, MotionCode.SYNCHRONOUS_WHIRL),
-    "backward": (MotionCode.BACKWARD_WHIRL, MotionCode.ROLLING),
+    "backward": (MotionCode.BACKWARD_WHIRL, MotionCode.ROLLING, MotionCode.CREEPING),
     "chaotic": (MotionCode.IRREGULAR,),
 }
 """Motion states of a mark that are a kind of whirl of D-WIS."""
