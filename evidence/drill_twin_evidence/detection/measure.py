@@ -13,7 +13,8 @@ from drill_twin.core.table import Table
 from drill_twin.studies.pool import run_jobs
 from drill_twin_evidence.detection.frozen import KINDS, FrozenScore, by_analyzer, frozen_records, score_of
 from drill_twin_evidence.detection.frozen.curves import Curves, curves_of, rows_of
-from drill_twin_evidence.detection.frozen.score import NEW, STATES, Detector, macro_f1
+from drill_twin_evidence.detection.frozen.score import STATES, Detector, macro_f1
+from drill_twin_evidence.detection.frozen.truth import NEW
 from drill_twin_evidence.detection.plain import plain
 
 DETECTORS: Mapping[str, Detector] = {"analyzer": by_analyzer, "plain": plain}

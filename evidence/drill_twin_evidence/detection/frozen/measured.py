@@ -7,6 +7,7 @@ import math
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from drill_twin.core.arrays import Array, ComplexArray
 from drill_twin.whirl import MarkInfo
@@ -90,12 +91,13 @@ def coloured(draw: np.random.Generator, count: int, marks: int, colour: float) -
     lines = np.abs(np.fft.fftfreq(count))
     lines[0] = lines[1]
     found: ComplexArray = np.fft.ifft(np.fft.fft(white, axis=0) * (lines ** (-0.5 * colour))[:, None], axis=0)
-    return found / np.sqrt(0.5 * (np.abs(found) ** 2).mean(axis=0))
+    even: ComplexArray = found / np.sqrt(0.5 * (np.abs(found) ** 2).mean(axis=0))
+    return even
 
 
 def measured(
     kind: str, name: str, marks: tuple[MarkInfo, ...], samples: Turning, centre: ComplexArray, truth: Truth,
-    errors: Errors, draw: np.random.Generator, *, stamps: Array | None = None, kept: Array | None = None,
+    errors: Errors, draw: np.random.Generator, *, stamps: Array | None = None, kept: NDArray[np.int64] | None = None,
     sees_spin: bool | None = None, spin: Array | None = None,
 ) -> FrozenRecord:  # fmt: skip
     """Record of a centre line over the clearance.
@@ -118,7 +120,7 @@ def measured(
     if spin is None:
         spin = samples.angle[:, None] - samples.sense * 0.3 * np.arange(len(marks))
     arm = np.array([mark.wall_offset if mark.on == "wall" else 0.0 for mark in marks])
-    z = scale * (centre + errors.noise * coloured(draw, *shape, errors.colour)) + arm * np.exp(1j * spin)
+    z = scale * (centre + errors.noise * coloured(draw, shape[0], shape[1], errors.colour)) + arm * np.exp(1j * spin)
     if errors.step:
         step = errors.step * scale
         z = step * (np.round(z.real / step) + 1j * np.round(z.imag / step))

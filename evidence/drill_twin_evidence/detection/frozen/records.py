@@ -107,11 +107,11 @@ def _low_side(number: int, draw: np.random.Generator) -> FrozenRecord:
     elif case == 1:  # swings from the first sample on
         size = np.full(samples.time.size, level)
     part, truth = assembled(samples, [motion], size)
-    low = depth
+    low = np.full(samples.time.size, depth)
     if case == 6:  # leaves the low side and goes all round
-        part, truth, low = part * 3.0, _scaled(truth, 3.0), 0.0
-        low = depth * (1.0 - np.clip(size / level, 0.0, 1.0))[:, None]
-    centre = within(low + part + resting(samples, draw, 0.02, 0.05, len(marks)))
+        part, truth = part * 3.0, _scaled(truth, 3.0)
+        low = depth * (1.0 - np.clip(size / level, 0.0, 1.0))
+    centre = within(low[:, None] + part + resting(samples, draw, 0.02, 0.05, len(marks)))
     name = f"{number}: {state}, half axes {axes:.2f}, ratio {ratio:.2f}, case {case}"
     return measured("a", name, marks, samples, centre, truth, draw_errors(draw, 0.02), draw)
 
@@ -207,7 +207,7 @@ def _clocks(number: int, draw: np.random.Generator) -> FrozenRecord:
         kept &= np.abs(samples.turns - at) > 0.5 * draw.uniform(0.2, 3.0)
     rows = np.flatnonzero(kept)
     twice = draw.random(rows.size) < draw.choice([0.0, draw.uniform(0.0, 0.1)])
-    rows = np.repeat(rows, 1 + twice)
+    rows = np.repeat(rows, 1 + twice).astype(np.int64)
     part, truth = _drawn(state, samples, marks, draw, stamps)
     centre = within(part + resting(samples, draw, 0.0 if state in {ROLLING, CREEP} else 0.1, 0.02, len(marks)))
     name = f"{number}: {state}, {rate:.0f} Hz, {rate / speed:.0f} in a turn, jitter {jitter * rate:.2f}"

@@ -48,7 +48,7 @@ def run_up(number: int, draw: np.random.Generator) -> FrozenRecord:
     ends = begins + lasts + math.tau * after / end
     step = 1.0 / (draw.uniform(20.0, 60.0) * end / math.tau)
     fine = 8
-    time = np.arange(int(ends / step) * fine) * (step / fine)
+    time: Array = np.arange(int(ends / step) * fine, dtype=float) * (step / fine)
     speed = start + (end - start) * np.clip((time - begins) / lasts, 0.0, 1.0)
     angle = np.concatenate(([0.0], np.cumsum(0.5 * (speed[1:] + speed[:-1])) * step / fine))
     path = jeffcott(time, angle, speed, critical, damping)[::fine]

@@ -61,7 +61,6 @@ def by_analyzer(record: FrozenRecord) -> Finding:
     analyzer.push_block(record.stamp, record.position, record.spin, record.top_speed)
     found = analyzer.summary()
     onset = found.onset
-    known = (None, None, False) if onset is None else (onset.time_s, onset.detected_s, onset.kind == "synchronous")
 
     def timeline(periods: Sequence[MotionPeriod]) -> Callable[[Any], Sequence[str]]:
         starts = np.array([period.start_s for period in periods])
@@ -73,7 +72,10 @@ def by_analyzer(record: FrozenRecord) -> Finding:
         return states
 
     marks = tuple(timeline(periods) for periods in found.mark_motion.values())
-    return Finding(*known, ONSET_RADIUS, found.mode_ratio, timeline(found.motion), marks)
+    return Finding(
+        onset and onset.time_s, onset and onset.detected_s, onset is not None and onset.kind == "synchronous",
+        ONSET_RADIUS, found.mode_ratio, timeline(found.motion), marks,
+    )  # fmt: skip
 
 
 def _square() -> NDArray[np.int64]:

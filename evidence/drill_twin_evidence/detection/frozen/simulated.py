@@ -35,6 +35,7 @@ from drill_twin.core.arrays import Array, ComplexArray, Mask
 from drill_twin.core.errors import DrillTwinError
 from drill_twin.core.files.kept_files import cache_folder
 from drill_twin.scene import config_dir, parse_scene
+from drill_twin.whirl import MarkInfo
 from drill_twin_evidence.detection import runs
 from drill_twin_evidence.detection.cases import random_overrides
 from drill_twin_evidence.detection.frozen.measured import Errors, Turning, measured
@@ -62,13 +63,15 @@ STEPS, HALF, SMOOTH, WINDOW = 16, 12.0, 1.5, 3.0
 window of a state [rev]."""
 LARGE, SMALL = 0.15, 0.02
 """Amplitude over the clearance of a whirl, and below which there is none; between, the run is not scored."""
-CLEAR = {
+SLOW, STRIKES = 0.05, 0.7
+"""Whirl ratio without a sense; impacts in a turn."""
+CLEAR: dict[str, tuple[float, float]] = {
     "regular": (0.93, 0.2), "irregular": (0.5, 0.5), "touching": (0.9, 0.1), "slip": (0.25, 0.7),
-    "plane": (0.9, 0.5), "lobe": (0.5, 0.15), "slow": 0.05, "strikes": 0.7,
+    "plane": (0.9, 0.5), "lobe": (0.5, 0.15),
 }  # fmt: skip
 """Regular: coherence of the angle above, unevenness of the radius below; irregular: one beyond these. Touching:
 share of the time above, or free below. Slip over the rim speed: rolling below, creep above. Planarity: a plane above, a
-helix below. Second lobe over the first: bending above, none below. Whirl ratio without a sense; impacts in a turn."""
+helix below. Second lobe over the first: bending above, none below."""
 
 WELLS: tuple[tuple[str, dict[str, str]], ...] = tuple(
     (name, {"rpm": f"{rpm}", "rig.duration": "40 s"})
@@ -150,7 +153,7 @@ def _signals(run: runs.Run) -> dict[str, Any]:
 
 def _record(number: int, name: str, found: dict[str, Any]) -> FrozenRecord:
     marks = tuple(
-        runs.MarkInfo(label, distance, on, arm, clearance, bool(inclined))
+        MarkInfo(label, distance, on, arm, clearance, bool(inclined))
         for label, on, distance, arm, clearance, inclined in json.loads(str(found["marks"]))
     )
     draw = np.random.default_rng([FIRST + number, ord("s")])
@@ -270,14 +273,14 @@ def _state(a: ComplexArray, touching: Mask, rolling: float, sense: float) -> tup
     high, even = CLEAR["regular"]
     if coherence < CLEAR["irregular"][0] or uneven > CLEAR["irregular"][1]:
         return IRREGULAR, ratio
-    if strikes >= CLEAR["strikes"] and touch < 0.4 and coherence > 0.8 and uneven > 0.1:
+    if strikes >= STRIKES and touch < 0.4 and coherence > 0.8 and uneven > 0.1:
         return IMPACTS, ratio
     if coherence < high or uneven > even or abs(np.ptp(way)) < 1.0:
         return "", ratio
     if touch > CLEAR["touching"][0] and ratio < 0.0:
         slip = abs(1.0 - ratio / rolling)
         return (ROLLING if slip < CLEAR["slip"][0] else CREEP if slip > CLEAR["slip"][1] else ""), ratio
-    if abs(ratio) < CLEAR["slow"] or (touch > CLEAR["touching"][1] and ratio < 0.0):
+    if abs(ratio) < SLOW or (touch > CLEAR["touching"][1] and ratio < 0.0):
         return "", ratio
     return (FORWARD if ratio > 0.0 else BACKWARD), ratio
 
