@@ -73,7 +73,8 @@ def by_analyzer(record: FrozenRecord) -> Finding:
 
     marks = tuple(timeline(periods) for periods in found.mark_motion.values())
     return Finding(
-        onset and onset.time_s, onset and onset.detected_s, onset is not None and onset.kind == "synchronous",
+        None if onset is None else onset.time_s, None if onset is None else onset.detected_s,
+        onset is not None and onset.kind == "synchronous",
         ONSET_RADIUS, found.mode_ratio, timeline(found.motion), marks,
     )  # fmt: skip
 
