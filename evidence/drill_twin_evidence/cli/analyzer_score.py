@@ -14,7 +14,7 @@ from drill_twin.cli.options import JsonOption, ReplaceOption, WorkersOption, fol
 def analyzer_score(
     quick: Annotated[bool, typer.Option("--quick", help="Score a tenth of the records only.")] = False,
     out: Annotated[
-        Path | None, folder_option("Write the tables, the numbers and the confusion matrix to this folder too.")
+        Path | None, folder_option("Write the tables, the numbers and the curves to this folder too.")
     ] = None,
     downhole: Annotated[
         bool,
@@ -27,31 +27,30 @@ def analyzer_score(
     replace: ReplaceOption = False,
     json: JsonOption = False,
 ) -> None:
-    """Measure the analyzer: onset, false alarms and motion states, on kinematic signals and simulated runs.
+    """Measure the analyzer, beside a plain detector, on frozen records: onset, false alarms, delay and motion states.
 
     Prints the tables of evidence/docs/detection.md; all of it takes a quarter of an hour on two processors.
     """
     from drill_twin.cli.emit import check_new, emit
     from drill_twin.cli.show import shown_progress
-    from drill_twin_evidence.detection.figure import confusion_figure
-    from drill_twin_evidence.detection.measure import QUICK, Plan, measure
-    from drill_twin_evidence.detection.text import markdown
+    from drill_twin_evidence.detection.figure import curves_figure
+    from drill_twin_evidence.detection.measure import QUICK, Plan, markdown, measure
 
     if downhole:
         from drill_twin_evidence.detection import downhole as one_sub
         from drill_twin_evidence.detection.cases import BENCH
 
-        sizes = (4, 4, 1) if quick else (len(BENCH), Plan().drawn, 5)
+        sizes = (4, 4, 1) if quick else (len(BENCH), 36, 5)
         found = one_sub.measure_sub(*sizes, noise / 3600.0)
         emit(found, (one_sub.markdown(found).rstrip(),), json=json)
         return
-    names = ("analyzer_score.md", "analyzer_score.json", "confusion.png")
+    names = ("analyzer_score.md", "analyzer_score.json", "detection_curves.png")
     if out is not None:
         for name in names:
             check_new(out / name, replace=replace)
     with shown_progress("measuring") as bar:
         result = measure(QUICK if quick else Plan(), workers=workers, progress=bar.show)
     plain = result.to_dict()
-    text = markdown(plain)
-    files = dict(zip(names, (text, plain, lambda: confusion_figure(result)), strict=True))
+    text = markdown(result)
+    files = dict(zip(names, (text, plain, lambda: curves_figure(result.curves)), strict=True))
     emit(plain, (text.rstrip(),), json=json, folder=out, files=files)

@@ -3,15 +3,12 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 from types import MappingProxyType
 
 import numpy as np
 
-from drill_twin_evidence.detection.ground_truth import Truth
 from drill_twin_evidence.detection.runs import Run, simulate
-from drill_twin_evidence.detection.signals import Record
 
 HEIGHTS = (4.4, 3.5, 2.5, 1.5, 0.5, 0.05)
 """Wall marks of these runs [m from the bit]: closer than half the pitch of a helix, and one at the bit."""
@@ -102,18 +99,3 @@ def simulated(seed: int, *, subs: bool = False) -> Run:
     overrides = random_overrides(seed)
     label = ", ".join(value for key, value in overrides.items() if key in CHOICES)
     return simulate(f"drawn {seed}: {label}", overrides, subs=subs)
-
-
-def recorded(run: Run, truth: Truth, *, forces: bool) -> Record:
-    """Record of a run as measured by rig and camera, with its ground truth; `forces`: with wall forces of the marks."""
-    return Record(
-        run.name,
-        run.marks,
-        np.round(run.time * 1e9).astype(np.int64),
-        np.stack((run.point.real, run.point.imag), axis=-1),
-        run.mark_spin,
-        run.top_speed,
-        run.mark_force if forces else None,
-        truth,
-        float(np.abs(run.top_speed[-1])) / math.tau,
-    )

@@ -14,7 +14,7 @@ from drill_twin.whirl import MarkInfo, Summary
 from drill_twin.whirl.downhole import SubAnalyzer
 from drill_twin.whirl.downhole.motion import SLOWEST
 from drill_twin_evidence.detection.cases import bench, simulated
-from drill_twin_evidence.detection.ground_truth import asynchronous, revolutions_of, truth_of
+from drill_twin_evidence.detection.ground_truth import asynchronous, mark_onsets, revolutions_of
 from drill_twin_evidence.detection.runs import SENSOR_RADIUS, Run
 from drill_twin_evidence.detection.sub_events import EventScore, measure_events
 from drill_twin_evidence.detection.sub_readings import BIAS, MARK, NOISE, analyser_of
@@ -56,7 +56,7 @@ class SubScore:
 
     def add(self, run: Run, found: Summary) -> None:
         """Add the findings in a run."""
-        true, revolutions = truth_of(run).mark_onset[MARK], revolutions_of(run.time, run.top_speed)
+        true, revolutions = mark_onsets(run)[MARK], revolutions_of(run.time, run.top_speed)
         if true is None:
             self.false += found.onset is not None
             return

@@ -1,59 +1,39 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Confusion matrices of the motion states."""
+"""Curves of the errors of the analyzer and of the plain detector."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from typing import Any
+
 import numpy as np
-from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from numpy.typing import NDArray
 
-from drill_twin.report.figures.style import INK, laid_out, styled
-from drill_twin_evidence.detection.measure import Result
-from drill_twin_evidence.detection.scoring import STATES, macro_f1
-
-_SHORT = {
-    "rotation about a fixed axis": "fixed axis",
-    "forward whirl": "forward",
-    "rolling along the wall": "rolling",
-    "second bending": "2nd bending",
-    "irregular": "irregular",
-    "backward whirl": "reverse",
-    "spiral": "spiral",
-    "creeping along the wall": "creeping",
-    "striking the wall": "impacts",
-}
+from drill_twin.report.figures.style import laid_out, styled
+from drill_twin_evidence.detection.frozen.curves import AXES, GROWTH, NOISE, Curves
 
 
-def confusion_figure(result: Result) -> Figure:
-    """Confusion matrices of the states of the string, each row normalised: kinematic and simulated."""
+def curves_figure(curves: Mapping[str, Curves]) -> Figure:
+    """False alarms over noise, delay over growth, share of ellipses called whirl; dashed: the plain detector."""
     with styled():
-        figure = laid_out(5.2, "True against found motion states")
-        panels = figure.subplots(1, 2)
-        for panel, score, name in zip(
-            panels, (result.kinematic, result.simulated), ("kinematic signals", "simulated runs"), strict=True
-        ):
-            _matrix(panel, score.string, f"{name}: macro-F1 {macro_f1(score.string):.3f}")
-        panels[1].set_ylabel("")
+        figure = laid_out(4.6, "Errors of the analyzer (full lines) and of the plain detector (dashed)")
+        alarms, delay, whirl = figure.subplots(1, 3)
+        for style, one in zip(("-", "--"), curves.values(), strict=False):
+            for index, (colour, rates) in enumerate(one.alarms.items()):
+                label = "white noise" if colour == 0.0 else "1/f noise"
+                _line(alarms, 100.0 * np.array(NOISE), rates, style, index, label)
+            for index, (noise, found) in enumerate(one.delay.items()):
+                _line(delay, GROWTH, found, style, index, f"noise {100 * noise:g} %")
+            for index, (hole, shares) in enumerate(one.whirl.items()):
+                _line(whirl, AXES, 100.0 * np.array(shares), style, index, f"{hole} hole")
+        alarms.set(xlabel="noise [% of the clearance]", ylabel="alarms an hour", title="Noise alone")
+        delay.set(xlabel="e-foldings in a revolution", ylabel="announced after the onset [rev]", title="Growing orbits")
+        delay.set_xscale("log")
+        whirl.set(xlabel="ratio of the half axes", ylabel="called whirl [%]", title="Ellipses")
+        for panel in (alarms, delay, whirl):
+            panel.legend(fontsize=8)
         return figure
 
 
-def _matrix(panel: Axes, confusion: NDArray[np.int64], title: str) -> None:
-    places = [STATES.index(state) for state in _SHORT]
-    counts = confusion[np.ix_(places, places)].astype(float)
-    share = counts / np.maximum(confusion[places].sum(axis=1, keepdims=True), 1)
-    panel.imshow(share, cmap="Blues", vmin=0.0, vmax=1.0)
-    for (row, column), value in np.ndenumerate(share):
-        if value >= 5e-4:
-            panel.text(
-                column, row, f"{100 * value:.1f}", ha="center", va="center", fontsize=8.5,
-                color="white" if value > 0.6 else INK,
-            )  # fmt: skip
-    names = list(_SHORT.values())
-    panel.set_xticks(range(len(names)), names, rotation=40, ha="right", fontsize=9)
-    panel.set_yticks(range(len(names)), names, fontsize=9)
-    panel.set_xlabel("found [% of the true time]")
-    panel.set_ylabel("true")
-    panel.grid(visible=False)
-    panel.tick_params(length=0)
-    panel.set_title(title, fontsize=10.5)
+def _line(panel: Any, x: Any, y: Any, style: str, index: int, label: str) -> None:
+    panel.plot(x, y, style, color=f"C{index}", marker="o", markersize=3, label=label if style == "-" else None)

@@ -1,139 +1,135 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Runs of the study: every labelled set through the analyzer, and its scores."""
+"""Scores and curves of the analyzer and of the plain detector on the frozen records, and their tables."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
-from functools import partial
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
+from drill_twin.core.table import Table
 from drill_twin.studies.pool import run_jobs
-from drill_twin_evidence.detection.cases import BENCH, bench, bouncing, recorded, simulated
-from drill_twin_evidence.detection.ground_truth import truth_of
-from drill_twin_evidence.detection.runs import Run
-from drill_twin_evidence.detection.scoring import STATES, Score, analyse, f1_scores, macro_f1
-from drill_twin_evidence.detection.signals import Record, labelled, steady
-from drill_twin_evidence.detection.steady import false_onsets
+from drill_twin_evidence.detection.frozen import KINDS, FrozenScore, by_analyzer, frozen_records, score_of
+from drill_twin_evidence.detection.frozen.curves import Curves, curves_of, rows_of
+from drill_twin_evidence.detection.frozen.score import STATES, Detector, macro_f1
+from drill_twin_evidence.detection.frozen.truth import NEW
+from drill_twin_evidence.detection.plain import plain
 
-HELD_OUT = 1000
-"""First seed of records that no threshold was chosen on; the analyzer was made on those below 300."""
+DETECTORS: Mapping[str, Detector] = {"analyzer": by_analyzer, "plain": plain}
 
 
-@dataclass(frozen=True)
-class Plan:
+class Plan(NamedTuple):
     """Size of the study."""
 
-    kinematic: int = 300
-    """Labelled kinematic records."""
-    still: int = 60
-    """Kinematic records of steady rotation with noise of 5 % of the clearance."""
-    bench: int = len(BENCH)
-    """Simulated runs of the paper's bench."""
-    drawn: int = 36
-    """Simulated runs with random parameters."""
-    bouncing: int = 8
-    """Simulated runs of a string that bounces between the walls."""
-    hours: float = 24.0
-    """Steady rotation at 20 Hz [h]."""
-    first_seed: int = HELD_OUT
-    """Seed of the first of the drawn records."""
+    share: int = 1
+    """Every so-manieth frozen record."""
+    hours: float = 5.0
+    """Noise alone, at each level [h]."""
+    each: int = 8
+    """Records at each point of the other curves."""
 
 
-QUICK = Plan(kinematic=24, still=6, bench=4, drawn=4, bouncing=1, hours=0.25)
-"""A tenth of it, for a quick check."""
+QUICK = Plan(10, 0.1, 1)
 
 
 @dataclass
 class Result:
-    """Scores of the study."""
+    """Scores by detector and kind of record, and curves by detector."""
 
     plan: Plan
-    kinematic: Score = field(default_factory=Score)
-    simulated: Score = field(default_factory=Score)
-    """Simulated runs, from wall marks, spin and top speed alone."""
-    with_forces: Score = field(default_factory=Score)
-    """Simulated runs, with the wall forces at the marks too."""
-    false_onsets: int = 0
-    """Marks with an onset in the hours of steady rotation."""
-    worst: list[tuple[float, str]] = field(default_factory=list)
-    """Onsets beyond the tolerance: error [rev] and record."""
+    scores: dict[str, dict[str, FrozenScore]] = field(default_factory=dict)
+    curves: dict[str, Curves] = field(default_factory=dict)
 
     def to_dict(self) -> dict[str, Any]:
         """Plain types for JSON."""
-        sets = {"kinematic": self.kinematic, "simulated": self.simulated, "simulated_with_forces": self.with_forces}
         return {
-            "plan": vars(self.plan),
-            "sets": {name: _plain(score) for name, score in sets.items()},
-            "false_onsets": self.false_onsets,
-            "not_met": [{"error_rev": error, "record": name} for error, name in self.worst],
+            "plan": self.plan._asdict(),
+            "scores": {name: {kind: one.plain() for kind, one in kinds.items()} for name, kinds in self.scores.items()},
+            "curves": {name: one.plain() for name, one in self.curves.items()},
         }
 
 
 def measure(plan: Plan, *, workers: int = 1, progress: Callable[[str], None] = lambda _: None) -> Result:
-    """Make and analyse every record of a plan, on several processes, and merge the scores."""
+    """Score both detectors on every frozen record of a plan, on several processes, and measure their curves."""
     result = Result(plan)
-    jobs = {job: (plan, *job) for job in _jobs(plan)}
-    for name, found in run_jobs(_one, jobs, workers, done=lambda _, named: progress(named[0])).values():
-        if isinstance(found, int):
-            result.false_onsets = found
-            continue
-        for kind, score in found:
-            getattr(result, kind).merge(score)
-            result.worst += [(error, name) for error in score.onset_error if abs(error) > 0.5 and kind != "with_forces"]
+    jobs = {(name, kind): (plan, name, kind) for name in DETECTORS for kind in (*reversed(KINDS), "curves")}
+    found = run_jobs(_one, jobs, workers, done=lambda key, _: progress(" ".join(key)))
+    for name in DETECTORS:
+        kinds: dict[str, FrozenScore] = {}
+        for kind in KINDS:
+            for key in (kind, *(("all",) if kind != "s" else ())):
+                kinds.setdefault(key, FrozenScore()).merge(found[name, kind])
+        result.scores[name] = kinds
+        result.curves[name] = found[name, "curves"]
     return result
 
 
-def _jobs(plan: Plan) -> Iterator[tuple[str, int]]:
-    if plan.hours:
-        yield "hours", 0
-    for kind in ("bouncing", "bench", "drawn", "kinematic", "still"):
-        yield from ((kind, number) for number in range(getattr(plan, kind)))
+def _one(plan: Plan, name: str, kind: str) -> Any:
+    if kind == "curves":
+        return curves_of(DETECTORS[name], plan.hours, plan.each)
+    return score_of(frozen_records(kind, share=plan.share), DETECTORS[name]).get(kind, FrozenScore())
 
 
-def _one(plan: Plan, kind: str, number: int) -> tuple[str, list[tuple[str, Score]] | int]:
-    """Name and scores of a record, or name and number of false onsets of the steady rotation."""
-    if kind == "hours":
-        return "steady rotation", false_onsets(plan.hours)
-    if kind in {"kinematic", "still"}:
-        record = (labelled if kind == "kinematic" else steady)(plan.first_seed + number)
-        return record.name, [("kinematic", _scored(record, states=kind == "kinematic"))]
-    simulations: dict[str, Callable[[int], Run]] = {"bouncing": bouncing, "bench": bench, "drawn": simulated}
-    run = simulations[kind](number if kind == "bench" else plan.first_seed + number)
-    seen = partial(recorded, run, truth_of(run))
-    return run.name, [
-        ("simulated", _scored(seen(forces=False))),
-        ("with_forces", _scored(seen(forces=True))),
-    ]
+def markdown(result: Result) -> str:
+    """Tables of `evidence/docs/detection.md`; cells with a stroke: analyzer / plain detector."""
+    return "\n".join([*_onsets(result), "", *_states(result), "", *_curves(result)])
 
 
-def _scored(record: Record, *, states: bool = True) -> Score:
-    score = Score()
-    score.add(record.truth, analyse(record), record.rotation)
-    if not states:
-        score.string[:] = 0
-        score.marks[:] = 0
-    return score
+def _onsets(result: Result) -> Iterator[str]:
+    heads = (
+        "kind", "records", "onsets", "within half a revolution", "within one", "missed", "without whirl", "false",
+        "ratio error, median and 95 %", "F1 string", "F1 string, old states", "F1 marks", "F1 marks, old states",
+    )  # fmt: skip
+    rows = []
+    for kind in (*(key for key in KINDS if key != "s"), "all", "s"):
+        pair = [result.scores[name][kind] for name in DETECTORS]
+        first = pair[0]
+
+        def both(cell: Callable[[FrozenScore], object], pair: list[FrozenScore] = pair) -> str:
+            return " / ".join(str(cell(score)) for score in pair)
+
+        rows.append((
+            KINDS.get(kind, "all kinematic"), first.records, first.onsets, both(lambda one: one.met(0.5)),
+            both(lambda one: one.met(1.0)), both(lambda one: len(one.missed)), first.still + len(first.synchronous),
+            both(lambda one: len(one.false)), both(_ratio), both(lambda one: _number(macro_f1(one.string))),
+            both(lambda one: _number(macro_f1(one.string, new=False))), both(lambda one: _number(macro_f1(one.marks))),
+            both(lambda one: _number(macro_f1(one.marks, new=False))),
+        ))  # fmt: skip
+    yield Table(heads, rows).markdown()
 
 
-def _plain(score: Score) -> dict[str, Any]:
-    error, delay = np.array(score.onset_error), np.array(score.delay)
-    return {
-        "records": score.records,
-        "onsets": score.onsets,
-        "met": score.met,
-        "missed": score.missed,
-        "false": score.false,
-        "median_error_rev": float(np.median(np.abs(error))) if error.size else None,
-        "median_delay_rev": float(np.median(delay)) if delay.size else None,
-        "delay_95_rev": float(np.percentile(delay, 95)) if delay.size else None,
-        "string_macro_f1": macro_f1(score.string) if score.string.any() else None,
-        "string_f1": f1_scores(score.string),
-        "string_confusion": score.string.tolist(),
-        "marks_macro_f1": macro_f1(score.marks) if score.marks.any() else None,
-        "marks_f1": f1_scores(score.marks),
-        "marks_confusion": score.marks.tolist(),
-        "states": list(STATES),
-    }
+def _states(result: Result) -> Iterator[str]:
+    heads = ("F1 of", "kinematic: string", "marks", "simulated: string", "marks")
+    rows = []
+    plain_scores = {name: {kind: one.plain() for kind, one in kinds.items()} for name, kinds in result.scores.items()}
+    for state in STATES:
+        cells = [
+            " / ".join(_number(plain_scores[name][kind][level].get(state)) for name in DETECTORS)
+            for kind in ("all", "s") for level in ("string_f1", "marks_f1")
+        ]  # fmt: skip
+        if any(cell.strip("- /") for cell in cells):
+            rows.append((state + (" (new)" if state in NEW else ""), *cells))
+    yield Table(heads, rows).markdown()
+
+
+def _curves(result: Result) -> Iterator[str]:
+    pair = [list(rows_of(result.curves[name])) for name in DETECTORS]
+    for (title, heads, own), (_, _, other) in zip(*pair, strict=True):
+        yield f"{title}:\n"
+        rows = [
+            (mine[0], *(f"{a} / {b}" for a, b in zip(mine[1:], peer[1:], strict=True)))
+            for mine, peer in zip(own, other, strict=True)
+        ]
+        yield Table(heads, rows).markdown()
+        yield ""
+
+
+def _ratio(score: FrozenScore) -> str:
+    size = np.abs(score.ratio_error)
+    return f"{np.median(size):.2g}, {np.percentile(size, 95):.2g}" if size.size else "-"
+
+
+def _number(value: float | None) -> str:
+    return "-" if value is None else f"{value:.3f}"

@@ -17,7 +17,7 @@ from drill_twin.dynamics.twin.frame import RigState
 from drill_twin.dynamics.twin.twin import Twin
 from drill_twin.io.scene_geometry import mark_infos
 from drill_twin.runs.ensemble.parts import frames_of, planned
-from drill_twin.scene import parse_scene
+from drill_twin.scene import Scene, parse_scene
 from drill_twin.whirl import MarkInfo
 from drill_twin_evidence.detection.scene import BENCH_SCENE
 
@@ -74,7 +74,11 @@ def simulate(name: str, overrides: Mapping[str, str], *, subs: bool = False, sce
         SceneError: An override does not fit the scene.
         RunError: A time step did not converge.
     """
-    scene = parse_scene(scene_text, name=name, overrides=dict(overrides))
+    return of_scene(name, parse_scene(scene_text, name=name, overrides=dict(overrides)), subs=subs)
+
+
+def of_scene(name: str, scene: Scene, *, subs: bool = False) -> Run:
+    """Run a scene from start to end and return all signals, as `simulate`."""
     twin = Twin(scene)
     at = np.array([mark.distance_from_bit for mark in scene.string.marks if subs])
     places = locate(twin.rod, at, np.full(at.size, SENSOR_RADIUS), np.zeros(at.size))

@@ -17,7 +17,7 @@ from drill_twin.whirl import Summary
 from drill_twin.whirl.downhole import SubAnalyzer
 from drill_twin.whirl.downhole.motion import SLOWEST
 from drill_twin_evidence.detection.cases import HEIGHTS, simulated
-from drill_twin_evidence.detection.ground_truth import truth_of
+from drill_twin_evidence.detection.ground_truth import mark_onsets
 from drill_twin_evidence.detection.sub_readings import analyser_of
 from drill_twin_evidence.detection.sub_signals import drawn_signal
 
@@ -42,7 +42,7 @@ class Row(TypedDict):
 def scene(number: int) -> Row:
     """Onset in a random scene, at one of its marks."""
     mark, run = number % len(HEIGHTS), simulated(number, subs=True)
-    return _row("scene", number, truth_of(run).mark_onset[mark], analyser_of(run, number, mark=mark).summary(), 1.0)
+    return _row("scene", number, mark_onsets(run)[mark], analyser_of(run, number, mark=mark).summary(), 1.0)
 
 
 def motion(number: int) -> Row:

@@ -18,9 +18,10 @@ from drill_twin.dynamics.sensors.motion import instantaneous
 from drill_twin.whirl import MarkInfo
 from drill_twin.whirl.downhole import ToolNoise
 from drill_twin_evidence.detection.ground_truth import WHIRL_THRESHOLD, onset
-from drill_twin_evidence.detection.signals import HOLES
 from drill_twin_evidence.detection.sub_readings import BIAS, NOISE
 
+HOLES = ((0.08175, 0.00825), (0.03675, 0.00825), (0.0539, 0.1016), (0.3, 0.09))
+"""Clearance and outer radius [m]: the bench, the bench with 90 mm as diameter, 8 in in 12 1/4 in, and a wide hole."""
 AFTER = 20.0
 """Length of the record after the orbit has reached the threshold [rev]."""
 FINE = 4
