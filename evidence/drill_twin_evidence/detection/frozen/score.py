@@ -75,7 +75,7 @@ def by_analyzer(record: FrozenRecord) -> Finding:
     return Finding(
         None if onset is None else onset.time_s, None if onset is None else onset.detected_s,
         onset is not None and onset.kind == "synchronous",
-        ONSET_RADIUS, found.mode_ratio, timeline(found.motion), marks,
+        ONSET_RADIUS, found.mean_ratio, timeline(found.motion), marks,
     )  # fmt: skip
 
 
