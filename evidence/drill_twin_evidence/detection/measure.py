@@ -25,7 +25,7 @@ class Plan(NamedTuple):
 
     share: int = 1
     """Every so-manieth frozen record."""
-    hours: float = 5.0
+    hours: float = 3.0
     """Noise alone, at each level [h]."""
     each: int = 8
     """Records at each point of the other curves."""

@@ -99,6 +99,8 @@ class FrozenScore:
     """Records without a whirl in which an onset was found."""
     still: int = 0
     """Records without a whirl."""
+    undated: int = 0
+    """Records whose onset was found where its time is not known."""
     synchronous: list[bool] = field(default_factory=list)
     """Whether a synchronous onset was found, by record with a large synchronous response."""
     far: list[tuple[float, str]] = field(default_factory=list)
@@ -113,6 +115,7 @@ class FrozenScore:
         if not truth.scored:
             return
         self.records += 1
+        self._count(truth, found)
         true = truth.began(found.level)
         if truth.synchronous:
             self.synchronous.append(found.onset is not None and found.synchronous)
@@ -125,14 +128,16 @@ class FrozenScore:
         elif found.onset is None:
             self.missed.append(name)
         else:
+            if truth.ratio is not None and found.ratio is not None:
+                self.ratio_error.append(found.ratio / truth.ratio - 1.0)
+            if not truth.dated:
+                self.undated += 1
+                return
             at, known, began = np.interp([found.onset, found.announced or found.onset, true], truth.time, truth.turns)
             self.error.append(float(at - began))
             self.delay.append(float(known - began))
             if abs(at - began) > 0.5:
                 self.far.append((float(at - began), name))
-            if truth.ratio is not None and found.ratio is not None:
-                self.ratio_error.append(found.ratio / truth.ratio - 1.0)
-        self._count(truth, found)
 
     def _count(self, truth: Truth, found: Finding) -> None:
         _add(self.string, truth.string_states(found.level), found.motion(truth.time))
@@ -159,7 +164,7 @@ class FrozenScore:
         return {
             "records": self.records, "onsets": self.onsets, "half": self.met(0.5), "one": self.met(1.0),
             "missed": len(self.missed), "still": self.still, "false": len(self.false),
-            "synchronous": [sum(self.synchronous), len(self.synchronous)],
+            "undated": self.undated, "synchronous": [sum(self.synchronous), len(self.synchronous)],
             "median_ratio_error": float(np.median(ratio)) if ratio.size else None,
             "ratio_error_95": float(np.percentile(ratio, 95)) if ratio.size else None,
             "median_delay_rev": float(np.median(self.delay)) if self.delay else None,

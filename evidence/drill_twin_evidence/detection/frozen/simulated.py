@@ -9,9 +9,12 @@ taken off too, the mean over the whole run since the rotation is steady.
 nearest function that never falls (isotonic regression). So an orbit that comes and goes counts as none until it stays.
 
 **Whirl.** In a vertical hole: the amplitude reaches `LARGE`. In an inclined one it must go round: nine tenths of its
-power turn in one sense. No whirl: the amplitude stays under `SMALL` and no linear mode grows; or, in an inclined hole,
+power turn in one sense. No whirl: no linear mode grows, and the amplitude stays under `SMALL` or, in an inclined hole,
 at most two thirds turn in one sense, or the string on the low side does not turn by a quarter of a turn in the run.
 Other runs are not scored.
+
+**Onset.** Not dated where the amplitude exceeds `SMALL` in the first revolution, as a string does that falls to the low
+side while it begins to whirl: there it counts only that an onset is found.
 
 **States.** In windows of `WINDOW` revolutions about each time, where they are clear (`CLEAR`); else none is true.
 """
@@ -63,13 +66,13 @@ STEPS, HALF, SMOOTH, WINDOW = 16, 12.0, 1.5, 3.0
 window of a state [rev]."""
 LARGE, SMALL = 0.15, 0.02
 """Amplitude over the clearance of a whirl, and below which there is none; between, the run is not scored."""
-SLOW, STRIKES = 0.05, 0.7
-"""Whirl ratio without a sense; impacts in a turn."""
+SLOW, STRIKES, BROKEN = 0.05, 0.7, 0.5
+"""Whirl ratio without a sense; impacts in a turn; coherence of the angle below which a motion is irregular."""
 CLEAR: dict[str, tuple[float, float]] = {
-    "regular": (0.93, 0.2), "irregular": (0.5, 0.5), "touching": (0.9, 0.1), "slip": (0.25, 0.7),
+    "regular": (0.93, 0.2), "touching": (0.9, 0.1), "slip": (0.25, 0.7),
     "plane": (0.9, 0.5), "lobe": (0.5, 0.15),
 }  # fmt: skip
-"""Regular: coherence of the angle above, unevenness of the radius below; irregular: one beyond these. Touching:
+"""Regular: coherence of the angle above, unevenness of the radius below; Touching:
 share of the time above, or free below. Slip over the rim speed: rolling below, creep above. Planarity: a plane above, a
 helix below. Second lobe over the first: bending above, none below."""
 
@@ -164,6 +167,7 @@ def _record(number: int, name: str, found: dict[str, Any]) -> FrozenRecord:
     truth = Truth(
         found["at"], found["turns"], found["amplitude"], np.zeros_like(found["amplitude"]), motion, tuple(of_marks),
         float(found["ratio"]) if np.isfinite(found["ratio"]) else None, bool(found["scored"]),
+        dated=bool(found["dated"]),
     )  # fmt: skip
     errors = Errors(float(draw.uniform(0.001, 0.01)))
     clearance = np.array([mark.clearance for mark in marks])
@@ -192,7 +196,7 @@ def truth_of(run: runs.Run, grows: bool | None) -> dict[str, Any]:
     turns = float(np.ptp(np.unwrap(np.angle(around), axis=0), axis=0).max()) / math.tau
     large, small = bool(size.max() >= LARGE), bool(size.max() <= SMALL)
     whirls = large and (vertical or one_sided >= 0.9) and (vertical or turns > 0.25)
-    still = (small and not grows) or (not vertical and (one_sided <= 2.0 / 3.0 or turns <= 0.25))
+    still = not grows and (small or (not vertical and (one_sided <= 2.0 / 3.0 or turns <= 0.25)))
     touch = _at((np.abs(run.mark_centre) > 0.98 * clearance).astype(float), run.time, time) > 0.5
     node_touch = _at((np.abs(run.centre) > 0.98 * run.clearance).astype(float), run.time, time) > 0.5
     rolling = np.array([mark.rolling_ratio for mark in run.marks])
@@ -219,7 +223,7 @@ def truth_of(run: runs.Run, grows: bool | None) -> dict[str, Any]:
     return {
         "at": time[grid], "turns": steps[grid], "amplitude": size[grid], "states": np.array(states),
         "ratio": np.array(float(np.median(last)) if whirls and steady else math.nan),
-        "scored": np.array(whirls or still),
+        "scored": np.array(whirls or still), "dated": np.array(bool(size[STEPS].max() <= SMALL)),
         "facts": np.array([size.max(), one_sided, turns, math.nan if grows is None else float(grows)]),
     }  # fmt: skip
 
@@ -271,7 +275,7 @@ def _state(a: ComplexArray, touching: Mask, rolling: float, sense: float) -> tup
     touch, turns = float(touching.mean()), a.size / STEPS
     strikes = float((np.diff(touching.astype(int)) > 0).sum()) / turns
     high, even = CLEAR["regular"]
-    if coherence < CLEAR["irregular"][0] or uneven > CLEAR["irregular"][1]:
+    if coherence < BROKEN:
         return IRREGULAR, ratio
     if strikes >= STRIKES and touch < 0.4 and coherence > 0.8 and uneven > 0.1:
         return IMPACTS, ratio

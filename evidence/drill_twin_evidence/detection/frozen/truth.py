@@ -69,6 +69,8 @@ class Truth:
     """Whirl ratio of the larger orbit; None where the motion has none, or changes to another."""
     scored: bool = True
     """False where it is not defined whether the motion whirls."""
+    dated: bool = True
+    """False where the time of the onset is not known."""
     synchronous: bool = False
     """True where a synchronous onset is right, and any other is not."""
 
