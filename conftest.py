@@ -34,7 +34,7 @@ def _names(function: Any, seen: set[Any]) -> Iterator[str]:
     """Names in the code of a function, and in that of the functions and classes of the test house which it names."""
     function = getattr(function, "__wrapped__", function)
     file = getattr(sys.modules.get(getattr(function, "__module__", "")), "__file__", None) or ""
-    if function in seen or not file.startswith(str(ROOT)) or "test" not in Path(file).relative_to(ROOT).parts:
+    if function in seen or not Path(file).is_relative_to(ROOT) or "test" not in Path(file).relative_to(ROOT).parts:
         return
     seen.add(function)
     if isinstance(function, type):
