@@ -47,7 +47,7 @@ class Case:
 
 
 class Relevance(NamedTuple):
-    """What a difference of a quantity means."""
+    """Meaning of a difference of a quantity."""
 
     sign: float
     """1 where more is worse, -1 where less is, 0 where neither is."""

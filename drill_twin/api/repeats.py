@@ -264,7 +264,7 @@ class Repeats:
         return (falls and (less or (half and was != is_now))) or (half and was in BACKWARD and is_now in FORWARD)
 
     def told(self, problem: str, found: Motion, growth: float | None) -> str:
-        """What a repeat did, of one problem, in words."""
+        """Outcome of a repeat for one problem, in words."""
         size, summary = f"({found.text(problem)})", found.summary
         if problem != WHIRL:
             return f"{summary['bit'] if problem == TORSION else problem} {size}"

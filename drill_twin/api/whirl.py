@@ -44,7 +44,7 @@ class Whirl:
     ratio: Array
     """Whirl ratio, shape (T, m)."""
     confidence: Array
-    """How clear both are, a rank from 0 to 1, shape (T, m)."""
+    """Clearness of both, a rank from 0 to 1, shape (T, m)."""
     summary: Summary
     """Findings for the whole record: onset, frequency, largest radii, motion, stick-slip, quality."""
     notes: tuple[str, ...] = ()

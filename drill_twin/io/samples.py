@@ -55,7 +55,7 @@ class Sample(NamedTuple):
 
 
 AnySample = Sample | ImuReading
-"""What is analysed at a stamp: marks and rig, or a reading of a sub."""
+"""Input of the analysis at a stamp: marks and rig, or a reading of a sub."""
 
 
 class SampleRows(NamedTuple):

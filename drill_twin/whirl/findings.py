@@ -117,7 +117,7 @@ class Findings:
     ratio: Array
     """Whirl ratio; nan as above, and at rest."""
     confidence: Array
-    """How clear precession and ratio are, a rank from 0 to 1 and no probability: coherence, less the share of noise."""
+    """Clearness of precession and ratio, a rank from 0 to 1 and no probability: coherence, less the share of noise."""
     whirl_radius: Array
     """Rms radius of the asynchronous part over the last revolution, noise removed [m]."""
     synchronous_radius: Array
@@ -232,7 +232,7 @@ class Summary:
     """Interval that holds the frequency of a settled whirl in nine of ten cases; of any other whirl, least and largest
     mean of a window. None for too short a whirl."""
     whirl_frequency_changes: bool | None = None
-    """Whether the frequency still changes; None for irregular motion and for too short a whirl."""
+    """True if the frequency still changes; None for irregular motion and for too short a whirl."""
     frequency_mark: str | None = None
     """Mark with the largest whirl relative to its clearance, whose frequency is reported."""
     max_radius_m: dict[str, float | None] = field(default_factory=dict)

@@ -54,7 +54,7 @@ class WhirlFrequency(NamedTuple):
     """A settled whirl's frequency lies between in nine of ten cases; of any other, least and largest mean of a window.
     None for too short a whirl."""
     changes: bool | None = None
-    """Whether the frequency still changes; None for irregular motion and for too short a whirl."""
+    """True if the frequency still changes; None for irregular motion and for too short a whirl."""
 
 
 def whirl_frequency(

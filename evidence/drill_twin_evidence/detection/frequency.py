@@ -96,7 +96,7 @@ KINDS: dict[str, Callable[[Array, np.random.Generator], Drawn]] = {
 
 
 class Found(NamedTuple):
-    """What is found of a drawn motion."""
+    """Findings of a drawn motion."""
 
     drawn: Drawn
     summary: Summary
@@ -149,7 +149,7 @@ def counts(kind: str, found: list[Found]) -> tuple[str, ...]:
 
 
 def holds(found: Found) -> bool:
-    """Whether the printed interval holds a right frequency."""
+    """True if the printed interval holds a right frequency."""
     low, high = found.summary.whirl_frequency_interval_hz or (math.nan, math.nan)
     return any(low <= right <= high for right in found.drawn.settled)
 

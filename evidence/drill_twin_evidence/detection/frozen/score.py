@@ -34,7 +34,7 @@ STATES = (
 
 @dataclass(frozen=True)
 class Finding:
-    """What a detector says of a record."""
+    """Findings of a detector for a record."""
 
     onset: float | None
     """Time of the onset [s]."""
@@ -102,7 +102,7 @@ class FrozenScore:
     undated: int = 0
     """Records whose onset was found where its time is not known."""
     synchronous: list[bool] = field(default_factory=list)
-    """Whether a synchronous onset was found, by record with a large synchronous response."""
+    """True if a synchronous onset was found, by record with a large synchronous response."""
     far: list[tuple[float, str]] = field(default_factory=list)
     """Onsets more than half a revolution off: error [rev] and record."""
     string: NDArray[np.int64] = field(default_factory=_square)

@@ -176,7 +176,7 @@ def _record(number: int, name: str, found: dict[str, Any]) -> FrozenRecord:
 
 
 def truth_of(run: runs.Run, grows: bool | None) -> dict[str, Any]:
-    """What is true of a run (module docstring)."""
+    """Truth of a run (module docstring)."""
     speed = np.abs(run.top_speed)
     turned = np.concatenate(([0.0], np.cumsum(0.5 * (speed[1:] + speed[:-1]) * np.diff(run.time)))) / math.tau
     steps = np.arange(0.0, turned[-1], 1.0 / STEPS)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What is true of a record, without a threshold.
+"""Truth of a record, without a threshold.
 
 **Whirl.** A motion whirls if it was prescribed as one: an orbit that goes round, whose smaller half axis is at least
 0.45 of the larger one, or two such orbits, or an irregular path. A swing (half axes 0 to 0.15), a forced response, a
@@ -51,7 +51,7 @@ NEW = (SWING, CREEP, IMPACTS)
 
 @dataclass(frozen=True, eq=False)
 class Truth:
-    """What is true of a record; s times, m marks."""
+    """Truth of a record; s times, m marks."""
 
     time: Array
     """Times [s], as the stamps count, shape (s,)."""
