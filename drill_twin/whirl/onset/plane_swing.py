@@ -31,7 +31,7 @@ from drill_twin.whirl.history import end_of
 FEWEST = 4
 """Fewest bins: offset, drift and the part that turns with the string are three numbers."""
 LINE = math.sqrt(1.0 - criteria.ROTARY**2)
-"""Least |sum z^2| / sum |z|^2 of a motion along a line: the value of the ellipse at the bound of the rotary coefficient."""
+"""Least |sum z^2| / sum |z|^2 of a motion along a line, as of the ellipse at the bound of the rotary coefficient."""
 
 
 @strict_kernel
