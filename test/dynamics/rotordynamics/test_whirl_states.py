@@ -216,3 +216,20 @@ def test_a_steel_assembly_whirls_steadily_with_one_diameter_alone(collars, is_st
     ratios = rolling_ratios(twin.model)
     assert rates == pytest.approx([ratios[0], ratios[-1]], rel=0.01)
     assert (len(ratios) == 1) is is_steady
+
+
+@pytest.mark.parametrize(("limit", "taken"), [(0, []), (2, ["a", "b"])])
+def test_a_search_is_cut_short_by_its_work_and_says_so(bench, monkeypatch, limit, taken):
+    """No first guess is taken after the limit, which counts evaluations, not seconds."""
+    tried = []
+
+    def add(turning, guess, _):
+        tried.append(guess)
+        turning.equations.evaluations += 1
+
+    monkeypatch.setattr(states_module, "_guesses", lambda *_: iter("abc"))
+    monkeypatch.setattr(states_module, "_add_near", add)
+    found = states_module.search(EquationsOfMotion(bench), Command(40.0, 12.0), evaluations=limit)
+    assert found == ((), False)
+    assert tried == taken
+    assert states_module.search(EquationsOfMotion(bench), Command(40.0, 12.0)).is_whole
