@@ -93,7 +93,8 @@ def test_a_listener_of_a_stranger_learns_onset_whirl_rates_loads_and_driver_in_a
 
 
 def test_the_table_shows_the_depth_that_publishers_offer(bench):
-    table = (ROOT / "docs/reference/topics.md").read_text("utf-8").partition("<!-- printed: topics_quality -->")[2].splitlines()
+    page = (ROOT / "docs/reference/topics.md").read_text("utf-8")
+    table = page.partition("<!-- printed: topics_quality -->")[2].splitlines()
     topics = NodeTopics(bench.node, lambda _: None, lambda call: call())
     for name in TOPICS:
         row = next(line for line in table if line.startswith(f"| `{name}` |"))
