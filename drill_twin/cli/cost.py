@@ -30,6 +30,9 @@ def cost(
         int, typer.Option("--replicas", min=0, max=50, help="Number of repeats of the converged run, for its spread.")
     ] = 3,
     coarse: Annotated[bool, typer.Option("--coarse", help="Run a third of the resolutions only.")] = False,
+    out: Annotated[
+        Path | None, options.folder_option("Folder of the result; an interrupted study continues.", "out/cost_SCENE")
+    ] = None,
     elements: Annotated[
         str,
         typer.Option(
@@ -39,9 +42,6 @@ def cost(
         ),
     ] = "",
     workers: options.WorkersOption = 0,
-    out: Annotated[
-        Path | None, options.folder_option("Folder of the result; an interrupted study continues.", "out/cost_SCENE")
-    ] = None,
     json: options.JsonOption = False,
 ) -> None:
     """Measure error and processor time of a scene over formulations, elements, steps and tolerances.
