@@ -10,13 +10,13 @@ from typing import Any
 from drill_twin.api.repeats import Repeats, Trial, rate
 from drill_twin.api.result import Result
 from drill_twin.api.rotordynamics import modes_under
-from drill_twin.api.run_motion import TORSION, WHIRL
 from drill_twin.core.errors import BagError, RunError
 from drill_twin.core.table import Table
 from drill_twin.dynamics.rotordynamics.modes import LATERAL, Mode, ModeTable
 from drill_twin.io.bag.virtual_bags import RecordBag
 from drill_twin.report.load_text import Summary
 from drill_twin.report.recording import Recording
+from drill_twin.report.severity import TORSION, WHIRL
 from drill_twin.report.text import lasting
 from drill_twin.scene import Scene
 from drill_twin.scene.set_points.command import Command

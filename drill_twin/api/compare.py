@@ -128,7 +128,7 @@ def page(
     differing = sum(row.differs(tolerance) for row in ordered)
     parts = (("What differs", ordered[:differing]), ("What does not", ordered[differing:]))
     tables = "".join(
-        f"<h2>{title}</h2><section>{_table(len(names), rows, units)}</section>" for title, rows in parts if rows
+        f"<h2>{title}</h2><section>{table(len(names), rows, units).html()}</section>" for title, rows in parts if rows
     )
     legend = "<br>".join(escape(f"{chr(ord('A') + case)}: {name}") for case, name in enumerate(names))
     return html_page(
@@ -143,9 +143,10 @@ def page(
     )
 
 
-def _table(cases: int, rows: Sequence[ComparedQuantity], units: UnitSystem) -> str:
+def table(cases: int, rows: Sequence[ComparedQuantity], units: UnitSystem) -> Table:
+    """Quantities of the cases, a row each."""
     cells = (
         (Column(row.name, units.in_unit(row.unit)[1]).title, *(row.text(case, units) for case in range(cases)))
         for row in rows
     )
-    return Table(("", *(chr(ord("A") + case) for case in range(cases))), cells, right=range(1, 1 + cases)).html()
+    return Table(("", *(chr(ord("A") + case) for case in range(cases))), cells, right=range(1, 1 + cases))

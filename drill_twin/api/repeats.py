@@ -12,7 +12,6 @@ import numpy as np
 
 from drill_twin.api.recorded_run import planned
 from drill_twin.api.rotordynamics import modes_under
-from drill_twin.api.run_motion import PROBLEMS, TORSION, WHIRL, Motion
 from drill_twin.api.simulation import Simulation
 from drill_twin.core.errors import RunError, SceneError
 from drill_twin.core.severity import Grade
@@ -20,6 +19,7 @@ from drill_twin.dynamics.rotordynamics.modes import LATERAL, ModeTable
 from drill_twin.io.messages.stamps import NANOSECONDS
 from drill_twin.report.load_text import Summary, units_of
 from drill_twin.report.recording import Recording
+from drill_twin.report.severity import PROBLEMS, TORSION, WHIRL, Motion
 from drill_twin.runs.recorded_commands import recorded_commands
 from drill_twin.scene import Scene
 from drill_twin.scene.blocks.top_drive import TopDrive

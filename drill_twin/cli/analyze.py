@@ -26,9 +26,6 @@ if TYPE_CHECKING:
 SUMMARY = "summary.json"
 EXPORTS = "drill_twin.exports"
 """Entry-point group of files that other packages write from a bag."""
-StatesOption = Annotated[
-    bool, typer.Option("--states", help="Search the steady whirl near each finding, and its growth; takes up to 30 s.")
-]
 
 
 def analyze(
@@ -58,7 +55,6 @@ def analyze(
         ),
     ] = "",
     namespace: options.NamespaceOption = "",
-    states: StatesOption = False,
     why: Annotated[
         bool,
         typer.Option("--why", help="Say why it whirled or stuck, from modes and repeats of the run; takes minutes."),
@@ -103,10 +99,6 @@ def analyze(
         selection = Selection(chosen, begin, end, names, namespace or None, room, rim, sub or "", run, columns, units)
         recording = _recording(bag, scene, selection)
         summary = summarise(recording)
-        if states:
-            from drill_twin.report.near_states import near_states
-
-            summary["whirl_states"] = near_states(recording, summary)
     if why:
         from drill_twin.api.cause import cause_of
 
@@ -128,7 +120,6 @@ def report(
     begin: options.FromOption = -math.inf,
     end: options.ToOption = math.inf,
     namespace: options.NamespaceOption = "",
-    states: StatesOption = False,
     units: options.UnitsOption = "",
     run: options.RunOption = 0,
     channel: options.ColumnOption = [],  # noqa: B006
@@ -144,18 +135,18 @@ def report(
         columns = options.choices(channel, null)
         selection = Selection(begin=begin, end=end, namespace=namespace or None, run=run, choices=columns, units=units)
         recording = _recording(bag, scene, selection)
-    files = draw(recording, folder, states=states)
+    files = draw(recording, folder)
     figures = {name: str(path) for name, path in files.figures.items()}
     data = {"report": str(files.page), "summary": str(files.summary), "figures": figures}
     emit(data, [*([Table((), files.answers)] if files.answers else []), str(files.page)], json=json)
 
 
-def draw(recording: Recording, folder: Path, *, states: bool = False) -> ReportFiles:
+def draw(recording: Recording, folder: Path) -> ReportFiles:
     """Build the report, with a status line that names the part in progress."""
     from drill_twin.report import build_report
 
     with shown_progress("drawing") as bar:
-        return build_report(recording, folder, states=states, progress=lambda part: bar.show(f"drawing: {part}"))
+        return build_report(recording, folder, progress=lambda part: bar.show(f"drawing: {part}"))
 
 
 def default_folder(bag: Path) -> Path:

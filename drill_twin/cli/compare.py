@@ -116,13 +116,11 @@ def compare(
 def _shown(
     cases: Sequence[str], rows: Sequence[ComparedQuantity], notes: Sequence[str], units: UnitSystem
 ) -> Iterator[Table | str]:
-    letters = [chr(ord("A") + number) for number in range(len(cases))]
-    yield from (f"{letter}: {text}" for letter, text in zip(letters, cases, strict=True))
+    from drill_twin.api.compare import table
+
+    yield from (f"{chr(ord('A') + number)}: {text}" for number, text in enumerate(cases))
     if rows:
-        cells = (
-            (row.name, units.in_unit(row.unit)[1], *(row.text(k, units) for k in range(len(cases)))) for row in rows
-        )
-        yield Table(("", "", *letters), cells)
+        yield table(len(cases), rows, units)
     yield from notes
 
 

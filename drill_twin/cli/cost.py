@@ -30,6 +30,9 @@ def cost(
         int, typer.Option("--replicas", min=0, max=50, help="Number of repeats of the converged run, for its spread.")
     ] = 3,
     coarse: Annotated[bool, typer.Option("--coarse", help="Run a third of the resolutions only.")] = False,
+    out: Annotated[
+        Path | None, options.folder_option("Folder of the result; an interrupted study continues.", "out/cost_SCENE")
+    ] = None,
     elements: Annotated[
         str,
         typer.Option(
@@ -39,12 +42,6 @@ def cost(
         ),
     ] = "",
     workers: options.WorkersOption = 0,
-    out: Annotated[
-        Path | None, options.folder_option("Folder of the result; an interrupted study continues.", "out/cost_SCENE")
-    ] = None,
-    markdown: Annotated[
-        bool, typer.Option("--markdown", help="Print the cheapest resolution for each power of ten as Markdown.")
-    ] = False,
     json: options.JsonOption = False,
 ) -> None:
     """Measure error and processor time of a scene over formulations, elements, steps and tolerances.
@@ -81,25 +78,11 @@ def cost(
             scene, changes, resolutions, folder / "runs", replicas=replicas, workers=workers, progress=bar.step
         )
     data = asdict(curve)
-    tables = (_meshes,) if elements else (_markdown,) if markdown else (_table, _tolerances)
+    tables = (_meshes,) if elements else (_table, _tolerances)
     emit(
         data, (table(curve) for table in tables), json=json, folder=folder, also=["runs"],
         files={"cost.json": data, "cost.csv": _all(curve).csv(), "cost.png": lambda: cost_figure(curve)},
     )  # fmt: skip
-
-
-def _markdown(curve: Curve) -> str:
-    """The cheapest resolution for an error of the path and of the onset below each power of ten."""
-    rows = []
-    for power in range(-1, -10, -1):
-        for one in [one for one in curve.front if one.errors.controlled <= 10.0**power][:1]:
-            at = one.resolution
-            rows.append((
-                f"1e{power}", at.form, at.elements, f"{at.step * 1e3:.2g} ms", _share(one.errors.path),
-                _share(one.errors.onset), f"{one.cost * 1e3:.3g}", f"{one.realtime_factor:.3g}",
-            ))  # fmt: skip
-    heads = ("error at most", "form", "elements", "step", "path", "onset", "processor ms per s", "x real time")
-    return Table(heads, rows).markdown()
 
 
 def _share(value: float | None) -> str:

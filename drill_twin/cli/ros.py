@@ -82,13 +82,7 @@ def replay(
     raise typer.Exit(start("replayer", ["--ros-args", *arguments]))
 
 
-def topics(
-    markdown: Annotated[bool, typer.Option("--markdown", help="Print the table as Markdown.")] = False,
-    rig: Annotated[
-        bool, typer.Option("--rig", help="Print quality of service, stamps and frames, as Markdown.")
-    ] = False,
-    json: JsonOption = False,
-) -> None:
+def topics(json: JsonOption = False) -> None:
     """List the topics of the nodes and of the bags: names, types, units."""
     from drill_twin.io.messages.topics import OF_SUBS, TOPICS
 
@@ -97,45 +91,8 @@ def topics(
         (topic.name, topic.type_name.replace("/msg/", "/"), f"{topic.publisher}, {topic.rate}", topic.meaning)
         for topic in topics
     )
-    table = rig_table() if rig else topic_table() if markdown else None
-    shown = Table(("topic", "type", "publisher, rate", "meaning"), rows) if table is None else table.markdown()
+    shown = Table(("topic", "type", "publisher, rate", "meaning"), rows)
     emit([asdict(topic) for topic in topics], [shown], json=json)
-
-
-def topic_table(*, optional: bool = True) -> Table:
-    """Table of the contract, or of the topics that every run has."""
-    from drill_twin.io.messages.topics import OF_SUBS, TOPICS
-
-    rows = [
-        (
-            f"`{topic.name}`", topic.type_name.replace("/msg/", "/"), topic.publisher,
-            f"{topic.rate}, latched" if topic.latched else topic.rate, topic.meaning,
-        )
-        for topic in (*TOPICS.values(), *OF_SUBS)
-        if optional or not topic.optional
-    ]  # fmt: skip
-    return Table(("topic", "type", "who", "when", "meaning"), rows)
-
-
-def rig_table() -> Table:
-    """Table of the topics for rig software: publisher, quality of service, stamp and frame."""
-    from drill_twin.io.messages.topic_row import FLOAT64, IMU, STRING
-    from drill_twin.io.messages.topics import CLOCK_TOPIC, FRAME_ID, OF_SUBS, RIG_COMMAND, TOPICS
-
-    own = {CLOCK_TOPIC: "simulated time", RIG_COMMAND: "simulated time, the commander's name"}
-    rows = []
-    for topic in (*TOPICS.values(), *OF_SUBS):
-        latched = ", latched" if topic.offered_latched else ""
-        stamp = own.get(topic.name, f"simulated time, `{FRAME_ID}`")
-        if topic.type_name in (FLOAT64, STRING):
-            stamp = "none"
-        elif topic.type_name == IMU:
-            stamp = "time of the measurement, name of the sub"
-        elif topic.publisher == "all nodes":
-            stamp = "wall time"
-        depth = f"reliable, keep last {topic.publisher_depth}{latched}"
-        rows.append((f"`{topic.name}`", topic.type_name, topic.publisher, topic.rate, depth, stamp))
-    return Table(("topic", "type", "from", "rate", "quality of service", "stamp and frame"), rows)
 
 
 def doctor(
@@ -149,8 +106,7 @@ def doctor(
     It works without ROS too. With rclpy it listens to the nodes in ROS_DOMAIN_ID. Exit code 1 when something is
     wrong.
     """
-    from drill_twin.ros.doctor.installation import Verdict
-    from drill_twin.ros.doctor.run import examine
+    from drill_twin.ros.doctor.installation import Verdict, examine
 
     with shown_progress("checking"):
         checks = examine(seconds)

@@ -13,14 +13,12 @@ import typer
 from drill_twin.cli import options
 from drill_twin.cli.emit import emit
 from drill_twin.cli.show import shown_progress
-from drill_twin.core.errors import SceneError
 from drill_twin.core.table import Table
 
 if TYPE_CHECKING:
     from drill_twin.dynamics.rotordynamics.steady.branches import Branch
     from drill_twin.dynamics.rotordynamics.steady.whirl_state import WhirlState
     from drill_twin.scene import Scene
-    from drill_twin.studies.whirl_states import SimulatedWhirl
 
 _STABLE = {"stable": "yes", "unstable": "no", "not determined": "?"}
 
@@ -49,9 +47,6 @@ def whirl(
             help='Follow each state over a range of "wob=5..80 N", "rpm=60..480" or another number of the scene.',
         ),
     ] = "",
-    simulate: Annotated[
-        int, typer.Option("--simulate", metavar="N", min=0, help="With --over: simulate at N values of the range too.")
-    ] = 0,
     out: Annotated[Path | None, options.folder_option("Write the results and their figures to this folder.")] = None,
     units: options.UnitsOption = "",
     json: options.JsonOption = False,
@@ -68,7 +63,7 @@ def whirl(
 
     own = rotordynamics.steady_scene(scene, options.overrides(change, wob=wob, rpm=rpm, units=units), without)
     if over:
-        _follow(own, over, starts, simulate, out, json=json)
+        _follow(own, over, starts, out, json=json)
         return
     with shown_progress("searching"):
         found = rotordynamics.whirl_states(own, random_starts=starts)
@@ -130,27 +125,23 @@ def _table(states: Sequence[WhirlState], modulated: Sequence[float | None], scen
     return Table(columns, rows, title=title, right=(1, 2, 4, 5, 6, 7, 8))
 
 
-def _follow(scene: Scene, over: str, starts: int, simulate: int, out: Path | None, *, json: bool) -> None:
+def _follow(scene: Scene, over: str, starts: int, out: Path | None, *, json: bool) -> None:
     """Branches over a number: table or JSON, and the figure."""
     from drill_twin.api import rotordynamics
-    from drill_twin.studies.whirl_states import branch_data, branches_figure, run_data, shown_parameter
+    from drill_twin.studies.whirl_states import branch_data, branches_figure, shown_parameter
 
     ((key, span),) = options.ranges_of("--over", [over]).items()
     with shown_progress("following"):
         found = rotordynamics.branches(scene, over=key, span=span, random_starts=starts)
-    runs = _simulated(scene, key, span, simulate)
     label, unit = shown_parameter(key, scene.unit_system)
-    data = {"branches": [branch_data(one) for one in found], "simulated": [run_data(value, run) for value, run in runs]}
+    data = {"branches": [branch_data(one) for one in found]}
     files: dict[str, Any] = {"branches.json": data}
     if found:
-        dots = [(value, run.frequency, run.ratio, run.is_steady) for value, run in runs]
-        files["branches.png"] = lambda: branches_figure(found, scene.name, scene.unit_system, dots)
-    emit(data, _shown_branches(scene, found, runs, label, unit), json=json, folder=out, files=files)
+        files["branches.png"] = lambda: branches_figure(found, scene.name, scene.unit_system)
+    emit(data, _shown_branches(scene, found, label, unit), json=json, folder=out, files=files)
 
 
-def _shown_branches(
-    scene: Scene, found: Sequence[Branch], runs: Sequence[tuple[float, SimulatedWhirl]], label: str, unit: float
-) -> Iterator[Table | str]:
+def _shown_branches(scene: Scene, found: Sequence[Branch], label: str, unit: float) -> Iterator[Table | str]:
     from drill_twin.dynamics.discretisation.resolution import resolution_of
 
     rows = [
@@ -169,23 +160,3 @@ def _shown_branches(
         f"Branches are computed on a mesh of {resolution_of(scene)[0]} elements, the run's; without --over, the "
         "states at one set-point show how far finer meshes move them."
     )
-    for value, run in runs:
-        steady = "steady" if run.is_steady else f"not steady, shape changes by {run.change:.2g} clearances"
-        yield f"simulated at {value / unit:.4g}: {run.frequency:+.4f} Hz, ratio {run.ratio:+.4f}, {steady}"
-
-
-def _simulated(scene: Scene, key: str, span: str, count: int) -> list[tuple[float, SimulatedWhirl]]:
-    """Runs in time at values inside the range, ends left out."""
-    from drill_twin.api.scenes import range_of
-    from drill_twin.studies.whirl_states import simulated_whirl, with_command
-
-    if count and key not in {"wob", "rpm"}:
-        raise SceneError(f"--simulate: expected --over wob or rpm beside it, found {key}")
-    low, high = range_of(scene, key, span)
-    load, turn = scene.rig.weight_on_bit.value, scene.rig.rotation.value
-    runs = []
-    for k in range(count):
-        value = low + (high - low) * (k + 0.5) / count
-        own = with_command(scene, value if key == "wob" else load, value if key == "rpm" else turn)
-        runs.append((value, simulated_whirl(own)))
-    return runs

@@ -108,9 +108,7 @@ def told(entry: Mapping[str, Any] | None, units: UnitSystem) -> str:
     name, _, kind = WORDS[entry["quantity"]].partition(", ")
     value = value_text(entry["quantity"], entry["value"], units)
     decided = " ".join(filter(None, (name, value, kind, entry["place"] and f"at {entry['place']}")))
-    return (
-        f"{entry['word']}: {decided}{' (' * bool(entry.get('why'))}{entry.get('why', '')}{')' * bool(entry.get('why'))}"
-    )
+    return f"{entry['word']}: {decided}" + (f" ({entry['why']})" if entry.get("why") else "")
 
 
 def whose_bounds(source: str | None, units: str) -> str:
@@ -130,6 +128,17 @@ def value_text(quantity: str, value: float | None, units: UnitSystem) -> str:
 def grade(quantity: str, value: float, bounds: Bounds = DEFAULT) -> Grade | None:
     """Grade of the value of a quantity in SI; None for NaN."""
     return None if math.isnan(value) else Grade(bisect_right(getattr(bounds, quantity), value))
+
+
+def worst_row(rows: Mapping[str, Mapping[str, Any]], bounds: Bounds) -> dict[str, Any] | None:
+    """Entry of the row that decides, with its `why`, of rows of a summary by quantity; None where none is graded."""
+    known = [
+        Severity(Grade(row["grade"]), quantity, math.inf if row["value"] is None else row["value"], row["place"])
+        for quantity, row in rows.items()
+        if row["grade"] is not None
+    ]
+    top = max(known, default=None, key=lambda one: one.order(bounds))
+    return top and {**top.entry, "why": rows[top.quantity].get("why", "")}
 
 
 def worst(found: Iterable[tuple[str, float, str]], bounds: Bounds = DEFAULT) -> Severity | None:

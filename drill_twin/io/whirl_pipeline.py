@@ -114,11 +114,8 @@ class WhirlPipeline:
     @property
     def quality(self) -> Quality:
         """Counts of good and bad samples so far."""
-        if self.bit_only is not None:
-            return self.bit_only.quality
-        if self.section is not None:
-            return self.section.quality
-        return Quality() if self.findings is None else self.findings.quality
+        source = self.bit_only or self.section or self.findings
+        return Quality() if source is None else source.quality
 
     @property
     def motion(self) -> str:
@@ -213,13 +210,11 @@ class WhirlPipeline:
         Raises:
             DrillTwinError: There is no scene yet.
         """
-        if self.bit_only is not None:
-            return self.bit_only.summary()
-        if self._analyzer is None:
+        if (source := self.bit_only or self._analyzer) is None:
             raise DrillTwinError(
                 f"expected the scene of the run on {TWIN_SCENE}, found {self.trouble or 'none'}; name the scene"
             )
-        return self._analyzer.summary()
+        return source.summary()
 
     def _on_scene(self, text: str) -> list[Message]:
         if (scene := self._texts.new_scene(text)) is None:

@@ -44,7 +44,6 @@ def build_report(
     bag: Recording | str | Path,
     out_dir: str | Path,
     *,
-    states: bool = False,
     progress: Callable[[str], None] = lambda _: None,
 ) -> ReportFiles:
     """Write `report.html`, `summary.json` and the figures; older files of these names are replaced.
@@ -52,7 +51,6 @@ def build_report(
     Args:
         bag: A recording, or the path of a bag.
         out_dir: Folder of the report; created if needed.
-        states: Name the steady whirl that each finding is near (`drill_twin.report.near_states`).
         progress: Called with the name of each part before it is made.
 
     Raises:
@@ -61,11 +59,6 @@ def build_report(
     progress("analysis")
     recording = bag if isinstance(bag, Recording) else read_recording(bag)
     summary = summarise(recording)
-    if states:
-        from drill_twin.report.near_states import near_states
-
-        progress("whirl states")
-        summary["whirl_states"] = near_states(recording, summary)
     folder = Path(out_dir)
     files = ReportFiles(
         folder / "report.html",

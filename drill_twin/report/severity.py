@@ -1,21 +1,22 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Severity of a recording by what it does to the string (`core.severity`), and rate and energy of drilling."""
+"""Severity of a recording by what it does to the string (`core.severity`), rate and energy of drilling; problems."""
 
 from __future__ import annotations
 
 import math
 from operator import itemgetter
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from drill_twin.core.arrays import Array
-from drill_twin.core.severity import DEFAULT, Bounds, Grade, Severity, grade
+from drill_twin.core.severity import DEFAULT, Bounds, Grade, grade, told, worst_row
 from drill_twin.dynamics.discretisation.discretise import tubes_of
+from drill_twin.report.load_text import Summary, units_of
 from drill_twin.report.quantities import fatigue, settled_from
 from drill_twin.report.recording import Recording
 from drill_twin.report.string_forces import fibre_stress, force_on_joint
-from drill_twin.whirl import BitMotion
+from drill_twin.whirl import BitMotion, MotionState
 from drill_twin.whirl.criteria import FEWEST_SAMPLES
 from drill_twin.whirl.motion.stick_slip_index import TIME_BASE
 from drill_twin.whirl.severity import accelerations, sizes, torsion_grade, turns_backwards
@@ -66,11 +67,8 @@ def severity(bag: Recording) -> dict[str, Any]:
         rows[quantity]["distance_from_bit_m"] = distance.get(quantity)
     if torsion := _torsion(bag, bounds):
         rows["stick_slip"] = torsion
-    graded = [Severity(row["grade"], name, row["value"], row["place"]) for name, row in rows.items()
-              if row["grade"] is not None]  # fmt: skip
-    decides = max(graded, default=None, key=lambda one: one.order(bounds))
     return {
-        "severity": decides and {**decides.entry, "why": rows[decides.quantity]["why"]},
+        "severity": worst_row(rows, bounds),
         "severity_by_quantity": rows,
         "severity_source": own and own.source,
         "acceleration_rate_hz": rate,
@@ -147,3 +145,59 @@ def _drilling(bag: Recording) -> dict[str, float | None]:
     work = float(np.nanmean(power)) * float(time[-1] - time[0]) + float(np.nanmean(rig.bit_force[late])) * drilled
     volume = math.pi * bag.scene.hole.radius_at(bag.scene.length) ** 2 * drilled if bag.scene_known else math.nan
     return {"rate_of_penetration_m_s": drilled / float(time[-1] - time[0]), "specific_energy_pa": work / volume}
+
+
+WHIRL, AXIAL, TORSION = "lateral motion", "axial motion", "torsion"
+PROBLEMS = {
+    WHIRL: ("lateral_rms", "lateral_peak", "bending_stress"),
+    AXIAL: ("axial_rms", "axial_peak"),
+    TORSION: ("stick_slip",),
+}
+"""Quantities of severity of each problem; the share that a repeat leaves is of the first one. The mean force of the
+wall is of none: a string that lies still on the low side has it too."""
+
+
+class Motion(NamedTuple):
+    """Motion of a run, and how severe it is."""
+
+    summary: Summary
+    bounds: Bounds
+
+    @property
+    def whirls(self) -> bool:
+        """True with an onset of whirl."""
+        return self.summary["onset_s"] is not None
+
+    @property
+    def swings(self) -> bool:
+        """True for a swing in a plane, which is no whirl."""
+        return bool(self.summary["lasting_motion"] == MotionState.PLANE_SWING.value)
+
+    @property
+    def decays(self) -> bool:
+        """True for a free swing of the bit that dies away."""
+        return bool(self.summary["bit"] == BitMotion.DECAYING.value)
+
+    def worst(self, problem: str) -> dict[str, Any] | None:
+        """Entry of the quantity that decides (`core.severity.worst_row`); None where none is known."""
+        rows = {key: row for key in PROBLEMS[problem] if (row := self.summary["severity_by_quantity"].get(key))}
+        return worst_row(rows, self.bounds)
+
+    def grade(self, problem: str) -> Grade:
+        """Grade of a problem; none where it is not known."""
+        top = self.worst(problem)
+        return Grade(top["grade"]) if top else Grade.NONE
+
+    def has(self, problem: str) -> bool:
+        """True where the run has the problem: it whirls or swings, or its grade is medium or more."""
+        kind = {WHIRL: self.whirls or self.swings, TORSION: self.decays}.get(problem, False)
+        return kind or self.grade(problem) >= Grade.MEDIUM
+
+    def size(self, problem: str) -> float:
+        """Value of the first quantity of a problem [SI]; NaN where it is not known."""
+        value = self.summary["severity_by_quantity"].get(PROBLEMS[problem][0], {}).get("value")
+        return math.nan if value is None else float(value)
+
+    def text(self, problem: str) -> str:
+        """Grade and the quantity that decides it, such as `medium: lateral acceleration 2.6 g rms at mark_2`."""
+        return told(self.worst(problem), units_of(self.summary))

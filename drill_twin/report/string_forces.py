@@ -20,7 +20,7 @@ from drill_twin.dynamics.discretisation.resolution import mesh
 from drill_twin.dynamics.torque_drag.analysis import hole_and_string
 from drill_twin.physics.effects.wall import parameters as wall_parameters
 from drill_twin.physics.model.mesh import SPIN, Rod
-from drill_twin.physics.model.section_stress import bending_stress, curvature, outer_fibre
+from drill_twin.physics.model.section_stress import curvature, outer_fibre
 from drill_twin.physics.model.wellbore import offsets
 from drill_twin.report.recording import Recording
 
@@ -69,12 +69,6 @@ def string_forces(recording: Recording, poses: slice | NDArray[np.int64] = slice
         above, soft = rod.arc[:-1] > joint - 1e-6, hole_and_string(scene, model)
         side[:, above] = np.stack([soft.pressing(row)[above] for row in tension])
     return StringForces(scene.length - rod.arc, tension, torque, side)
-
-
-def bending_stress_at(recording: Recording, poses: NDArray[np.int64]) -> Array | None:
-    """Largest bending stress of each element at chosen poses [Pa], shape (k, n); None where they are of no mesh."""
-    rod = _mesh(recording)
-    return None if rod is None else bending_stress(rod, tubes_of(recording.scene), _rows(recording, rod, poses))
 
 
 FIBRES = np.exp(-1j * np.pi * np.arange(12) / 12.0)

@@ -95,7 +95,6 @@ def summarise(bag: Recording | Bag | str | Path) -> dict[str, Any]:
         * `columns`: of the record of a rig, what is done with each column: `channel` and `unit` it is taken as, or
           `why` it is left out, and values in `left_out` that are no measurement.
         * `duration_s`, `samples`, `quality`, `truncated`, `damage`, `notes`: extent and quality of the bag.
-        * `whirl_states`, only where asked for: the steady whirls near the findings (`drill_twin.report.near_states`).
         * `live`: findings recorded while the twin ran, and the number that differ from this analysis.
 
     Raises:

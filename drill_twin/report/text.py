@@ -66,20 +66,11 @@ def findings(summary: Summary) -> Iterator[Row]:
     yield "rotation", rotation(summary, units_of(summary))
     for mark, value in summary["max_radius_m"].items():
         yield f"largest radius, {mark}", radius_text(value, summary["clearance_m"].get(mark), units_of(summary))
-    for rows in (_states, _wall, load_rows, severity_rows, fatigue_rows):
+    for rows in (_wall, load_rows, severity_rows, fatigue_rows):
         yield from rows(summary)
     yield "motion at the end", summary["motion"][-1]["state"] if summary["motion"] else "unknown"
     yield from bit_rows(summary)
     yield from sub_rows(summary)
-
-
-def _states(summary: Summary) -> Iterator[Row]:
-    """Rows on the steady whirls near the findings, where they were asked for."""
-    found = summary.get("whirl_states") or {}
-    for one in found.get("findings", ()):
-        yield f"{one['finding']}: state", one["sentence"]
-    for note in found.get("notes", ()):
-        yield "whirl states", note
 
 
 def _wall(summary: Summary) -> Iterator[Row]:

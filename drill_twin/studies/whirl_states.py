@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Steady whirl states as plain data and figures, and the whirl of a simulation in time beside them."""
+"""Steady whirl states and their branches as plain data and figures."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from matplotlib.figure import Figure
@@ -15,68 +15,8 @@ from drill_twin.core.units.system import UnitSystem
 from drill_twin.dynamics.discretisation.resolution import mesh
 from drill_twin.dynamics.rotordynamics.steady.branches import Branch
 from drill_twin.dynamics.rotordynamics.steady.whirl_state import WhirlState
-from drill_twin.dynamics.twin.twin import Twin
 from drill_twin.report.figures.style import BLUE, GREY, INK, MARK_COLOURS, VERMILION, blank, styled
-from drill_twin.runs.ensemble.parts import parts_of, planned
 from drill_twin.scene import Scene
-from drill_twin.scene.load import override
-from drill_twin.scene.set_points import Command
-
-LAST = 1.0 / 3.0
-"""Share of the run, at its end, that is measured."""
-WINDOWS = 5
-"""Number of windows in the measured part of a run, in each of which the whirl speed is taken; not measured."""
-STEADY = 0.02
-"""Of a steady whirl: largest scatter of the whirl speed between windows, over the rotation, and largest change of the
-shape, over the clearance."""
-
-
-class SimulatedWhirl(NamedTuple):
-    """Mean whirl at the end of a run."""
-
-    command: Command
-    frequency: float
-    """Mean whirl frequency of the mark with the largest radius [Hz]."""
-    ratio: float
-    """Over the rotation [-]."""
-    scatter: float
-    """Standard deviation of the frequency between windows, over the rotation [-]."""
-
-    change: float
-    """Root mean square of the motion of the marks in the frame of that whirl, the largest, over the clearance [-]."""
-
-    @property
-    def is_steady(self) -> bool:
-        """True if the whirl speed is the same in all windows, and the shape turns with it unchanged."""
-        return max(self.scatter, self.change) < STEADY
-
-
-def with_command(scene: Scene, weight: float, rotation: float) -> Scene:
-    """The scene with other final set-points [N], [rad/s]."""
-    return override(scene, {"rig.weight_on_bit.value": weight, "rig.rotation.value": rotation})
-
-
-def simulated_whirl(scene: Scene) -> SimulatedWhirl:
-    """Run a scene to its end, and measure the whirl over its last third.
-
-    Raises:
-        RunError: The motion could not be followed.
-    """
-    commands, frame = planned(scene)
-    places = (part.rows.centre for part in parts_of(Twin(scene), commands, frame))
-    path = np.concatenate([centre[..., 0] + 1j * centre[..., 1] for centre in places])
-    path = path[max(int(len(path) * (1.0 - LAST)) - 1, 0) :]
-    mark = int(np.argmax(np.mean(np.abs(path), axis=0)))
-    angle = np.unwrap(np.angle(path[:, mark]))
-    edges = np.linspace(0, angle.size - 1, WINDOWS + 1).astype(int)
-    rates = np.diff(angle[edges]) / (np.diff(edges) * frame)
-    mean = float((angle[-1] - angle[0]) / ((angle.size - 1) * frame))
-    command = Command(scene.rig.weight_on_bit.value, scene.rig.rotation.value)
-    turned = path * np.exp(-1j * angle)[:, None]
-    change = float(np.sqrt(np.mean(np.abs(turned - turned.mean(axis=0)) ** 2, axis=0)).max()) / scene.least_clearance
-    scatter = float(rates.std()) / abs(command.rotation)
-    return SimulatedWhirl(command, mean / math.tau, mean / command.rotation, scatter, change)
-
 
 MOST_STATES = 5
 """Largest number of states in a figure, so that each panel can be read."""
@@ -120,17 +60,13 @@ def states_figure(states: Sequence[WhirlState], scene: Scene) -> Figure:
     return figure
 
 
-def branches_figure(
-    branches: Sequence[Branch], name: str, units: UnitSystem, simulated: Sequence[tuple[float, float, float, bool]] = ()
-) -> Figure:
+def branches_figure(branches: Sequence[Branch], name: str, units: UnitSystem) -> Figure:
     """Whirl frequency and ratio over the parameter: stable drawn through, unstable dashed, folds, Hopf points marked.
 
     Args:
         branches: In one parameter.
         name: Of the scene.
         units: Of the axis.
-        simulated: Values of the parameter with frequency [Hz] and ratio of the simulation in time, and whether that is
-            steady: full dots, else open ones.
     """
     label, unit = shown_parameter(branches[0].parameter, units)
     with styled():
@@ -150,21 +86,13 @@ def branches_figure(
                 for end, reason in zip((0, -1), one.ends, strict=True):
                     if "Newton" in reason:
                         panel.plot(values[end], seen[end], "x", color=INK, markersize=7, zorder=4)
-        for column, panel in enumerate(panels):
-            if simulated:
-                points = np.array(simulated)
-                for steady, fill in ((True, GREY), (False, "white")):
-                    own = points[points[:, 3] == steady]
-                    panel.plot(own[:, 0] / unit, own[:, 1 + column], "o", color=GREY, mfc=fill, markersize=5, zorder=5)
-            panel.set_xlabel(label)
-        panels[0].set_ylabel("whirl frequency [Hz]")
-        panels[1].set_ylabel("whirl over rotation [-]")
-        signs = _signs(branches, simulated=bool(simulated))
-        figure.legend(handles=signs, loc="upper left", bbox_to_anchor=(0.06, 0.925), ncol=7, fontsize=8.5)
+        panels[0].set(xlabel=label, ylabel="whirl frequency [Hz]")
+        panels[1].set(xlabel=label, ylabel="whirl over rotation [-]")
+        figure.legend(handles=_signs(branches), loc="upper left", bbox_to_anchor=(0.06, 0.925), ncol=7, fontsize=8.5)
     return figure
 
 
-def _signs(branches: Sequence[Branch], *, simulated: bool) -> list[Line2D]:
+def _signs(branches: Sequence[Branch]) -> list[Line2D]:
     """Entries of the legend, of what there is."""
     signs = [Line2D([], [], color=BLUE, linewidth=2.2, label="stable")]
     signs.append(Line2D([], [], color=BLUE, linestyle=(0, (2, 2)), label="unstable"))
@@ -174,11 +102,7 @@ def _signs(branches: Sequence[Branch], *, simulated: bool) -> list[Line2D]:
         signs.append(Line2D([], [], color=VERMILION, marker="D", linestyle="", markersize=5, label="Hopf point"))
     if any("Newton" in reason for one in branches for reason in one.ends):
         signs.append(Line2D([], [], color=INK, marker="x", linestyle="", label="no convergence"))
-    dots = [
-        Line2D([], [], color=GREY, mfc=fill, marker="o", linestyle="", markersize=5, label=label)
-        for fill, label in ((GREY, "simulated, steady"), ("white", "simulated, not steady"))
-    ]
-    return signs + (dots if simulated else [])
+    return signs
 
 
 def state_data(state: WhirlState, modulated: float | None = None) -> dict[str, Any]:
@@ -218,9 +142,3 @@ def branch_data(branch: Branch) -> dict[str, Any]:
         "hopf": [float(branch.values[k]) for k in branch.hopf],
         "ends": list(branch.ends),
     }
-
-
-def run_data(value: float, run: SimulatedWhirl) -> dict[str, Any]:
-    """Whirl of a run in time at a value of the parameter (SI)."""
-    numbers = {"frequency_hz": run.frequency, "ratio": run.ratio, "scatter": run.scatter, "change": run.change}
-    return {"value": value, "steady": run.is_steady, **numbers}

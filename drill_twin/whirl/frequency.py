@@ -31,7 +31,7 @@ held (seeds 2000 to 2199), with 0.95 nine. Largest correlation of neighbours; wi
 CHANCE = 0.01
 """Chance with which windows of a settled whirl have a trend (F test)."""
 MATTERS = 0.02
-"""Least trend over a stretch that counts, over the rotation: `report.near_states.NEAR`; chosen, not measured."""
+"""Least trend over a stretch that counts, over the rotation; chosen, not measured."""
 BEGINS = (0.25, 0.5, 0.75)
 """Shares of a stretch that are left out at its begin, until the rest has no trend. Chosen, not measured."""
 _FORWARD = {MotionState.SYNCHRONOUS_WHIRL, MotionState.FORWARD_WHIRL}

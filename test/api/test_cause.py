@@ -9,9 +9,9 @@ from typer.testing import CliRunner
 
 import drill_twin as dt
 from drill_twin.api.repeats import Repeats, Trial
-from drill_twin.api.run_motion import TORSION, WHIRL, Motion
 from drill_twin.cli.app import app
 from drill_twin.core.severity import DEFAULT
+from drill_twin.report.severity import TORSION, WHIRL, Motion
 
 SOON = {"wob": 5, "rig.weight_on_bit.duration": 2, "rig.rotation.duration": 2}
 QUICK = ("start-up", "unbalance at a critical speed")

@@ -122,7 +122,6 @@ def test_topics_are_those_of_the_contract(call):
         *(row.name for row in OF_SUBS),
     ]
     assert all(name in call("ros", "topics").out for name in TOPICS)
-    assert call("ros", "topics", "--markdown").out.startswith("| topic | type |")
 
 
 def test_demo_hands_its_options_on(process):

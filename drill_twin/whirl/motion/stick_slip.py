@@ -57,7 +57,6 @@ LONGEST_GAP = 0.5
 LARGEST_COUNT = 2000
 """Largest number of periods stored."""
 
-
 _MOTIONS = (
     BitMotion.AT_REST, BitMotion.STARTING, BitMotion.STANDS, BitMotion.STEADY, BitMotion.VIBRATION,
     BitMotion.STICK_SLIP,
@@ -67,7 +66,6 @@ SWINGS = (BitMotion.VIBRATION, BitMotion.STICK_SLIP)
 """Motions that are sustained, or not known to decay."""
 SMALLEST_HEIGHT = 1e-9
 """Height of a swing whose logarithm is taken [rad/s], far below what a sensor resolves."""
-
 
 NOTHING, JUDGED, COMPLETED, STOPPED = range(4)
 """Outcome of a sample: nothing to decide, the motion has changed, a cycle is complete, there have been no cycles."""
@@ -263,7 +261,9 @@ class StickSlip:
         height = math.log(max(fastest - slowest, SMALLEST_HEIGHT))
         self._heights = [*self._heights[1 - MOST_HEIGHTS :], (start, height)]
         self._lowest = min(self._lowest, height)
-        self._decays = self._falls() and height == self._lowest
+        fell = self.decrement
+        surely = fell is not None and fell[2] < CHANCE and fell[0] * (len(self._heights) - 1) > FALLEN
+        self._decays = surely and height == self._lowest
         if self._decays:
             # The first cycles of a swing that dies away are no stick-slip either.
             if self.periods and self.periods[-1].start_s >= self._heights[0][0]:
@@ -274,11 +274,6 @@ class StickSlip:
             self._add_cycle(StickSlipPeriod(start, end, 1, length, length, length, slowest, fastest, severity))
         elif self._repeats >= IN_A_ROW:
             self._pending, self._lasts = None, False
-
-    def _falls(self) -> bool:
-        """Check that the swing surely loses height from cycle to cycle."""
-        fell = self.decrement
-        return fell is not None and fell[2] < CHANCE and fell[0] * (len(self._heights) - 1) > FALLEN
 
     def _add_cycle(self, one: StickSlipPeriod) -> None:
         """Add a cycle that sticks to its period of stick-slip."""
@@ -295,13 +290,11 @@ def _joined(one: StickSlipPeriod, other: StickSlipPeriod) -> StickSlipPeriod:
     """Merge a period and the cycles that follow it."""
     cycles = one.cycles + other.cycles
     return StickSlipPeriod(
-        one.start_s,
-        other.end_s,
-        cycles,
+        one.start_s, other.end_s, cycles,
         (one.cycles * one.period_s + other.cycles * other.period_s) / cycles,
         min(one.shortest_s, other.shortest_s),
         max(one.longest_s, other.longest_s),
         min(one.slowest_rad_s, other.slowest_rad_s),
         max(one.fastest_rad_s, other.fastest_rad_s),
         (one.cycles * one.severity + other.cycles * other.severity) / cycles,
-    )
+    )  # fmt: skip

@@ -32,8 +32,8 @@ from drill_twin.dynamics.twin.twin import Twin
 from drill_twin.scene import Scene
 from drill_twin.scene.blocks.numerics import frame_period
 from drill_twin.scene.blocks.string import Mark
+from drill_twin.scene.load import override
 from drill_twin.scene.set_points.command import Command
-from drill_twin.studies.whirl_states import with_command
 from drill_twin_evidence.whirl_compare import two_frequency_stability as two_frequency
 from drill_twin_evidence.whirl_compare.harmonic_balance import TwoFrequencyEquations, from_amplitudes
 from drill_twin_evidence.whirl_compare.motion import STEADY, TWO, Motion, motion_of
@@ -203,7 +203,8 @@ def _runs(scene: Scene, weight: float, speeds: list[float], duration: float, wor
 def _stays(scene: Scene, state: WhirlState, duration: float) -> bool:
     """True if a run that begins on a stable state, with bow and eccentricity, is there at its end."""
     command, period = state.whirl.command, frame_period(min(RATE, scene.numerics.frame_rate))
-    twin = Twin(with_command(scene, command.weight_on_bit, command.rotation))
+    own = {"rig.weight_on_bit.value": command.weight_on_bit, "rig.rotation.value": command.rotation}
+    twin = Twin(override(scene, own))
     u, v, _ = state.whirl.motion
     twin.dynamics.begin(u, v, command)
     path = np.array([twin.advance(command, period).marks.centre[:, :2] for _ in range(round(duration / period))])

@@ -8,8 +8,8 @@ import pytest
 from drill_twin.dynamics.rotordynamics.equations import EquationsOfMotion
 from drill_twin.dynamics.rotordynamics.steady.steady_whirl import TurningEquations
 from drill_twin.dynamics.twin.twin import Twin
+from drill_twin.scene.load import override
 from drill_twin.scene.set_points.command import Command
-from drill_twin.studies.whirl_states import with_command
 from drill_twin_evidence.whirl_compare import comparison
 from drill_twin_evidence.whirl_compare.harmonic_balance import Series, TwoFrequencyEquations
 from drill_twin_evidence.whirl_compare.motion import motion_of
@@ -56,7 +56,8 @@ def test_a_run_that_begins_on_it_stays(found):
     u = axis + equations.rows(place[0]) - equations.rows(turning.turning.frame.values(axis))
     v = equations.rows(rate[0] - whirl.omega * turning.turning.frame.times_j(place)[0])
     v[:, 6] = COMMAND.rotation
-    twin = Twin(with_command(scene, COMMAND.weight_on_bit, COMMAND.rotation))
+    own = {"rig.weight_on_bit.value": COMMAND.weight_on_bit, "rig.rotation.value": COMMAND.rotation}
+    twin = Twin(override(scene, own))
     twin.dynamics.begin(u, v, COMMAND)
     path = np.array([twin.advance(COMMAND, 0.01).marks.centre[:, :2] for _ in range(600)])
     motion = motion_of(path[..., 0] + 1j * path[..., 1], 0.01, scene.least_clearance)
