@@ -31,7 +31,7 @@ _NOT_MEASURED = re.compile(r"\b(?:[Nn]ot|[Nn]o)\b[^.;]{0,60}\bmeasured( by (itse
 _WORDS = {
     Ground.MEASURED: r"python -m|drill-twin |`make |`test|\bseeds\b|evidence/|\bmeasured\b|random runs",
     Ground.SOURCE: r"\b(19|20)\d\d\b|\bAPI \d|\bSPE\b|Nyquist|Descartes|\bISO \d|Student",
-    Ground.CHOSEN: r"\bchosen\b",
+    Ground.CHOSEN: r"\b[Cc]hosen\b",
     Ground.DERIVED: (
         r"\bfollows? from\b|derivation|\bby (its |the )?definition\b|definition alone|\bdefines\b"
         r"|part of the definition"
