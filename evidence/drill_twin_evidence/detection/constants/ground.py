@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What a numeric literal rests on, as its docstring or comment says: read by words, which can be wrong.
+"""Ground of a numeric literal, as its docstring or comment states it: read by words, which can be wrong.
 
 A count by words tells how many numbers state a ground, not how many grounds are right; who reads the table judges.
 """

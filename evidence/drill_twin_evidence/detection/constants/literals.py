@@ -66,7 +66,7 @@ class Literal:
     """Name that it is assigned to, else the function in which it stands."""
     use: Use
     ground: Ground
-    """What its docstring or comment says that it rests on."""
+    """Ground that its docstring or comment states."""
 
     @property
     def key(self) -> str:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What the whirl analysis says of held-out records, signals of a sub and spectra, in one process.
+"""Findings of the whirl analysis in held-out records, signals of a sub and spectra, in one process.
 
     python -m drill_twin_evidence.detection.constants.outcome RECORDS
 
@@ -39,7 +39,7 @@ DIGITS = 6
 
 
 class Outcome(TypedDict):
-    """What the analysis says."""
+    """Findings of the analysis, scored and digested."""
 
     half: int
     """Onsets within half a revolution."""
@@ -68,7 +68,7 @@ def material(each: int) -> Material:
 
 
 def outcome_of(found: Material) -> Outcome:
-    """What the analysis says of records and signals."""
+    """Findings of the analysis in records and signals."""
     said: dict[str, list[Any]] = {"marks": [], "bit": [], "sub": [], "spectrum": []}
 
     def detect(record: FrozenRecord) -> Finding:

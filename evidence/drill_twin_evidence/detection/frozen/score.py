@@ -63,7 +63,7 @@ def by_analyzer(record: FrozenRecord) -> Finding:
 
 
 def finding_of(found: Summary) -> Finding:
-    """What the analyzer's summary says, as a finding."""
+    """Finding of a summary of the analyzer."""
     onset = found.onset
 
     def timeline(periods: Sequence[MotionPeriod]) -> Callable[[Any], Sequence[str]]:
