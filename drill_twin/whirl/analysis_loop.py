@@ -29,9 +29,10 @@ from drill_twin.whirl.run_statistics import add_bin
 from drill_twin.whirl.sample_bins import BINS, close
 
 INTERVAL_REV = 4.0 / BINS
-"""Interval of the estimates of orbit and motion state [rev]; the onset is checked with every bin."""
+"""Interval of the estimates of orbit and motion state [rev]; the onset is checked with every bin. Chosen, to save
+time."""
 INTERVAL_S = 0.5
-"""Longest interval of the estimates of orbit and motion state [s]; both intervals were chosen to save time."""
+"""Longest interval of the estimates of orbit and motion state [s]; chosen, to save time."""
 FEWEST = 4
 """Fewest bins for the onset: the noise is found from a third difference, which needs four."""
 SAMPLE, BIN, ONSET, ORBIT, STATE, STATISTICS, ADD, NOTE = range(8)

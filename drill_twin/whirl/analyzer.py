@@ -29,7 +29,7 @@ from drill_twin.whirl.sample_bins import accept, is_new, new_clock, rotate, seco
 from drill_twin.whirl.summary import summarise
 
 LARGEST_STAMP = 1 << 62
-"""Largest stamp [ns]."""
+"""Largest stamp [ns], half of what 64 bits hold, so that the difference of two stamps fits, save for both limits."""
 
 NOT_OBSERVABLE = "whirl is not observable: there are no lateral positions of marks"
 _IS_NEW, _ACCEPT, _ROTATE = as_python(is_new), as_python(accept), as_python(rotate)

@@ -32,9 +32,9 @@ from drill_twin.whirl.sample_bins import (
 )
 
 LARGEST_RADIUS = 3.0
-"""Largest plausible radius of a mark over its clearance; beyond is an error of measurement."""
+"""Largest plausible radius of a mark over its clearance; beyond is an error of measurement. Chosen, not measured."""
 BLOCK = 256
-"""Most samples in a block."""
+"""Most samples in a block, which bound its memory; chosen, not measured."""
 
 SKIPPED, TAKEN, BIN_FULL = range(3)
 """Outcome of `take_sample`."""

@@ -24,7 +24,7 @@ from drill_twin.whirl.onset_detector import OnsetDetector
 from drill_twin.whirl.orbit.runout_separation import correct, fit_anew
 
 FEW_DIGITS = 0.1
-"""Ratio from which two decimals are enough."""
+"""Ratio from which two decimals are enough; chosen, not measured."""
 
 
 def doubt(samples: float, rolling_ratio: float) -> str:
@@ -125,7 +125,7 @@ AT_START = "; there from the start of what is analysed, so its onset was before"
 UNDOUBTED = frozenset((MotionState.NOT_OBSERVABLE, MotionState.AT_REST))
 """States that do not depend on what the samples can show."""
 TURNING = 0.5
-"""The string turned already: least rotation until then over that since the start."""
+"""The string turned already: least rotation until then over that since the start; chosen, not measured."""
 
 
 class Decisions:

@@ -24,12 +24,13 @@ from drill_twin.whirl.motion.states import Timeline, lasting_motion
 
 WINDOWS, FEWEST, SHORTEST = 8, 5, 3.0
 """Windows of a settled stretch, the fewest that tell a trend, and the shortest [rev]: of 12 or 16 windows fewer
-intervals hold. With windows of two revolutions `pa6_bench` seemed settled after 15 s, in the midst of a change."""
+intervals hold; chosen. With windows of two revolutions `pa6_bench` seemed settled after 15 s, in the midst of a
+change."""
 SHARE, LIKE = 0.95, 0.5
 """Share of the intervals that would hold if windows were independent: with 0.9, eight of ten wandering frequencies are
 held (seeds 2000 to 2199), with 0.95 nine. Largest correlation of neighbours; with 0.4 as many of them hold."""
 CHANCE = 0.01
-"""Chance with which windows of a settled whirl have a trend (F test)."""
+"""Chance with which windows of a settled whirl have a trend (F test); chosen, not measured."""
 MATTERS = 0.02
 """Least trend over a stretch that counts, over the rotation; chosen, not measured."""
 BEGINS = (0.25, 0.5, 0.75)

@@ -165,7 +165,7 @@ def _tapers(centres: NDArray[np.intp], length: int, samples: int) -> tuple[NDArr
 
 
 LINES = 3
-"""Lines of the spectrum that are listed."""
+"""Lines of the spectrum that are listed; chosen, not measured."""
 SEGMENT = 40.0
 """Length of a segment of the spectrum [rev]; chosen, not measured."""
 

@@ -21,7 +21,8 @@ from drill_twin.whirl.findings import Findings, Onset, Quality, SubFindings, Sum
 from drill_twin.whirl.marks import AnalysisError, MarkInfo
 
 LARGEST = 1e6
-"""Readings are below this [m/s^2, rad/s]; others are skipped as incomplete."""
+"""Readings are below this [m/s^2, rad/s]; others are skipped as incomplete. Far above the range of such sensors;
+chosen, not measured."""
 FEWEST = criteria.FEWEST_SAMPLES
 WAITING = f"no {CALIBRATION:g} revolutions at a steady speed so far"
 

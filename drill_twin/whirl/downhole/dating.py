@@ -189,8 +189,8 @@ def _drift(time: Array, interval: float, noise: ToolNoise) -> Array:
     noise times gravity.
     """
     low, high = np.minimum.outer(time, time), np.maximum.outer(time, time)
-    force = low**2 * (3.0 * high - low) / 6.0
-    tilt = low**3 * (10.0 * high**2 - 5.0 * high * low + low**2) / 120.0
+    force = low**2 * (3.0 * high - low) / 6.0  # integral of (low - t) (high - t)
+    tilt = low**3 * (10.0 * high**2 - 5.0 * high * low + low**2) / 120.0  # integral of their squares over 4
     found: Array = interval * (noise.force**2 * force + (GRAVITY * noise.rate) ** 2 * tilt)
     return found
 

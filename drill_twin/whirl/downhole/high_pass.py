@@ -18,13 +18,15 @@ import numpy as np
 from drill_twin.whirl import criteria
 
 GRAVITY = 9.81
-"""Gravity that tilt turns into lateral force, in the estimate of the noise [m/s^2]."""
+"""Gravity that tilt turns into lateral force, in the estimate of the noise [m/s^2]: 9.80665 (CGPM 1901), rounded."""
 UNKNOWN = 1e8
-"""Variance of the state before the first interval, over the variance of the motion."""
+"""Variance of the state before the first interval, over the variance of the motion: a deviation of 10^4 times the
+motion; chosen, not measured."""
 SETTLED = 1e-12
-"""Largest relative change of a gain that has settled."""
-_NOISE_GAIN = 1.0 / (8.0 * math.sin(3.0 * math.pi / 8.0))  # of x^4 / (1 + x^8) over all x, by 2 pi
+"""Largest relative change of a gain that has settled; chosen, not measured."""
+_NOISE_GAIN = 1.0 / (8.0 * math.sin(3.0 * math.pi / 8.0))  # integral of x^4 / (1 + x^8) over all x, by 2 pi
 _STEP = np.array([[1.0, 1.0, 0.5, 1.0 / 6.0], [0.0, 1.0, 1.0, 0.5], [0.0, 0.0, 1.0, 1.0], [0.0, 0.0, 0.0, 1.0]])
+"""Taylor expansion of position and its first three derivatives over an interval of length 1."""
 
 
 class ToolNoise(NamedTuple):
@@ -60,7 +62,7 @@ class HighPass:
         """Begin without knowledge; corner [rad/s], interval [s]."""
         self._square = interval**2
         angle = corner * interval
-        self._driven = angle**8
+        self._driven = angle**8  # (q / r)^(1/8) is the corner, by the formula above
         self._covariance = UNKNOWN * np.diag(angle ** np.array([0.0, 2.0, 4.0, 6.0]))
         self._gain = (0.0, 0.0, 0.0, 0.0)
         self._settled = False
@@ -72,11 +74,11 @@ class HighPass:
             self._update_gain()
         position, velocity, mean, rate = self._state
         pushed = acceleration * self._square + mean
-        position += velocity + 0.5 * pushed + rate / 6.0
+        position += velocity + 0.5 * pushed + rate / 6.0  # Taylor expansion, as `_STEP`
         one, two, three, four = self._gain
         self._state = (
             (1.0 - one) * position,
-            velocity + pushed + 0.5 * rate - two * position,
+            velocity + pushed + 0.5 * rate - two * position,  # Taylor expansion
             mean + rate - three * position,
             rate - four * position,
         )
@@ -88,7 +90,7 @@ class HighPass:
         before[3, 3] += self._driven
         gain = before[:, 0] / (before[0, 0] + 1.0)
         after = before - np.outer(gain, before[0])
-        self._covariance = 0.5 * (after + after.T)
+        self._covariance = 0.5 * (after + after.T)  # mean of both, so that round-off leaves it symmetric
         one, two, three, four = gain.tolist()
         last, self._gain = self._gain, (one, two, three, four)
         self._settled = all(abs(a - b) <= SETTLED * b for a, b in zip(last, self._gain, strict=True))

@@ -23,10 +23,12 @@ SHARE = 0.05
 NOISE_FACTOR = 7.0
 """Least change over its standard deviation by noise; with 7, once in 10^10 readings."""
 LARGEST_COUNT = 100_000
-"""Most impacts whose time and peak are kept; later ones are counted only."""
+"""Most impacts whose time and peak are kept; later ones are counted only. They take some 6 MB;
+chosen, not measured."""
 PART, MOST_READINGS = 1.0 / 32.0, 50
-"""Part of a revolution over which the velocity changes [rev], and most readings in it."""
-_SPREAD = 1.5**0.5  # of a reading less the mean of two others, over the noise of one
+"""Part of a revolution over which the velocity changes [rev], and most readings in it,
+which bound the memory; chosen, not measured."""
+_SPREAD = 1.5**0.5  # of a reading less the mean of two: root of the sum of 1 + 1/4 + 1/4
 
 
 class ImpactCounter:

@@ -21,19 +21,21 @@ from drill_twin.whirl.columns import Columns, columns
 TIME_BASE = 20
 """Length of the window [s]; two periods of the slowest string, 0.1 Hz."""
 SETTLED, CYCLES_SEEN = 10, 2
-"""The index is known after so many seconds or cycles since the start-up."""
+"""The index is known after so many seconds, a period of the slowest string, or cycles since the start-up; chosen."""
 MODERATE, FULL = 0.5, 1.0
-"""Index from which the swing is torsional vibration, and stick-slip."""
+"""Index from which the swing is torsional vibration, and stick-slip: half of a swing to standstill, and a swing to
+standstill, by the definition of the index."""
 REST = 0.05 * math.tau
-"""Slower than this the string is at rest [rad/s]."""
+"""Slower than this the string is at rest [rad/s], as `criteria.REST_ROTATION`; chosen, not measured."""
 STOPPING = 0.1
-"""A top drive slower than this share of its mean is being stopped."""
+"""A top drive slower than this share of its mean is being stopped; chosen, not measured."""
 RISE, REACHED = 0.02, 0.95
-"""Gain of the top drive in a second while it starts; share of its speed that the bit reaches then."""
+"""Gain of the top drive in a second while it starts; share of its speed that the bit reaches then; both chosen, not
+measured."""
 STUCK = 0.05
-"""A bit slower than this share of the top drive stands still."""
+"""A bit slower than this share of the top drive stands still; chosen, not measured."""
 MOST_STUCK = 10
-"""Seconds at rest after which a bit without a known top drive has been stopped."""
+"""Seconds at rest after which a bit without a known top drive has been stopped; chosen, not measured."""
 
 AT_REST, STARTING, STANDS, STEADY, VIBRATION, STICK_SLIP = range(6)
 """Codes of the motion."""

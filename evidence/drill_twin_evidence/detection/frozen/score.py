@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from drill_twin.whirl import Analyzer, MotionPeriod
+from drill_twin.whirl import Analyzer, MotionPeriod, Summary
 from drill_twin.whirl.criteria import ONSET_RADIUS
 from drill_twin_evidence.detection.frozen.truth import (
     BACKWARD,
@@ -59,7 +59,11 @@ def by_analyzer(record: FrozenRecord) -> Finding:
     """Findings of `drill_twin.whirl.Analyzer`."""
     analyzer = Analyzer(record.marks)
     analyzer.push_block(record.stamp, record.position, record.spin, record.top_speed)
-    found = analyzer.summary()
+    return finding_of(analyzer.summary())
+
+
+def finding_of(found: Summary) -> Finding:
+    """Finding of a summary of the analyzer."""
     onset = found.onset
 
     def timeline(periods: Sequence[MotionPeriod]) -> Callable[[Any], Sequence[str]]:
