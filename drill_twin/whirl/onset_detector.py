@@ -236,7 +236,7 @@ class OnsetDetector:
         near = abs(float(self._orbit.rate[0, mark]) / rotation - 1.0) < criteria.SYNCHRONOUS_BAND
         if near and swept.in_string < criteria.SYNCHRONOUS_ANGLE:
             return True
-        n, last = min(since, history.length.item()), newest_in(history, 1.0)
+        n, last = max(min(since, history.length.item()), newest_in(history, RUN_UP)), newest_in(history, 1.0)
         if last >= n:
             return False
         radius = np.abs(history.vector[newest(history, n), ASYNCHRONOUS, mark])

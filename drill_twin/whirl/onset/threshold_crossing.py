@@ -20,7 +20,7 @@ import numpy as np
 
 from drill_twin.core.arrays import Array, ComplexArray
 from drill_twin.whirl.columns import Columns
-from drill_twin.whirl.history import ASYNCHRONOUS, SYNCHRONOUS, newest, newest_in
+from drill_twin.whirl.history import ASYNCHRONOUS, CAPACITY, SYNCHRONOUS, newest, newest_in
 from drill_twin.whirl.orbit.runout_separation import (
     REFIT_BINS,
     REFIT_REVOLUTIONS,
@@ -104,15 +104,20 @@ def asynchronous_crossing(history: Columns, detection: Detection, rate: float, s
     # A fast orbit leaks into nothing, and seen once a bin it may pass for an offset or a synchronous part.
     fast = abs(ratio) > FAST
     refit = None if fast else refit_orbit(time, position, phasor, orbit, min(n, since), rate, half)
-    if fast:
-        pass
-    elif refit is not None and _plausible(refit, detection) and _sweeps_enough(refit, history, window, detection):
-        orbit, rate = refit.orbit, refit.rate
-    else:
+    if refit is not None and _plausible(refit, detection) and _sweeps_enough(refit, history, window, detection):
+        rate = refit.rate
+    elif not fast:
         steady = steady_position(history, mark, since, valid)
         offset, synchronous = steady or (detection.offset, detection.synchronous)
-        orbit = position - offset - synchronous * phasor
-        refit = OrbitRefit(offset, synchronous, orbit, rate)
+        refit = OrbitRefit(offset, synchronous, position - offset - synchronous * phasor, rate)
+    # The whirl may have grown before a gap, over which only its size is followed.
+    window = newest(history, min(int(history.appended[0]), CAPACITY, max(1, valid)))
+    revolutions = history.revolutions[window]
+    window = newest(history, int((revolutions > revolutions[-1] - REFIT_REVOLUTIONS).sum()))
+    time, position, phasor = history.time[window], history.position[window, mark], history.phasor[window, mark]
+    orbit = history.vector[window, ASYNCHRONOUS, mark]
+    if refit is not None:
+        orbit = position - refit.offset - refit.synchronous * phasor
     carrier = np.exp(-1j * rate * (time - time[-1]))
     radius = smoothed_radius(orbit / detection.clearance * carrier, half, detection.noise)
     if detection.arm is not None:
