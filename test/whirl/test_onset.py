@@ -168,3 +168,40 @@ def test_orbit_that_creeps_round():
     """0.011 of the rotation: 90 degrees take 23 revolutions."""
     moved = motion(clock(100, 30), bow=0.02, whirl=growth(8.0, 0.05, 2.0, 0.011))
     assert_found(moved.with_noise(0.002, 5))
+
+
+@pytest.mark.parametrize("state", ["strikes", "two whirls"])
+def test_radius_that_dips_in_a_revolution(state):
+    def whirl(time, angle):
+        size = np.minimum(0.05 * np.exp(1.2 * (time - 8.0)), 0.7)
+        if state == "strikes":  # twice a revolution to 0.4 of the radius, whose root mean square is 0.63 of its largest
+            share = (angle / np.pi) % 1.0
+            return size / 0.64 * (1.0 - 2.4 * share * (1.0 - share)) * np.exp(0.7j * angle)
+        return size * (np.exp(0.4j * angle) + 0.6 * np.exp(-0.9j * angle)) / np.hypot(1.0, 0.6)
+
+    moved = motion(clock(100, 16.0), bow=0.01, whirl=whirl).with_noise(0.01, 4)
+    analyzer, _ = play(moved)
+    assert analyzer.summary().onset.time_s == pytest.approx(8.0, abs=0.25)  # half a revolution at 2 rev/s
+
+
+@pytest.mark.parametrize("gap", [0.8, 1.5])
+def test_whirl_that_grows_before_a_gap(gap):
+    moved = motion(clock(100, 20.0), bow=0.02, whirl=growth(8.0, 0.05, 1.0, 0.4)).with_noise(0.005, 5)
+    assert_found(moved.keep((moved.time < 8.3) | (moved.time > 8.3 + gap)))
+
+
+def test_whirl_after_a_critical_speed_is_not_dated_to_the_passage():
+    """A lightly damped string vibrates on after its critical speed, beside its bow; a whirl comes later."""
+
+    def whirl(time, angle):
+        step, own, damping = time[1] - time[0], TURN * 2.0, 0.011
+        place, pace, path = 0j, 0j, []
+        for push in (np.gradient(angle, time) ** 2 * np.exp(1j * angle)).tolist():
+            pace += step * (push - 2.0 * damping * own * pace - own**2 * place)
+            place += step * pace
+            path.append(place)
+        return 0.14 / np.abs(path).max() * np.array(path) + growth(31.0, 0.05, 2.0, 0.57)(time, angle)
+
+    moved = motion(clock(400, 36.0), speed=3.5, ramp=18.0, whirl=whirl).with_noise(0.005, 6)
+    analyzer, _ = play(moved)
+    assert analyzer.summary().onset.time_s == pytest.approx(31.0, abs=0.3)

@@ -1,10 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """Time at which the radius of a whirl crossed its threshold, found backwards once the whirl is detected.
 
-The crossing is the change point that best separates bins below the threshold from bins above (Page 1954, in its
-log-likelihood form): a bin above counts 1 for "already crossed", a bin below counts against it by the square of its
-distance from the threshold in units of the noise. Without noise this is exactly the last crossing; with noise, dips
-that noise explains do not delay it.
+The crossing is the last time at which the mean square of the radius over a revolution rose to that of the threshold, by
+interpolation of its logarithm, since orbits grow exponentially. Noise is taken out of the square, and averages out;
+two whirls at once, an ellipse, strikes and irregular motion, whose radius dips within a revolution, have one crossing.
 
 A whirl is told from a displaced or swinging string by two measures of the swept angle, which must agree. The change of
 the mean angle, averaged over half a revolution at either end, is insensitive to noise; the swept area,
@@ -21,7 +20,7 @@ import numpy as np
 
 from drill_twin.core.arrays import Array, ComplexArray
 from drill_twin.whirl.columns import Columns
-from drill_twin.whirl.history import ASYNCHRONOUS, SYNCHRONOUS, newest, newest_in
+from drill_twin.whirl.history import ASYNCHRONOUS, CAPACITY, SYNCHRONOUS, newest, newest_in
 from drill_twin.whirl.orbit.runout_separation import (
     REFIT_BINS,
     REFIT_REVOLUTIONS,
@@ -30,10 +29,12 @@ from drill_twin.whirl.orbit.runout_separation import (
     smoothed_radius,
 )
 
-SMALLEST_NOISE = 2e-4
-"""Smallest noise of a radius, over the clearance, so that a record without noise can be divided by it."""
-LARGEST_WEIGHT = 1e4
-"""Largest weight of a single bin against a crossing: a hundred standard deviations; chosen, not measured."""
+MEAN = 1.0
+"""Duration over which the square of the radius is averaged to date a crossing [rev]: the onset's `criteria.SUSTAIN`. Of
+220 onsets on seeds from 7,300,000 on, 184 are dated within half a revolution; 177 by half, 153 by twice as much, and
+none more by a fit of the growth over up to twelve revolutions, or by the strongest mark in place of the first."""
+TINY = 1e-18
+"""Mean square of a radius that is taken as 0, so that it has a logarithm: below what a binary64 keeps of 1."""
 SMALLEST_SWEEP = math.radians(70.0)
 """Smallest angle swept by an orbit that is refitted, in the frames of hole and string [rad]."""
 SWEEP_RADIUS = 0.4
@@ -104,15 +105,20 @@ def asynchronous_crossing(history: Columns, detection: Detection, rate: float, s
     # A fast orbit leaks into nothing, and seen once a bin it may pass for an offset or a synchronous part.
     fast = abs(ratio) > FAST
     refit = None if fast else refit_orbit(time, position, phasor, orbit, min(n, since), rate, half)
-    if fast:
-        pass
-    elif refit is not None and _plausible(refit, detection) and _sweeps_enough(refit, history, window, detection):
-        orbit, rate = refit.orbit, refit.rate
-    else:
+    if refit is not None and _plausible(refit, detection) and _sweeps_enough(refit, history, window, detection):
+        rate = refit.rate
+    elif not fast:
         steady = steady_position(history, mark, since, valid)
         offset, synchronous = steady or (detection.offset, detection.synchronous)
-        orbit = position - offset - synchronous * phasor
-        refit = OrbitRefit(offset, synchronous, orbit, rate)
+        refit = OrbitRefit(offset, synchronous, position - offset - synchronous * phasor, rate)
+    # The whirl may have grown before a gap, over which only its size is followed.
+    window = newest(history, min(int(history.appended[0]), CAPACITY, max(1, valid)))
+    revolutions = history.revolutions[window]
+    window = newest(history, int((revolutions > revolutions[-1] - REFIT_REVOLUTIONS).sum()))
+    time, position, phasor = history.time[window], history.position[window, mark], history.phasor[window, mark]
+    orbit = history.vector[window, ASYNCHRONOUS, mark]
+    if refit is not None:
+        orbit = position - refit.offset - refit.synchronous * phasor
     carrier = np.exp(-1j * rate * (time - time[-1]))
     radius = smoothed_radius(orbit / detection.clearance * carrier, half, detection.noise)
     if detection.arm is not None:
@@ -120,7 +126,7 @@ def asynchronous_crossing(history: Columns, detection: Detection, rate: float, s
         centre: ComplexArray = (position - detection.arm * phasor) / detection.clearance * carrier
         radius = np.minimum(radius, smoothed_radius(centre, half, detection.noise))
     return Crossing(
-        _crossing_time(time, radius, detection, half),
+        _crossing_time(time, history.revolutions[window], radius, detection.threshold),
         mark,
         detection.coherence * _significance(detection),
         f"asynchronous radius over {100 * detection.threshold:.0f} % of the clearance for a revolution, "
@@ -136,7 +142,7 @@ def synchronous_crossing(history: Columns, detection: Detection) -> Crossing:
     vector = history.vector[window, SYNCHRONOUS, detection.mark]
     radius = smoothed_radius(vector, half, detection.noise * clearance) / clearance
     return Crossing(
-        _crossing_time(history.time[window], radius, detection, half),
+        _crossing_time(history.time[window], history.revolutions[window], radius, detection.threshold),
         detection.mark,
         min(1.0, detection.coherence) * _significance(detection),
         f"synchronous radius over {100 * detection.threshold:.0f} % of the clearance and twice its steady level or "
@@ -182,20 +188,30 @@ def _sweeps_enough(refit: OrbitRefit, history: Columns, window: slice, detection
     return min(abs(swept), abs(swept - float(angle[-1] - angle[0]))) > SMALLEST_SWEEP
 
 
-def _crossing_time(time: Array, radius: Array, detection: Detection, half: int) -> float:
-    """Time [s] of the change point of `radius` over the clearance, shape (n,); the last bin is above the threshold."""
-    threshold = detection.threshold
-    noise = max(detection.noise / math.sqrt(2 * half + 1), SMALLEST_NOISE)
-    below = radius < threshold
-    evidence = np.where(below, -np.minimum(((threshold - radius) / noise) ** 2 + 1e-9, LARGEST_WEIGHT), 1.0)
-    backward = np.cumsum(evidence[::-1])[::-1]
-    first = int(np.argmax(backward))
-    if first == 0 or not below[first - 1]:
-        return float(time[first])
-    low, high = float(radius[first - 1]), float(radius[first])
-    fraction = (threshold - low) / (high - low) if high > low else 1.0
-    fraction = min(max(fraction, 0.0), 1.0)
-    return math.fsum((float(time[first - 1]) * (1.0 - fraction), float(time[first]) * fraction))
+def _crossing_time(time: Array, revolutions: Array, radius: Array, threshold: float) -> float:
+    """Last time [s] at which the mean square of `radius` over `MEAN` rose to the square of `threshold`.
+
+    Args:
+        time: Times of the bins [s], shape (n,).
+        revolutions: Revolutions at the bins [rev], shape (n,).
+        radius: Radius over the clearance, noise removed, shape (n,).
+        threshold: The level over the clearance.
+    """
+    index, n = np.arange(time.size), time.size
+    # As many bins before as after, so that growth moves the mean no further than its curvature does.
+    reach = np.minimum(
+        index - np.searchsorted(revolutions, revolutions - 0.5 * MEAN),
+        np.searchsorted(revolutions, revolutions + 0.5 * MEAN, side="right") - 1 - index,
+    )
+    total = np.concatenate(([0.0], np.cumsum(radius**2)))
+    power = (total[index + reach + 1] - total[index - reach]) / (2 * reach + 1)
+    below = np.flatnonzero(power < threshold**2)
+    first = int(below[-1]) + 1 if below.size else 0
+    if first in {0, n}:
+        return float(time[min(first, n - 1)])
+    low, high = math.log(max(float(power[first - 1]), TINY)), math.log(float(power[first]))
+    share = (2.0 * math.log(threshold) - low) / (high - low)
+    return math.fsum((float(time[first - 1]) * (1.0 - share), float(time[first]) * share))
 
 
 def _significance(detection: Detection) -> float:
