@@ -16,6 +16,7 @@ import math
 
 from drill_twin.core.arrays import Array
 from drill_twin.core.compile.jit import as_python, strict_kernel
+from drill_twin.whirl import criteria
 from drill_twin.whirl.columns import Columns, columns
 
 TIME_BASE = 20
@@ -24,14 +25,12 @@ SETTLED, CYCLES_SEEN = 10, 2
 """The index is known after so many seconds or cycles since the start-up."""
 MODERATE, FULL = 0.5, 1.0
 """Index from which the swing is torsional vibration, and stick-slip."""
-REST = 0.05 * math.tau
+REST = math.tau * criteria.REST_ROTATION
 """Slower than this the string is at rest [rad/s]."""
 STOPPING = 0.1
 """A top drive slower than this share of its mean is being stopped."""
 RISE, REACHED = 0.02, 0.95
 """Gain of the top drive in a second while it starts; share of its speed that the bit reaches then."""
-STUCK = 0.05
-"""A bit slower than this share of the top drive stands still."""
 MOST_STUCK = 10
 """Seconds at rest after which a bit without a known top drive has been stopped."""
 
@@ -139,7 +138,7 @@ def _judge(window: Columns, known: bool) -> None:
     window.index[0] = math.nan
     if window.seconds[0] < SETTLED and window.cycles[0] < CYCLES_SEEN:
         window.motion[0] = STARTING
-    elif (known and mean < STUCK * _mean(window, window.rows.top)) or mean == 0.0:
+    elif (known and mean < criteria.STANDSTILL * _mean(window, window.rows.top)) or mean == 0.0:
         window.motion[0] = STANDS
     else:
         index = window.index[0] = _index(slowest, fastest, mean)
