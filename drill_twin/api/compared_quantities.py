@@ -15,11 +15,10 @@ from drill_twin.core.arrays import Array, number_or_nan
 from drill_twin.core.severity import DEFAULT, UNITS, WORDS, Bounds
 from drill_twin.core.units.system import UnitSystem
 from drill_twin.dynamics.torque_drag.analysis import OperationLoads
+from drill_twin.whirl.criteria import STANDSTILL
 
 NOTHING = 1e-9
 """Number that is zero but for rounding."""
-REST = 0.05
-"""Share of the mean speed below which the bit counts as at rest."""
 QUARTER = 0.25
 """Share of the bound of the grade low below which a difference of a graded quantity does not matter; chosen."""
 NEAR, SHARE = 1.0, 0.02
@@ -185,7 +184,10 @@ def _run(case: Case, places: list[tuple[str, str, float]]) -> Iterator[tuple[tup
         speed = rig.bit_speed[late]
         yield ("speed of the bit, least", "rad/s"), _least(speed)
         yield ("speed of the bit, largest", "rad/s"), -_least(-speed)
-        yield ("time of the bit at rest", "%"), 100.0 * float(np.mean(np.abs(speed) < REST * abs(np.nanmean(speed))))
+        yield (
+            ("time of the bit at rest", "%"),
+            100.0 * float(np.mean(np.abs(speed) < STANDSTILL * abs(np.nanmean(speed)))),
+        )
         for name, unit, values in (
             ("torque of the top drive", "N m", rig.top_drive_torque[late]), ("weight on bit", "N", rig.bit_force[late]),
             ("hookload", "N", rig.hookload[late]),

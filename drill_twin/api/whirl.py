@@ -67,7 +67,7 @@ class Whirl:
 
     @property
     def motion(self) -> list[dict[str, Any]]:
-        """Motion states of the string in order: `start_s`, `end_s`, `state`, `criterion`, `confidence`."""
+        """Motion states of the string in order: `start_s`, `end_s`, `state`, `criterion`."""
         return self._timeline(self.summary.motion)
 
     @property

@@ -63,7 +63,7 @@ def summarise(bag: Recording | Bag | str | Path) -> dict[str, Any]:
           and the largest mean of a window of two revolutions or more.
         * `spectrum_lines`: highest lines of the spectrum over the same time: `frequency_hz`, `radius_m`.
         * `max_radius_m`: largest distance of the centre line from the hole's axis by mark [m].
-        * `motion`, `mark_motion`: timelines of the motion states, each with start and end, criterion and confidence.
+        * `motion`, `mark_motion`: timelines of the motion states, each with start and end, and criterion.
         * `whirl_observable`: whether the bag has positions of marks.
         * `bit`, `stick_slip_index`, `largest_stick_slip_index`: motion of the bit at the end, its stick-slip index over
           the last 20 s and the largest; `stick_slip`: stretches of stick-slip; `bit_spectral_peak_hz`: the highest line
@@ -171,15 +171,15 @@ def start_utc(bag: Bag) -> str | None:
 
 
 def timeline(periods: tuple[MotionPeriod, ...], end: float) -> list[dict[str, Any]]:
-    """Motion states in order, each with start and end [s], state, criterion and confidence."""
+    """Motion states in order, each with start and end [s], state and criterion."""
     ends = [*(period.start_s for period in periods[1:]), end]
     lines: list[dict[str, Any]] = []
     for period, until in zip(periods, ends, strict=False):
         if lines and lines[-1]["state"] is period.state:
             lines[-1]["end_s"] = until
         elif until > period.start_s:
-            keys = {key: getattr(period, key) for key in ("state", "criterion", "confidence")}
-            lines.append({"start_s": period.start_s, "end_s": until, **keys})
+            state, criterion = period.state, period.criterion
+            lines.append({"start_s": period.start_s, "end_s": until, "state": state, "criterion": criterion})
     return lines
 
 

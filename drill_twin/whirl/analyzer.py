@@ -222,10 +222,8 @@ class Analyzer:
     def _new_findings(self) -> Findings:
         """The present estimates."""
         state, decisions = self._state, self._decisions
-        orbit, hysteresis, clearance = state.orbit, state.motion.hysteresis, state.marks.clearance
+        orbit, states = state.orbit, tuple(STATES[held] for held in state.motion.hysteresis.held.tolist())
         state.flow.new[0] = False
-        states, definite = tuple(STATES[held] for held in hysteresis.held.tolist()), state.carrier.definite
-        shares = hysteresis.share[np.arange(len(states)), hysteresis.held]
         return Findings(
             stamp_ns=0,
             time_s=0.0,
@@ -234,23 +232,14 @@ class Analyzer:
             precession=orbit.precession.copy(),
             ratio=orbit.ratio.copy(),
             confidence=orbit.confidence.copy(),
-            whirl_radius=orbit.radius[0] * clearance,
-            synchronous_radius=orbit.synchronous * clearance,
-            contact_fraction=orbit.contact.copy(),
-            phase=state.shape.phase.copy(),
-            planarity=float(state.shape.planarity[0]),
-            rotation=float(orbit.rotation[0]),
             state=states[:-1],
-            state_confidence=shares[:-1] * definite,
             criterion=tuple(decisions.criterion[:-1]),
             motion=states[-1],
-            motion_confidence=float(shares[-1] * definite[state.motion.mark[-1]]),
             motion_criterion=decisions.criterion[-1],
             bit=self._bit.motion,
             bit_criterion=self._bit.criterion,
             onset=decisions.onset,
             quality=self.quality,
-            irregular_share=float(orbit.left[state.motion.mark[-1]]),
         )
 
 

@@ -216,7 +216,10 @@ SEPARATION_MEMORY_IN_WHIRL = 24.0
 ORBIT_WINDOW = 2.0
 """Window of precession, coherence, contact and shape [rev]."""
 REST_ROTATION = 0.05
-"""Rotation below which the string is at rest [rev/s]."""
+"""At rest: the string is not rotated, slower than this [rev/s]; no rig drills below 0.3. Chosen, not measured."""
+STANDSTILL = 0.05
+"""Stands still: a bit or a section slower than this share of the mean speed, or of the top drive, while the string is
+rotated. Chosen, not measured."""
 FEWEST_SAMPLES = 4.0
 """Not observable: fewer samples in a revolution than this, which an orbit of up to twice the rotation, in either
 sense, needs."""

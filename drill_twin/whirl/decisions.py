@@ -141,7 +141,7 @@ class Decisions:
         """Time at which each mark first crossed its threshold [s]."""
         self.criterion = ["no rotation seen yet"] * (len(names) + 1)
         """The criterion that decided the state of each mark and of the string, as text."""
-        self.timelines = [Timeline(present) for present in state.motion.hysteresis.present]
+        self.timelines = [Timeline() for _ in self.criterion]
         """States of the marks and of the string over time."""
         self.decide: dict[int, Callable[[], None]] = {
             CHECK: self._check,
@@ -240,7 +240,6 @@ class Decisions:
         """Put the states that have changed or settled into words."""
         state, motion = self._state, self._state.motion
         hysteresis, event = motion.hysteresis, motion.hysteresis.event.tolist()
-        revolutions = float(hysteresis.last_revolutions[0])
         for subject in sorted((s for s in range(len(event)) if event[s] != KEPT), key=lambda s: event[s]):
             mark, held = int(motion.mark[subject]), int(hysteresis.held[subject])
             found = STATES[held]
@@ -250,6 +249,6 @@ class Decisions:
             self.criterion[subject] = text
             if event[subject] == CHANGED:
                 start = self.origin + float(hysteresis.since[subject, held])
-                self.timelines[subject].start(found, start, text, revolutions)
+                self.timelines[subject].start(found, start, text)
             else:
                 self.timelines[subject].describe(text)

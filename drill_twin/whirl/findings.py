@@ -49,8 +49,6 @@ class MotionPeriod:
     """Motion state."""
     criterion: str
     """Criterion that decided the state, as text."""
-    confidence: float
-    """Mean share of the recent estimates that were for the state while it held, 0 to 1."""
 
 
 @dataclass(frozen=True)
@@ -118,28 +116,12 @@ class Findings:
     """Whirl ratio; nan as above, and at rest."""
     confidence: Array
     """Clearness of precession and ratio, a rank from 0 to 1 and no probability: coherence, less the share of noise."""
-    whirl_radius: Array
-    """Rms radius of the asynchronous part over the last revolution, noise removed [m]."""
-    synchronous_radius: Array
-    """Radius of the synchronous part over the last two revolutions [m]."""
-    contact_fraction: Array
-    """Share of the last two revolutions in contact with the wall."""
-    phase: Array
-    """Phase of each mark's motion relative to the mark with the largest [rad]; nan without motion."""
-    planarity: float
-    """1 if the marks lie in one plane through the axis, towards 0 for a helix; nan without motion."""
-    rotation: float
-    """Rotation over the last revolution [rev/s], signed, right-handed about +z."""
     state: tuple[MotionState, ...]
     """Motion state of each mark."""
-    state_confidence: Array
-    """Share of the recent estimates for the state, 0 to 1."""
     criterion: tuple[str, ...]
     """The criterion that decided each mark's state, as text."""
     motion: MotionState
     """Motion state of the string."""
-    motion_confidence: float
-    """Share of the recent estimates for the motion state, 0 to 1."""
     motion_criterion: str
     """Criterion that decided the motion state, as text."""
     bit: BitMotion
@@ -152,8 +134,6 @@ class Findings:
     """Counts of good and bad samples."""
     bit_index: float = math.nan
     """Stick-slip index of the bit; nan while it is not known."""
-    irregular_share: float = 0.0
-    """Share of the power of the whirl, at the mark that names `motion`, in neither of its two strongest lines."""
 
     @property
     def codes(self) -> list[int]:

@@ -19,7 +19,7 @@ def test_ratio_and_sign(ratio, rate):
     late = np.array([f.ratio[0] for f in found if f.time_s > 20.0])
     assert np.median(late) == pytest.approx(ratio, rel=0.02)
     assert np.sign(late).tolist() == [np.sign(ratio)] * late.size
-    assert found[-1].precession[0] == pytest.approx(found[-1].ratio[0] * found[-1].rotation, rel=1e-12)
+    assert found[-1].precession[0] == pytest.approx(found[-1].ratio[0] * analyzer._state.orbit.rotation[0], rel=1e-12)
     definite = min(1.0, rate / 2.0 / 15.0)  # six times the rotation, 2 rev/s, needs 15 samples in a revolution
     assert found[-1].confidence[0] > 0.9 * definite
     assert analyzer.summary().whirl_ratio == pytest.approx(ratio, rel=0.02)
@@ -57,15 +57,15 @@ def test_parts_of_the_motion_are_told_apart():
     moved = motion(clock(100, 30), bow=0.1, offset=0.3, whirl=growth(6.0, 0.05, 2.0, 0.37, limit=0.5)).with_noise(
         0.005, 2
     )
-    _, found = play(moved)
-    assert found[-1].whirl_radius[0] == pytest.approx(abs(moved.whirl[-1, 0]), rel=0.03)
-    assert found[-1].synchronous_radius[0] == pytest.approx(0.1 * BENCH.clearance, rel=0.15)
+    orbit = play(moved)[0]._state.orbit
+    assert orbit.radius[0, 0] * BENCH.clearance == pytest.approx(abs(moved.whirl[-1, 0]), rel=0.03)
+    assert orbit.synchronous[0] == pytest.approx(0.1, rel=0.15)
 
 
 def test_a_bow_turns_with_the_string():
-    _, found = play(motion(clock(100, 12), bow=0.1).with_noise(0.005, 3))
+    analyzer, found = play(motion(clock(100, 12), bow=0.1).with_noise(0.005, 3))
     assert found[-1].ratio[0] == pytest.approx(1.0, rel=0.01)
-    assert found[-1].whirl_radius[0] < 0.01 * BENCH.clearance
+    assert analyzer._state.orbit.radius[0, 0] < 0.01
 
 
 def test_a_string_that_does_not_move_has_no_precession():

@@ -59,8 +59,9 @@ def test_rolling_is_found_where_the_samples_show_it(ratio, rate, noise):
     found, summary = analyzer.findings, analyzer.summary()
     assert found.motion is MotionState.ROLLING
     assert found.ratio[0] == pytest.approx(ratio, rel=2e-3, abs=5e-3)
-    assert found.whirl_radius[0] == pytest.approx(CLEARANCE, rel=0.01 + 0.25 * noise)
-    assert found.contact_fraction[0] > 0.95
+    orbit = analyzer._state.orbit
+    assert orbit.radius[0, 0] == pytest.approx(1.0, rel=0.01 + 0.25 * noise)
+    assert orbit.contact[0] > 0.95
     assert summary.whirl_ratio == pytest.approx(ratio, rel=5e-3)
     assert summary.onset is not None
     assert summary.onset.kind == "asynchronous"
@@ -70,10 +71,11 @@ def test_rolling_is_found_where_the_samples_show_it(ratio, rate, noise):
 @pytest.mark.parametrize("ratio", [-5.0, -20.0, -40.0])
 def test_jitter_and_a_spin_that_is_not_measured(ratio):
     for more in ({"jitter": 0.2}, {"spin": False, "bow": 0.0}):
-        found = rolling(ratio, 400.0, **more).findings
+        analyzer = rolling(ratio, 400.0, **more)
+        found = analyzer.findings
         assert found.motion is MotionState.ROLLING, more
         assert found.ratio[0] == pytest.approx(ratio, rel=1e-3)
-        assert found.whirl_radius[0] == pytest.approx(CLEARANCE, rel=0.02)
+        assert analyzer._state.orbit.radius[0, 0] == pytest.approx(1.0, rel=0.02)
 
 
 def test_a_slow_part_beside_a_fast_orbit_is_kept():
@@ -98,7 +100,7 @@ def test_too_few_samples_are_told(ratio, radius):
     found, summary = analyzer.findings, analyzer.summary()
     told = "not definite: 10.0 samples in a revolution" in found.criterion[0]
     assert told or found.motion is MotionState.NOT_OBSERVABLE
-    assert found.state_confidence[0] < 0.7
+    assert analyzer._state.carrier.definite[0] < 0.7
     assert any(note.startswith("not definite") for note in summary.notes)
     assert summary.onset is None or (summary.onset.confidence < 0.7 and "not definite" in summary.onset.criterion)
 
@@ -112,7 +114,7 @@ def test_sufficient_samples_are_definite():
     analyzer = rolling(-10.0, 100.0)
     assert "not definite" not in analyzer.findings.criterion[0]
     assert not any("not definite" in note for note in analyzer.summary().notes)
-    assert analyzer.findings.state_confidence[0] > 0.9
+    assert analyzer._state.carrier.definite[0] > 0.9
 
 
 @pytest.mark.parametrize("seconds", [0.1, 1.0, 20.0])

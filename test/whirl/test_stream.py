@@ -50,7 +50,7 @@ def test_a_mark_given_in_other_types_of_numbers_is_the_same_mark(kind):
         analyzer = Analyzer(marks)
         for i, stamp in enumerate(moved.stamps.tolist()):
             findings = analyzer.push(stamp, moved.positions[i], moved.spin[i], float(moved.top_speed[i]))
-        found.append(findings.whirl_radius)
+        found.append(findings.orbit_radius)
     assert found[0].any()
     np.testing.assert_array_equal(*found)
 

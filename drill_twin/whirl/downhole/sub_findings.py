@@ -16,6 +16,7 @@ from __future__ import annotations
 import math
 from collections import deque
 
+from drill_twin.whirl import criteria
 from drill_twin.whirl.downhole.high_pass import ToolNoise
 
 SHARE = 0.05
@@ -89,8 +90,6 @@ class ImpactCounter:
         self.peaks.append(max(abs(self._acceleration[-1 - k]) for k in range(n, 2 * n)))
 
 
-AT_REST = 0.15
-"""At rest: speed below this share of the mean; chosen, not measured."""
 VARIES = 0.2
 """Least standard deviation of the square of the speed over its mean for the check; chosen, not measured."""
 KNOWN = 0.1
@@ -114,7 +113,7 @@ class TorsionEstimator:
     def push_sticking(self, speed: float, mean: float, interval: float) -> None:
         """Add a low-passed speed and its slow mean [rad/s] during stick-slip."""
         self._stick_slip += interval
-        self._at_rest += interval * (math.copysign(1.0, mean) * speed < AT_REST * abs(mean))
+        self._at_rest += interval * (math.copysign(1.0, mean) * speed < criteria.STANDSTILL * abs(mean))
 
     @property
     def share_at_rest(self) -> float | None:

@@ -8,12 +8,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
 
-from drill_twin.core.arrays import Array
 from drill_twin.core.compile.jit import strict_kernel
 from drill_twin.whirl import criteria
 from drill_twin.whirl.columns import Columns, columns
@@ -24,77 +23,42 @@ LARGEST_COUNT = 2000
 """Largest number of periods stored; later ones are counted only."""
 NO_WHIRL = frozenset({MotionState.NOT_OBSERVABLE, MotionState.AT_REST, MotionState.FIXED_AXIS, MotionState.PLANE_SWING})
 
-OPEN, DURATION, WEIGHTED_SHARE, ENTERED, DESCRIBED = range(5)
-"""Columns of the present periods: 1 where there is one; its duration and the integral of its share [rev]; revolutions
-at which it was entered [rev]; 1 once its criterion is described for the settled state."""
-
-
-@dataclass
-class _Period:
-    start: float
-    state: MotionState
-    criterion: str
-    numbers: Array  # as its row of the present periods
-
 
 class Timeline:
     """Periods of one state each; a period of zero length is removed."""
 
-    def __init__(self, present: Array) -> None:
-        """Begin without a period; `present`, shape (5,), has the numbers of the last one."""
-        self._present = present
-        self._periods: list[_Period] = []
+    def __init__(self) -> None:
+        self._periods: list[MotionPeriod] = []
         self.dropped = 0
         """Periods that were not stored."""
 
-    def start(self, state: MotionState, start: float, criterion: str, revolutions: float) -> None:
-        """Start a period at `start` [s]; its state was entered at `revolutions` [rev]."""
+    def start(self, state: MotionState, start: float, criterion: str) -> None:
+        """Start a period at `start` [s]."""
         periods = self._periods
-        self._store()
         if len(periods) >= LARGEST_COUNT:
             self.dropped += 1
-            self._present[OPEN] = 0.0
             return
-        while len(periods) > 1 and start <= periods[-1].start:
+        while len(periods) > 1 and start <= periods[-1].start_s:
             periods.pop()
         if not periods or periods[-1].state is not state:
-            if periods:
-                start = max(start, periods[-1].start)
-            periods.append(_Period(start, state, criterion, np.array([1.0, 0.0, 0.0, revolutions, 0.0])))
-        self._present[:] = periods[-1].numbers
+            periods.append(MotionPeriod(max(start, periods[-1].start_s) if periods else start, state, criterion))
 
     def describe(self, criterion: str) -> None:
         """Replace the criterion of the present period."""
-        self._periods[-1].criterion, self._present[DESCRIBED] = criterion, 1.0
-
-    def _store(self) -> None:
-        """Keep the numbers of the present period."""
-        if self._present[OPEN]:
-            self._periods[-1].numbers[:] = self._present
+        if not self.dropped:
+            self._periods[-1] = replace(self._periods[-1], criterion=criterion)
 
     def move_first_whirl(self, start: float) -> None:
         """Move the start of the first whirl to `start` [s], if that is earlier and after the period before."""
-        for i, period in enumerate(self._periods):
-            if period.state not in NO_WHIRL:
-                if i and self._periods[i - 1].start < start < period.start:
-                    period.start = start
-                return
+        periods = self._periods
+        first = next((i for i, period in enumerate(periods) if period.state not in NO_WHIRL), 0)
+        if first and periods[first - 1].start_s < start < periods[first].start_s:
+            periods[first] = replace(periods[first], start_s=start)
 
     @property
     def periods(self) -> tuple[MotionPeriod, ...]:
-        """The periods so far, each with its mean confidence."""
-        self._store()
-        return tuple(
-            MotionPeriod(
-                period.start,
-                period.state,
-                period.criterion,
-                float(period.numbers[WEIGHTED_SHARE] / period.numbers[DURATION])
-                if period.numbers[DURATION] > 0.0
-                else 1.0,
-            )
-            for period in self._periods
-        )
+        """The periods so far."""
+        return tuple(self._periods)
 
 
 def lasting_motion(periods: Sequence[MotionPeriod], begin: float, end: float) -> MotionState | None:
@@ -143,7 +107,7 @@ def new_hysteresis(subjects: int) -> Columns:
         share=share,  # (subjects, states) of the recent estimates
         since=since,  # (subjects, states) start of the state [s]
         event=KEPT,
-        present=np.zeros((subjects, 5)),  # present periods, see `Timeline`
+        entered=math.inf,  # revolutions at which the state was entered [rev]; inf once its criterion is described
         last_time=np.zeros(1),  # of the last estimate [s]
         last_revolutions=np.zeros(1),  # of the last estimate [rev]
         begun=np.zeros(1, bool),  # True after the first estimate
@@ -186,13 +150,10 @@ def update_states(hysteresis: Columns, lag: float, time: float, revolutions: flo
             hysteresis.event[subject] = CHANGED
         elif first:
             hysteresis.event[subject] = CHANGED
-        else:
-            present = hysteresis.present[subject]
-            if present[OPEN]:
-                present[DURATION] += elapsed
-                present[WEIGHTED_SHARE] += elapsed * share[now]
-                if not present[DESCRIBED] and revolutions - present[ENTERED] > SETTLED:
-                    hysteresis.event[subject] = SETTLED_NOW
+        elif revolutions - hysteresis.entered[subject] > SETTLED:
+            hysteresis.event[subject], hysteresis.entered[subject] = SETTLED_NOW, math.inf
+        if hysteresis.event[subject] == CHANGED:
+            hysteresis.entered[subject] = revolutions
         any_event = any_event or hysteresis.event[subject] != KEPT
     return bool(any_event)
 

@@ -16,6 +16,7 @@ import math
 
 from drill_twin.core.arrays import Array
 from drill_twin.core.compile.jit import as_python, strict_kernel
+from drill_twin.whirl import criteria
 from drill_twin.whirl.columns import Columns, columns
 
 TIME_BASE = 20
@@ -25,15 +26,13 @@ SETTLED, CYCLES_SEEN = 10, 2
 MODERATE, FULL = 0.5, 1.0
 """Index from which the swing is torsional vibration, and stick-slip: half of a swing to standstill, and a swing to
 standstill, by the definition of the index."""
-REST = 0.05 * math.tau
-"""Slower than this the string is at rest [rad/s], as `criteria.REST_ROTATION`; chosen, not measured."""
+REST = math.tau * criteria.REST_ROTATION
+"""Slower than this the string is at rest [rad/s]."""
 STOPPING = 0.1
 """A top drive slower than this share of its mean is being stopped; chosen, not measured."""
 RISE, REACHED = 0.02, 0.95
 """Gain of the top drive in a second while it starts; share of its speed that the bit reaches then; both chosen, not
 measured."""
-STUCK = 0.05
-"""A bit slower than this share of the top drive stands still; chosen, not measured."""
 MOST_STUCK = 10
 """Seconds at rest after which a bit without a known top drive has been stopped; chosen, not measured."""
 
@@ -141,7 +140,7 @@ def _judge(window: Columns, known: bool) -> None:
     window.index[0] = math.nan
     if window.seconds[0] < SETTLED and window.cycles[0] < CYCLES_SEEN:
         window.motion[0] = STARTING
-    elif (known and mean < STUCK * _mean(window, window.rows.top)) or mean == 0.0:
+    elif (known and mean < criteria.STANDSTILL * _mean(window, window.rows.top)) or mean == 0.0:
         window.motion[0] = STANDS
     else:
         index = window.index[0] = _index(slowest, fastest, mean)

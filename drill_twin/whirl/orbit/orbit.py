@@ -204,7 +204,6 @@ def new_shape(m: int, levels: Integers) -> Columns:
         m,
         reference=np.zeros(1, np.int64),  # mark with the largest motion
         power=0.0,  # of each mark's motion over the window [m^2], a sum over its bins
-        phase=math.nan,  # relative to the reference mark [rad]
         planarity=np.full(1, math.nan),  # 1 = in one plane, 0 = a circle
         second_lobe=np.zeros(1),  # smaller over larger of the largest radii on the two sides of the axis, in the plane
         levels=levels,
@@ -229,7 +228,6 @@ def find_shape(shape: Columns, history: Columns) -> None:
     shape.reference[0] = reference
     largest = shape.power[reference]
     if largest <= negligible:
-        shape.phase[:] = math.nan
         shape.planarity[0], shape.second_lobe[0] = math.nan, 0.0
         return
     for k in range(shape.power.size):
@@ -237,7 +235,6 @@ def find_shape(shape: Columns, history: Columns) -> None:
         for i in range(n):
             relative += moving[i, reference].conjugate() * moving[i, k]
         shape.relative[k] = relative / largest
-        shape.phase[k] = math.atan2(relative.imag, relative.real)
     this, other, squares, powers = 0.0, 0.0, 0j, 0.0
     for level in shape.levels:
         relative = shape.relative[level]

@@ -11,7 +11,8 @@ import numpy as np
 
 from drill_twin.core.arrays import Array, Mask
 from drill_twin.scene import load_scene
-from drill_twin.whirl.downhole.sub_findings import AT_REST, SHARE
+from drill_twin.whirl.criteria import STANDSTILL
+from drill_twin.whirl.downhole.sub_findings import SHARE
 from drill_twin_evidence.detection.cases import bouncing
 from drill_twin_evidence.detection.runs import Run, simulate
 from drill_twin_evidence.detection.sub_readings import MARK, analyser_of
@@ -93,7 +94,7 @@ def add_stick_slip(score: EventScore, run: Run, seed: int) -> None:
     last = found.stick_slip[-1] if found.stick_slip else None
     during = (run.time > SETTLED) if last is None else (run.time >= last.start_s) & (run.time <= last.end_s)
     speed, time = np.gradient(run.mark_spin[:, 0], run.time)[during], run.time[during]
-    rest = speed < AT_REST * float(speed.mean())
+    rest = speed < STANDSTILL * float(speed.mean())
     release = np.flatnonzero(rest[:-1] & ~rest[1:])
     if release.size < 2:
         return

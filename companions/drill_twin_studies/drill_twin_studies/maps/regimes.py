@@ -8,7 +8,7 @@ from typing import NamedTuple
 from drill_twin.whirl import MotionState, Summary, criteria
 from drill_twin.whirl.criteria import BitMotion
 from drill_twin.whirl.motion.states import NO_WHIRL
-from drill_twin.whirl.motion.stick_slip_index import FULL, MODERATE, STUCK
+from drill_twin.whirl.motion.stick_slip_index import FULL, MODERATE
 
 BUCKLED_RADIUS = 0.25
 """Least radius of a mark, over its clearance, of a string that is buckled and does not whirl; not measured."""
@@ -30,7 +30,7 @@ class TorsionalSpeeds(NamedTuple):
     @property
     def sticks(self) -> bool:
         """The bit comes to rest between its peaks, or stands while the top drive turns."""
-        return self.top != 0.0 and (self.severity >= FULL or abs(self.bit) < STUCK * abs(self.top))
+        return self.top != 0.0 and (self.severity >= FULL or abs(self.bit) < criteria.STANDSTILL * abs(self.top))
 
     @property
     def winds(self) -> bool:

@@ -58,7 +58,7 @@ numerics: {frame_rate: 50 Hz}
 
 def of(state, ratio=-0.5, bit=BitMotion.STEADY, **more):
     """Findings with one motion."""
-    return Summary(motion=(MotionPeriod(0.0, state, "", 1.0),), mean_ratio=ratio, bit=bit, **more)
+    return Summary(motion=(MotionPeriod(0.0, state, ""),), mean_ratio=ratio, bit=bit, **more)
 
 
 def kind(summary, torsion=STEADY):
@@ -82,7 +82,7 @@ def test_each_motion_has_its_kind(state, regime):
 
 
 def test_of_a_shape_of_the_string_the_widest_mark_names_the_motion():
-    rolling = {"mark_2": (MotionPeriod(0.0, MotionState.ROLLING, "", 1.0),)}
+    rolling = {"mark_2": (MotionPeriod(0.0, MotionState.ROLLING, ""),)}
     shape = of(MotionState.SECOND_BENDING, -1.88, mark_motion=rolling, frequency_mark="mark_2")
     assert kind(shape) is Regime.ROLLING
 

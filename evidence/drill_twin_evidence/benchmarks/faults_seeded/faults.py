@@ -226,8 +226,8 @@ FAULTS = (
     Fault(
         "sign: a section that turns to the left counts as at rest",
         "drill_twin/whirl/downhole/sub_findings.py",
-        "math.copysign(1.0, mean) * speed < AT_REST",
-        "speed < AT_REST",
+        "math.copysign(1.0, mean) * speed < criteria.STANDSTILL",
+        "speed < criteria.STANDSTILL",
         "test/whirl/test_downhole.py",
         "stick_slip",
     ),
