@@ -29,8 +29,8 @@ FOLDERS = (
     ("fitting", STUDIES, "fitting"), ("maps", STUDIES, "maps"),
 )  # fmt: skip
 """Folders that are counted: name, folder, and part of it."""
-EACH = 8
-"""Records of each kind: their kinds have eight cases."""
+EACH = 4
+"""Records of each kind, twice as many of the kinds with eight cases."""
 FIGURES = ("half", "missed", "false", "f1", "marks")
 """Figures of an outcome whose change is printed."""
 NOTHING = "changes nothing: goes or merges"

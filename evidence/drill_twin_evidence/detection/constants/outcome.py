@@ -31,9 +31,12 @@ from drill_twin_evidence.detection.sub_signals import SubSignal, drawn_signal
 
 BASE = 5_600_000
 """First seed of the records; nothing was tuned on it or on those after it."""
-KINDS = "abcdefgh"
+KINDS, MANIFOLD = "bcdfgh", "ae"
+"""Kinds of records; the latter have eight cases, and so twice as many records."""
 SUBS = 3
 """Signals of a sub, at most, and at most as many as records of a kind: the first seeds from `BASE` on."""
+SPECTRA = 8
+"""Records of which the spectrum is compared: the first."""
 DIGITS = 6
 """Significant digits of a number that is compared, so that round-off is no change."""
 
@@ -62,9 +65,10 @@ class Material(NamedTuple):
 
 
 def material(each: int) -> Material:
-    """Records, so many of each kind, and signals of a sub."""
+    """Records, so many of each kind or twice as many, and signals of a sub."""
     subs = [drawn_signal(BASE + number) for number in range(min(SUBS, each))]
-    return Material([*frozen_records(KINDS, each=each, base=BASE)], subs)
+    records = [*frozen_records(KINDS, each=each, base=BASE), *frozen_records(MANIFOLD, each=2 * each, base=BASE)]
+    return Material(records, subs)
 
 
 def outcome_of(found: Material) -> Outcome:
@@ -80,7 +84,7 @@ def outcome_of(found: Material) -> Outcome:
         whole = _plain(summary)
         said["bit"].append([*(whole.pop(name) for name in torsion), int(turns_backwards(bit, record.top_speed).sum())])
         said["marks"].append([whole, _plain(analyzer.findings)])
-        if len(said["spectrum"]) < len(KINDS):
+        if len(said["spectrum"]) < SPECTRA:
             said["spectrum"].append(_spectrum(record))
         return finding_of(summary)
 
