@@ -76,10 +76,6 @@ class Trial(NamedTuple):
     """Problems of the run (`PROBLEMS`) that the repeat, and the repeats beside it, do not have."""
     outcome: str
     """Result in words."""
-    motion: str
-    """Motion of the repeat that lasts; empty where the repeat could not be followed to its end."""
-    frequency_hz: float | None
-    """Frequency of the repeat's whirl; None without one."""
     growth_per_s: float | None
     """Growth of the fastest lateral mode with this change; None where it is not known or the repeat whirls."""
 
@@ -223,9 +219,8 @@ class Repeats:
                 shares = ", ".join(f"{share:g}" for share in before)
                 outcome += f" ({sum(held)} of {len(held)} at {shares} of the speed)" if held else " (one repeat)"
         except RunError as error:
-            return Trial(change, of_effects, (), f"could not be followed: {error}", "", None, None)
-        motion, frequency = found.summary["lasting_motion"], found.summary["whirl_frequency_hz"]
-        return Trial(change, of_effects, tuple(cures), outcome, motion, frequency, growth)
+            return Trial(change, of_effects, (), f"could not be followed: {error}", None)
+        return Trial(change, of_effects, tuple(cures), outcome, growth)
 
     def played(self, scene: Scene, weight: float, speed: float, more: float = 0.0) -> Motion:
         """Motion of a scene under shares of the recorded weight and speed; the last set-points hold for more time [s].
@@ -233,11 +228,10 @@ class Repeats:
         Raises:
             RunError: The run stops early.
         """
-        simulation, held = Simulation(scene), [self.commands[-1]] * round(more / self.period)
-        commands = [*self.commands, *held]
+        simulation = Simulation(scene)
+        commands = [*self.commands, *[self.commands[-1]] * round(more / self.period)]
         simulation.play([Command(weight * one.weight_on_bit, speed * one.rotation, one.block) for one in commands])
-        summary = simulation.result().summary
-        return Motion(summary, self.scene.severity_bounds)
+        return Motion(simulation.result().summary, self.scene.severity_bounds)
 
     @cached_property
     def beside(self) -> dict[float, Motion]:

@@ -56,8 +56,8 @@ def test_weight_and_speed_at_the_onset_are_those_of_the_ramp(monkeypatch):
     assert plans[:2] == ["without internal damping", "without wall friction"]
     assert plans[-1] == "at 0.5 of the wall friction"
     outcome = "no whirl (none: lateral acceleration 0.1 g rms), 88% of the run's; the slowest mode decays with 0.2 1/s"
-    longer = Trial("held for 30 s longer", False, (), "spiral", "spiral", None, None)
-    trial = Trial("without wall friction", True, (), outcome, "", None, -0.2)
+    longer = Trial("held for 30 s longer", False, (), "spiral", None)
+    trial = Trial("without wall friction", True, (), outcome, -0.2)
     monkeypatch.setattr(Repeats, "trials", lambda _: iter([longer, trial]))
     cause = dt.why(run)
     assert not cause.causes
@@ -65,7 +65,7 @@ def test_weight_and_speed_at_the_onset_are_those_of_the_ramp(monkeypatch):
         cause
     )
     assert "Small motion about the axis of the hole at the onset" in str(cause)
-    lighter = Trial("at 0.5 of the weight (5 N)", False, (WHIRL,), "no whirl", "", None, -0.2)
+    lighter = Trial("at 0.5 of the weight (5 N)", False, (WHIRL,), "no whirl", -0.2)
     monkeypatch.setattr(Repeats, "trials", lambda _: iter([longer, trial, lighter]))
     monkeypatch.setattr("drill_twin.api.cause.buckling", lambda *_: 1.0)
     assert "Cause: the weight buckles the string; at 0.5 of the weight (5 N): no whirl." in str(dt.why(run))
