@@ -3,11 +3,12 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Callable, Iterator
 from dataclasses import asdict, dataclass
 from typing import Any
 
-from drill_twin.api.repeats import Repeats, Trial, rate
+from drill_twin.api.repeats import CALM, STIFF, Repeats, Trial, rate
 from drill_twin.api.result import Result
 from drill_twin.api.rotordynamics import modes_under
 from drill_twin.core.errors import BagError, RunError
@@ -21,6 +22,8 @@ from drill_twin.report.text import lasting
 from drill_twin.scene import Scene
 from drill_twin.scene.set_points.command import Command
 from drill_twin.whirl import MotionState
+
+SOFT = "a top drive that does not hold its speed"
 
 
 @dataclass(frozen=True)
@@ -97,11 +100,19 @@ class _Search(Repeats):
             sentences += [self.what(), self.mode_text(table, fastest)]
         if table is not None and table.on_axis and fastest is not None and fastest.growth > 0.0:
             try:
-                buckled = buckling(self.scene, self.steady)
+                at_rest = buckling(self.scene, self.steady)
+                if at_rest is not None and self.matters(at_rest):
+                    buckled = f" The weight buckles the string: without rotation, too, a mode {rate(at_rest)}."
                 sentences[-1] += buckled
             except RunError as error:
                 sentences[-1] += f" Whether the weight buckles it is not known ({error})."
         sentences += [self.motion_text(problem) for problem in self.problems if problem != WHIRL]
+        if self.reached != 1.0:
+            turns = self.units.text(self.reached * self.command.rotation, "rotation")
+            sentences.append(
+                f"The top drive does not keep to its set-point: it turns at {turns} on average. Repeats {STIFF}, or at "
+                f"a share of the speed, are of {turns}."
+            )
         trials, causes = tuple(self.trials()), list[str]()
         for problem in self.problems:
             named = self.causes(problem, trials, buckled=bool(buckled))
@@ -119,12 +130,24 @@ class _Search(Repeats):
             return f"{kind}, at {self.point}; {size}."
         frequency, ratio = self.summary["whirl_frequency_hz"], self.summary["whirl_ratio"]
         pace = "" if frequency is None else f" at {frequency:.2f} Hz, {ratio:.2f} of the rotation"
-        end = self.summary["whirl_end_s"]
-        until = "" if end is None else f", which ends at {end:.2f} s"
-        then = "" if self.at_onset == self.point else f", with {self.at_onset} then"
-        last = " at the end" if then else ""
-        start = f"Whirl from {self.onset:.2f} s at {self.summary['onset_mark']}{then}"
-        return f"{start}: {lasting(self.summary)}{pace}{until}, at {self.point}{last}; {size}."
+        end, lasts = self.summary["whirl_end_s"], lasting(self.summary)
+        until = "" if end is None else f" to {end:.2f} s"
+        after = "" if end is None else f"; at the end {lasts}"
+        then = "" if self.at_onset == self.point else f", with {self.at_onset} at its onset"
+        last = " at the end" if then and not after else ""
+        start = f"Whirl from {self.onset:.2f} s{until} at {self.summary['onset_mark']}{then}"
+        return f"{start}: {self.kind or 'no single kind'}{pace}{after}, at {self.point}{last}; {size}."
+
+    @property
+    def kind(self) -> str:
+        """Motion of the whirl in words: the motion that lasts; of a whirl that ended the longest between its ends."""
+        if (end := self.summary["whirl_end_s"]) is None:
+            return lasting(self.summary)
+        spent = Counter[str]()
+        for one in self.summary["motion"]:
+            if one["state"] not in CALM:
+                spent[one["state"]] += max(0.0, min(one["end_s"], end) - max(one["start_s"], self.onset or 0.0))
+        return max(spent, key=lambda state: spent[state], default="") if any(spent.values()) else ""
 
     def motion_text(self, problem: str) -> str:
         """Axial motion or torsion of the run."""
@@ -142,6 +165,8 @@ class _Search(Repeats):
         if frequency is None and lines:
             frequency = lines[0]["frequency_hz"]
         text = f"Small motion {where}: the lateral mode at {fastest.frequency:.2f} Hz {rate(fastest.growth)}"
+        if slow := self.slow(fastest.growth):
+            return f"{text}{slow}."
         if fastest.growth > 0.0:
             later = ": whirl would come later" if self.onset is None else ""
             return f"{text}, the fastest growth{later}."
@@ -172,9 +197,11 @@ class _Search(Repeats):
             return f"Cause{of}: what the start set off, which dies away; {found}."
         if not causes[0].of_effects:
             return f"Cause{of}: the weight buckles the string; {found}."
-        forced = problem == WHIRL and self.summary["lasting_motion"] == MotionState.SYNCHRONOUS_WHIRL.value
+        forced = problem == WHIRL and self.kind == MotionState.SYNCHRONOUS_WHIRL.value
         each = " (each change alone takes it away)" * (len(causes) > 1)
-        return f"Cause{of}{' (forced, at the speed of rotation)' * forced}{each}: {found}."
+        names = " and ".join(SOFT if one.change == STIFF else one.change.removeprefix("without ") for one in causes)
+        told = f"{found[0].upper()}{found[1:]}"
+        return f"Cause{of}{' (forced, at the speed of rotation)' * forced}{each}: {names}. {told}."
 
     def cures(self, problem: str, trials: list[Trial]) -> str:
         """Sentence on which of less weight, speed or wall friction cures a problem."""
@@ -184,13 +211,11 @@ class _Search(Repeats):
         return f"None of these cures it{of}: {', '.join(trial.change for trial in trials)}." if trials else ""
 
 
-def buckling(scene: Scene, command: Command) -> str:
-    """Sentence that the weight buckles a string on the axis, with a space before it; empty where it does not.
+def buckling(scene: Scene, command: Command) -> float | None:
+    """Growth of the fastest lateral mode under the weight of a command, without rotation [1/s]; None without one.
 
     Raises:
         RunError: There is no balance.
     """
     at_rest = modes_under(scene, Command(command.weight_on_bit, 0.0)).fastest(LATERAL)
-    if at_rest is None or at_rest.growth <= 0.0:
-        return ""
-    return f" The weight buckles the string: without rotation, too, it leaves the axis with {at_rest.growth:.2g} 1/s."
+    return None if at_rest is None else at_rest.growth

@@ -54,20 +54,22 @@ class Relevance(NamedTuple):
     """Difference below which nothing matters [SI]; chosen, not measured. 0: the tolerance alone decides."""
     key: str = ""
     """Field of `core.severity.Bounds`; `matters` is then `QUARTER` of its bound low, which a scene may set."""
+    enough: float = math.inf
+    """Value from which more is no better [SI]; chosen, not measured."""
 
 
 RELEVANCE = {
     **{WORDS[key]: Relevance(1.0, 0.0, key) for key in WORDS},
     "largest side force of a stabiliser": Relevance(1.0, 0.0, "wall_force"),
     "fatigue damage": Relevance(1.0, 0.0),
-    "margin to sinusoidal buckling": Relevance(-1.0, 0.1), "yield margin": Relevance(-1.0, 0.1),
-    "make-up margin": Relevance(-1.0, 0.1),
-    "margin to the nearest critical speed of the assembly": Relevance(-1.0, 0.05),
+    **{name: Relevance(-1.0, 0.1, enough=2.0)
+       for name in ("margin to sinusoidal buckling", "yield margin", "make-up margin")},
+    "margin to the nearest critical speed of the assembly": Relevance(-1.0, 0.05, enough=0.3),
     "specific energy": Relevance(1.0, 5e6), "rate of penetration": Relevance(-1.0, 1.0 / 3600.0),
     BIT_FORCE: Relevance(0.0, 220.0),
 }  # fmt: skip
-"""Relevance by the end of a quantity's name. Margins of a tenth and 5 % of a critical speed, 5 MPa of specific energy,
-1 m/h, 220 N (50 lbf) at the bit: chosen."""
+"""Relevance by the end of a quantity's name. Margins of a tenth, where one is below 2, 5 % of a critical speed within
+30 % of it, 5 MPa of specific energy, 1 m/h, 220 N (50 lbf) at the bit: chosen."""
 
 
 class ComparedQuantity(NamedTuple):
@@ -79,11 +81,13 @@ class ComparedQuantity(NamedTuple):
     """NaN or an empty text where a case does not have it."""
     matters: float = 0.0
     """Difference below which nothing matters [SI]."""
+    enough: float = math.inf
+    """Value from which more is no better [SI]."""
 
     def differs(self, tolerance: float) -> bool:
         """True if a case differs from the first by what matters and a share of the larger one; words: at all."""
-        first = self.values[0]
-        return any(_differ(first, other, tolerance, self.matters) for other in self.values[1:])
+        first, *others = (one if isinstance(one, str) else min(one, self.enough) for one in self.values)
+        return any(_differ(first, other, tolerance, self.matters) for other in others)
 
     def text(self, case: int, units: UnitSystem) -> str:
         """Value as text in the units of the reader, with its difference from the first case."""
@@ -117,15 +121,20 @@ def quantities(cases: Sequence[Case]) -> list[ComparedQuantity]:
         known = next(row[name, unit] for row in rows if (name, unit) in row)
         missing: float | str = "" if isinstance(known, str) else math.nan
         values = tuple(row.get((name, unit), missing) for row in rows)
-        found.append(ComparedQuantity(name, unit, values, matters(name, cases[0])))
+        found.append(ComparedQuantity(name, unit, values, *matters(name, cases[0])))
     return [row for row in found if any(value == value and value != "" for value in row.values)]  # noqa: PLR0124  NaN
 
 
-def matters(name: str, case: Case) -> float:
-    """Difference of a quantity below which nothing matters [SI], by the bounds of a case."""
+def matters(name: str, case: Case) -> tuple[float, float]:
+    """Difference of a quantity below which nothing matters and value from which more is no better [SI], of a case."""
     what = next((known for end, known in RELEVANCE.items() if name.endswith(end)), Relevance(0.0, 0.0))
-    graded = what.key and case.result.summary["severity_by_quantity"].get(what.key, {}).get("grade", 0) is not None
-    return QUARTER * float(getattr(case.bounds, what.key)[0]) if graded else what.matters
+    of_bound = what.key == "wall_force" or graded(what.key, case)  # a force is one on collars, too; a stress is not
+    return QUARTER * float(getattr(case.bounds, what.key)[0]) if of_bound else what.matters, what.enough
+
+
+def graded(key: str, case: Case) -> bool:
+    """True where the bounds of a quantity of severity hold for a case; False without a quantity."""
+    return bool(key) and case.result.summary["severity_by_quantity"].get(key, {}).get("grade", 0) is not None
 
 
 def _at(places: list[tuple[str, str, float]], part: str, name: str, place: float, case: Case) -> str:

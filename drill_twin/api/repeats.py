@@ -14,12 +14,11 @@ from drill_twin.api.recorded_run import planned
 from drill_twin.api.rotordynamics import modes_under
 from drill_twin.api.simulation import Simulation
 from drill_twin.core.errors import RunError, SceneError
-from drill_twin.core.severity import Grade
 from drill_twin.dynamics.rotordynamics.modes import LATERAL, ModeTable
 from drill_twin.io.messages.stamps import NANOSECONDS
 from drill_twin.report.load_text import Summary, units_of
 from drill_twin.report.recording import Recording
-from drill_twin.report.severity import PROBLEMS, TORSION, WHIRL, Motion
+from drill_twin.report.severity import PROBLEMS, TORSION, WHIRL, Motion, cured
 from drill_twin.runs.recorded_commands import recorded_commands
 from drill_twin.scene import Scene
 from drill_twin.scene.blocks.top_drive import TopDrive
@@ -34,11 +33,11 @@ BEFORE = 1.0
 """Time before the onset over which weight and speed there are averaged [s]."""
 LESS = (0.7, 0.5)
 """Shares of weight, speed or wall friction in repeats; the second is tried where the first does not cure the run."""
+REACHED = 0.05
+"""Share of the set-point's speed from which a difference of the top drive's mean speed is said; chosen, not measured: a
+mean over a part of a cycle of stick-slip is off by less."""
 BESIDE = (0.98, 1.02)
 """Shares of the speed in further repeats of a change that cures the run: in one run it may do so by chance."""
-LEFT = 0.5
-"""Share of the run's deciding quantity above which a repeat still moves as the run does; chosen, not measured. What
-unbalance forces is proportional to the unbalance: of a cause almost nothing is left."""
 PUSH = 1e-4
 """Lateral velocity that takes the place of bow and eccentricity [m/s]: a perfect string never leaves the axis of a
 vertical hole."""
@@ -46,11 +45,7 @@ LONGER = 30.0
 """Time for which a repeat holds the last set-points after the run's end, at least; the run's length where that is more
 [s]. What the start set off dies away, and the stick-slip index is of the last 20 s."""
 
-BACKWARD = tuple(
-    one.value for one in (MotionState.BACKWARD_WHIRL, MotionState.ROLLING, MotionState.CREEPING, MotionState.IMPACTS)
-)
 CALM = (MotionState.FIXED_AXIS.value, MotionState.AT_REST.value)
-FORWARD = (MotionState.FORWARD_WHIRL.value, MotionState.SYNCHRONOUS_WHIRL.value)
 _FRICTION = {"wall_friction.coefficient": "", "wall_friction.sliding": ""}
 _UNBALANCE = {"bow.amplitude": "", "eccentricity.offset": "", "eccentricity.rms": ""}
 _EFFECTS: dict[str, dict[str, str]] = {
@@ -81,10 +76,6 @@ class Trial(NamedTuple):
     """Problems of the run (`PROBLEMS`) that the repeat, and the repeats beside it, do not have."""
     outcome: str
     """Result in words."""
-    motion: str
-    """Motion of the repeat that lasts; empty where the repeat could not be followed to its end."""
-    frequency_hz: float | None
-    """Frequency of the repeat's whirl; None without one."""
     growth_per_s: float | None
     """Growth of the fastest lateral mode with this change; None where it is not known or the repeat whirls."""
 
@@ -100,6 +91,11 @@ class Repeats:
         self.command, self.period = recorded.commands[-1], recorded.period / NANOSECONDS
         self.onset: float | None = self.summary["onset_s"]
         frames = len(recorded.commands)
+        late = recording.rig.top_drive_speed[recording.rig.time >= summary["settled_s"]]
+        asked = np.mean([one.rotation for one in recorded.commands[-late.size :]]) if late.size else 0.0
+        share = float(np.nanmean(late) / asked) if asked else 1.0
+        self.reached = share if abs(share - 1.0) > REACHED else 1.0
+        """Share of the set-point's speed that the top drive reached on average; 1 within `REACHED`."""
         if self.onset is not None:
             frames = min(frames, math.ceil((self.onset + AFTER_ONSET) / self.period))
         self.is_whole = frames == len(recorded.commands)
@@ -152,11 +148,13 @@ class Repeats:
         found = [("", change, scene, 1.0, 1.0) for change, keys in _EFFECTS.items() if (scene := self.scaled(keys))]
         if self.scene.rig.top_drive.model != "prescribed":
             rig = self.scene.rig.model_copy(update={"top_drive": TopDrive()})
-            found.append(("", STIFF, self.scene.model_copy(update={"rig": rig}), 1.0, 1.0))
+            found.append(("", STIFF, self.scene.model_copy(update={"rig": rig}), 1.0, self.reached))
         for name in ("weight", "speed", "wall friction"):
-            held = {"weight": self.command.weight_on_bit, "speed": self.command.rotation}.get(name, 1.0)
+            turns = self.reached * self.command.rotation
+            held = {"weight": self.command.weight_on_bit, "speed": turns}.get(name, 1.0)
             for less in LESS if held else ():
-                weight, speed = (less if name == part else 1.0 for part in ("weight", "speed"))
+                weight = less if name == "weight" else 1.0
+                speed = less * self.reached if name == "speed" else 1.0
                 of_friction = name == "wall friction"
                 scene = self.scaled(_FRICTION, less) if of_friction else self.scene
                 told = self.units.set_point(weight * self.command.weight_on_bit, speed * self.command.rotation)
@@ -169,7 +167,7 @@ class Repeats:
         """Repeats: the run held for longer, then `plans`; the second share only where the first does not cure it."""
         plans = self.plans()
         self.progress("repeat held for longer", 0, len(plans) + 1)
-        more = max(LONGER, self.period * len(self.commands))
+        more = self.horizon - self.period * len(self.commands)
         yield (trial := self.trial(f"held for {more:.3g} s longer", self.scene, more=more))
         if len(trial.cures) == len(self.problems):
             return
@@ -202,27 +200,27 @@ class Repeats:
         """A repeat with shares of weight and speed, or `more` time [s]; repeats beside it where it cures the run."""
         try:
             found, growth = self.played(scene, weight, speed, more), None
-            if not found.whirls:
+            seems = WHIRL in self.problems and cured(WHIRL, self.run, found, None, less=not of_effects)
+            if seems and not found.whirls:
                 table = self.modes(scene, Command(weight * self.command.weight_on_bit, speed * self.command.rotation))
                 fastest = table.fastest(LATERAL) if table else None
                 growth = None if fastest is None else fastest.growth
             outcome = "; ".join(self.told(problem, found, growth) for problem in self.problems)
-            cures = [one for one in self.problems if self.cured(one, self.run, found, growth, less=not of_effects)]
+            fast = growth if self.matters(growth) else None
+            cures = [one for one in self.problems if cured(one, self.run, found, fast, less=not of_effects)]
             beside: Mapping[float, Motion] = self.beside if cures and not more else {}
-            again = {share: self.played(scene, weight, speed * share) for share in beside}
+            held_speed = self.reached if speed == 1.0 else speed
+            again = {share: self.played(scene, weight, held_speed * share) for share in beside}
             for problem in tuple(cures):
                 before = [share for share, motion in beside.items() if motion.has(problem)]
-                held = [
-                    self.cured(problem, beside[share], again[share], growth, less=not of_effects) for share in before
-                ]
-                if not all(held):
+                held = [cured(problem, beside[share], again[share], fast, less=not of_effects) for share in before]
+                if not all(held) or (self.reached != 1.0 and not more and not held):  # at no speed that is held
                     cures.remove(problem)
                 shares = ", ".join(f"{share:g}" for share in before)
                 outcome += f" ({sum(held)} of {len(held)} at {shares} of the speed)" if held else " (one repeat)"
         except RunError as error:
-            return Trial(change, of_effects, (), f"could not be followed: {error}", "", None, None)
-        motion, frequency = found.summary["lasting_motion"], found.summary["whirl_frequency_hz"]
-        return Trial(change, of_effects, tuple(cures), outcome, motion, frequency, growth)
+            return Trial(change, of_effects, (), f"could not be followed: {error}", None)
+        return Trial(change, of_effects, tuple(cures), outcome, growth)
 
     def played(self, scene: Scene, weight: float, speed: float, more: float = 0.0) -> Motion:
         """Motion of a scene under shares of the recorded weight and speed; the last set-points hold for more time [s].
@@ -230,38 +228,25 @@ class Repeats:
         Raises:
             RunError: The run stops early.
         """
-        simulation, held = Simulation(scene), [self.commands[-1]] * round(more / self.period)
-        commands = [*self.commands, *held]
+        simulation = Simulation(scene)
+        commands = [*self.commands, *[self.commands[-1]] * round(more / self.period)]
         simulation.play([Command(weight * one.weight_on_bit, speed * one.rotation, one.block) for one in commands])
-        summary = simulation.result().summary
-        return Motion(summary, self.scene.severity_bounds)
+        return Motion(simulation.result().summary, self.scene.severity_bounds)
 
     @cached_property
     def beside(self) -> dict[float, Motion]:
         """Motion of the unchanged run at `BESIDE`, by the share of the speed."""
-        return {share: self.played(self.scene, 1.0, share) for share in BESIDE}
+        return {share: self.played(self.scene, 1.0, share * self.reached) for share in BESIDE}
 
-    @staticmethod
-    def cured(problem: str, run: Motion, found: Motion, growth: float | None, *, less: bool) -> bool:
-        """True where a repeat does not have a problem of a run.
+    @property
+    def horizon(self) -> float:
+        """Time of the longest repeat [s]."""
+        run = self.period * len(self.commands)
+        return run + max(LONGER, run)
 
-        Args:
-            problem: Of `PROBLEMS`.
-            run: Motion of the run.
-            found: Motion of the repeat.
-            growth: Of the repeat's fastest lateral mode [1/s]; None where it is not known.
-            less: A set-point is lowered: then the grade alone decides, where it has fallen.
-        """
-        falls = run.grade(problem) > Grade.LOW >= found.grade(problem)
-        half = not found.size(problem) > LEFT * run.size(problem)  # NaN: not known
-        if problem != WHIRL:
-            return falls and found.worst(problem) is not None and (less or half)
-        if not found.whirls:
-            return half and not (growth is not None and growth > 0.0)
-        if found.summary["whirl_end_s"] is not None and run.summary["whirl_end_s"] is None:
-            return True
-        was, is_now = run.summary["lasting_motion"], found.summary["lasting_motion"]
-        return (falls and (less or (half and was != is_now))) or (half and was in BACKWARD and is_now in FORWARD)
+    def matters(self, growth: float | None) -> bool:
+        """True where a growth [1/s] multiplies a motion by e or more within the longest repeat."""
+        return growth is not None and growth * self.horizon > 1.0
 
     def told(self, problem: str, found: Motion, growth: float | None) -> str:
         """Outcome of a repeat for one problem, in words."""
@@ -273,14 +258,20 @@ class Repeats:
         if not found.whirls:
             told = f"no whirl {size}"
             if growth is not None:
-                told += f"; {'but a' if growth > 0.0 else 'the slowest'} mode {rate(growth)}"
-            return told + ", so it comes later" * (growth is not None and growth > 0.0)
+                told += f"; {'but a' if growth > 0.0 else 'the slowest'} mode {rate(growth)}{self.slow(growth)}"
+            return told + ", so it comes later" * self.matters(growth)
         if (end := summary["whirl_end_s"]) is not None:
             return f"the whirl ends at {end:.2f} s {size}"
         if (motion := summary["lasting_motion"]) in CALM:
             return f"whirls from {summary['onset_s']:.2f} s, for a part of the time {size}"
         pace = "" if (frequency := summary["whirl_frequency_hz"]) is None else f" at {frequency:.2f} Hz"
         return f"{motion}{pace} {size}"
+
+    def slow(self, growth: float) -> str:
+        """Words on a growth that does not matter."""
+        return (
+            f", too slowly to matter within {self.horizon:.3g} s" if growth > 0.0 and not self.matters(growth) else ""
+        )
 
 
 def rate(growth: float) -> str:

@@ -87,14 +87,14 @@ def held_at(scene: Scene, command: Command, **rig: object) -> Scene:
 
 
 def modes_under(scene: Scene, command: Command) -> ModeTable:
-    """Modes of a scene under constant set-points, without effects that depend on time.
+    """Modes of a scene under constant set-points on its own mesh, without effects that depend on time.
 
     Raises:
         SceneError: The scene has no modes.
         RunError: There is no balance.
     """
     left_out = [key for key in scene.effect_names if key in TIME_DEPENDENT]
-    return modes(held_at(scene, command), without=left_out)
+    return modes(held_at(scene, command), without=left_out, is_compared=False)
 
 
 def fastest_of(command: Command) -> float:
@@ -125,6 +125,7 @@ def modes(
     *,
     without: Sequence[str] = (),
     count: int = _modes.COUNT,
+    is_compared: bool = True,
 ) -> ModeTable:
     """Damped modes of the string, turning in balance under the final set-points of a scene.
 
@@ -140,6 +141,7 @@ def modes(
         overrides: Values that replace the scene's values.
         without: Effects to leave out.
         count: Modes of each kind.
+        is_compared: False leaves out the finer mesh, which takes most of the time.
 
     Raises:
         SceneError: The scene cannot be loaded, or an effect of it depends on time.
@@ -151,6 +153,8 @@ def modes(
         return table_of(own, command, fastest_of(command), _sliding, count)
     equations = EquationsOfMotion(own)
     table = _modes.modes(equations, command, resting_in(equations), count)
+    if not is_compared:
+        return table
     finer = EquationsOfMotion(meshed(own, 2 * equations.model.rod.length.size))
     if finer.unknowns > (MOST_COMPARED if table.on_axis else MOST_AT_REST):
         return table

@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from drill_twin.api.compared_quantities import NOTHING, RELEVANCE, Case, quantities
+from drill_twin.api.compared_quantities import NOTHING, RELEVANCE, Case, graded, quantities
 from drill_twin.api.result import Result
 from drill_twin.api.simulation import Simulation
 from drill_twin.core.severity import WORDS, Grade, grade
@@ -113,15 +113,17 @@ def costs(runs: Sequence[Sequence[Case]], tolerance: float) -> list[ComparedCost
                 grades = tuple(
                     int(grade(what.key, float(np.mean(row)), bounds) or 0) if row else 0
                     for row in values
-                    if what.key and least and WORDS[what.key] == cost
+                    if graded(what.key, runs[0][0]) and WORDS[what.key] == cost
                 )
-                found.append((cost, tables[0][name].unit, values, what.sign, least, grades))
+                better = tuple(chr(ord("A") + k) for k in range(1, len(values)))
+                found.append(ComparedCost(cost, tables[0][name].unit, values, better, least, grades))
     return [
-        ComparedCost(cost, unit, values, tuple(
-            _better(values[0], other, sign, (tolerance, least), chr(ord("A") + k), len(found))
-            for k, other in enumerate(values[1:], 1)
-        ), least, grades)
-        for cost, unit, values, sign, least, grades in found
+        cost._replace(better=tuple(
+            _better(first, other, RELEVANCE[cost.name].sign, (tolerance, cost.matters), letter, len(found))
+            for letter, other in zip(cost.better, others, strict=True)
+        ))
+        for cost in found
+        for first, *others in [[[min(one, RELEVANCE[cost.name].enough) for one in row] for row in cost.values]]
     ]  # fmt: skip
 
 
@@ -183,31 +185,32 @@ def _side(case: int, force: float, units: UnitSystem) -> str:
 
 def _verdict(found: Sequence[ComparedCost], case: int, units: UnitSystem) -> str:
     letter = chr(ord("B") + case)
-    wins = (cost for cost in found if cost.better[case] in {"A", letter})
-    shown = sorted(wins, key=lambda cost: cost.rank(case), reverse=True)
+    ranked = sorted((cost for cost in found if cost.better[case]), key=lambda cost: cost.rank(case), reverse=True)
+    told: dict[str, list[str]] = {"A": [], letter: [], CHANCE: []}
+    for cost in ranked:
+        told[cost.better[case]].append(_told(cost, case, units))
+    unsure, shown = ([cost for cost in ranked if (cost.better[case] == CHANCE) is way] for way in (True, False))
+    runs = min((len(row) for cost in unsure for row in (cost.values[0], cost.values[case + 1])), default=0)
+    chance = f"the means differ, which {runs} runs do not tell from chance (more --seeds)"
+    more = f"; {', '.join(told[CHANCE])}: {chance}" if unsure else ""
     if not shown:
-        unsure = [cost for cost in found if cost.better[case] == CHANCE]
-        runs = min((len(row) for cost in unsure for row in (cost.values[0], cost.values[case + 1])), default=0)
-        names = ", ".join(cost.name for cost in unsure)
-        more = (
-            f"; {names}: the means differ, which {runs} runs do not tell from chance (more --seeds)" if unsure else ""
-        )
         return f"A and {letter}: {NONE}{more}"
-    first, *others = shown
-    better = first.better[case]
-    told = {way: ", ".join(_told(cost, case, units) for cost in others if (cost.better[case] == better) is way)
-            for way in (True, False)}  # fmt: skip
-    also, against = (
-        f"; {word}: {told[way]}" if told[way] else "" for way, word in ((True, "also"), (False, "against it"))
-    )
+    if unsure and unsure[0].rank(case)[0] > max(shown[0].rank(case)[0], Grade.NONE):
+        sure = "".join(f"; {one} is better by {', '.join(told[one])}" for one in ("A", letter) if told[one])
+        return f"A and {letter}: not decided, as the highest grade may be one by chance{more}{sure}"
+    better = shown[0].better[case]
     other = letter if better == "A" else "A"
-    return f"{better} is better than {other}, decided by {_told(first, case, units)}{also}{against}"
+    first, *also = told[better]
+    rest = "".join(
+        f"; {word}: {', '.join(ones)}" for word, ones in (("also", also), ("against it", told[other])) if ones
+    )
+    return f"{better} is better than {other}, decided by {first}{rest}{more}"
 
 
 def _told(cost: ComparedCost, case: int, units: UnitSystem) -> str:
-    """The cost of the better case against the other's, with their grades."""
+    """The cost of the better case (by chance: the first case) against the other's, with their grades."""
     size, unit = units.in_unit(cost.unit)
-    order = (0, case + 1) if cost.better[case] == "A" else (case + 1, 0)
+    order = (0, case + 1) if cost.better[case] in {"A", CHANCE} else (case + 1, 0)
     mine, other = (
         f"{size * float(np.mean(cost.values[k])):.3g}{f' ({Grade(cost.grades[k]).word})' if cost.grades else ''}"
         for k in order

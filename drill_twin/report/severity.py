@@ -201,3 +201,34 @@ class Motion(NamedTuple):
     def text(self, problem: str) -> str:
         """Grade and the quantity that decides it, such as `medium: lateral acceleration 2.6 g rms at mark_2`."""
         return told(self.worst(problem), units_of(self.summary))
+
+
+LEFT = 0.5
+"""Share of the run's deciding quantity above which a repeat still moves as the run does; chosen, not measured. What
+unbalance forces is proportional to the unbalance: of a cause almost nothing is left."""
+BACKWARD = tuple(
+    one.value for one in (MotionState.BACKWARD_WHIRL, MotionState.ROLLING, MotionState.CREEPING, MotionState.IMPACTS)
+)
+FORWARD = (MotionState.FORWARD_WHIRL.value, MotionState.SYNCHRONOUS_WHIRL.value)
+
+
+def cured(problem: str, run: Motion, found: Motion, growth: float | None, *, less: bool) -> bool:
+    """True where a repeat does not have a problem of a run.
+
+    Args:
+        problem: Of `PROBLEMS`.
+        run: Motion of the run.
+        found: Motion of the repeat.
+        growth: Of the repeat's fastest lateral mode [1/s]; None where it is not known.
+        less: A set-point is lowered: then the grade alone decides, where it has fallen.
+    """
+    falls = run.grade(problem) > Grade.LOW >= found.grade(problem)
+    half = not found.size(problem) > LEFT * run.size(problem)  # NaN: not known
+    if problem != WHIRL:
+        return falls and found.worst(problem) is not None and (less or half)
+    if not found.whirls:
+        return half and not (growth is not None and growth > 0.0)
+    if found.summary["whirl_end_s"] is not None and run.summary["whirl_end_s"] is None:
+        return True
+    was, is_now = run.summary["lasting_motion"], found.summary["lasting_motion"]
+    return (falls and (less or (half and was != is_now))) or (half and was in BACKWARD and is_now in FORWARD)

@@ -85,11 +85,11 @@ def contact(name: str, place: float, force: float, build: float = math.nan) -> S
     return SimpleNamespace(name=name, distance_from_bit=place, force=force, build=build)
 
 
-def assembly(result: dt.Result, *blades: SimpleNamespace, build: float = math.nan) -> Case:
+def assembly(result: dt.Result, *blades: SimpleNamespace, build: float = math.nan, margin: float = 3.0) -> Case:
     """A case with blades at places, forces [N], and a signed side force at the bit."""
     loads = SimpleNamespace(
         operation=SimpleNamespace(name="drill"), hookload=1e5, surface_torque=1e3, neutral_point=9.0,
-        margins=(2.0, 2.0), yield_margin=3.0, make_up_margin=3.0,
+        margins=(2.0, 2.0), yield_margin=3.0, make_up_margin=margin,
         contacts=(contact("bit", 0.0, abs(build), build), *blades),
     )  # fmt: skip
     return Case("case", result, loads)
@@ -127,16 +127,26 @@ def test_the_side_force_at_the_bit_has_a_sign() -> None:
 )
 def test_a_difference_below_what_matters_is_none(values: tuple[float, ...], differs: bool) -> None:
     """0.0428 against 0.0464 g is significant, and matters to nobody."""
-    least = matters("axial acceleration, rms", Case("one", dt.Simulation("pa6_bench").run(duration=0.1), None))
+    least, _ = matters("axial acceleration, rms", Case("one", dt.Simulation("pa6_bench").run(duration=0.1), None))
     assert least == pytest.approx(0.125 * 9.80665)
     assert ComparedQuantity("axial acceleration, rms", "m/s^2", values, least).differs(0.05) is differs
 
 
+@pytest.mark.parametrize(("values", "differs"), [((22.5, 16.5), False), ((2.5, 1.6), True), ((1.6, 1.55), False)])
+def test_a_margin_matters_near_its_limit_only(values: tuple[float, ...], differs: bool) -> None:
+    result = dt.Simulation("pa6_bench").run(duration=0.1)
+    cases = [assembly(result, contact("stabiliser", 0.5, 3e3), margin=margin) for margin in values]
+    row = next(row for row in quantities(cases) if row.name.endswith("make-up margin"))
+    assert row.differs(0.01) is differs
+    again = [replace(case) for case in cases]
+    ranked = {cost.name: cost.better for cost in costs([cases, again], 0.01)}
+    assert ranked["make-up margin"] == (("A",) if differs else ("",))
+
+
 def test_bounds_of_the_scene_say_what_matters() -> None:
     own = {"severity.source": "a bench", "severity.axial_rms": [0.1, 0.2, 0.3, 0.4]}
-    assert matters("axial acceleration, rms", Case("one", dt.Simulation("pa6_bench", own).run(duration=0.1), None)) == (
-        pytest.approx(0.025)
-    )
+    case = Case("one", dt.Simulation("pa6_bench", own).run(duration=0.1), None)
+    assert matters("axial acceleration, rms", case)[0] == pytest.approx(0.025)
 
 
 def test_runs_whose_set_points_still_move_are_prolonged_or_refused() -> None:
