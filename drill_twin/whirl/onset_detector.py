@@ -133,6 +133,8 @@ class OnsetDetector:
         position = complex(separation.offset[mark]), complex(separation.synchronous[mark])
         valid_from = self._valid_from[mark]
         candidate = int(onsets.bin[mark]), begun, float(onsets.noise[mark])
+        if early and elapsed < criteria.SIDE_WINDOW and swept.in_hole < math.pi:
+            return None  # a swing along the wall sweeps as much
         if self._whirls(swept, mark, since):
             return _Displacement(*candidate, *position, valid_from)
         if elapsed > criteria.SWEEP_WINDOW and onsets.plane[mark]:
