@@ -15,10 +15,10 @@ from drill_twin.whirl.columns import Columns
 from drill_twin.whirl.history import ASYNCHRONOUS, SYNCHRONOUS, newest, newest_in
 from drill_twin.whirl.onset.asynchronous_onset import INTERVAL, is_converged, update_candidate, width_for
 from drill_twin.whirl.onset.plane_swing import swing_radius, to_and_fro
+from drill_twin.whirl.onset.swept_angle import SweptAngle
 from drill_twin.whirl.onset.threshold_crossing import (
     Crossing,
     Detection,
-    SweptAngle,
     asynchronous_crossing,
     steady_position,
 )
