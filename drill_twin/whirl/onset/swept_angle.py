@@ -2,8 +2,8 @@
 """Angle swept by a vector, by which a whirl is told from a string that is displaced or swings.
 
 Two measures must agree. The change of the mean angle, averaged over half a revolution at either end, is insensitive to
-noise; the swept area, sum Im(conj(v_i) v_i+1) over the mean of |v|^2, is zero for a string that swings in a plane, whose angle jumps by pi
-with each passage of the centre.
+noise; the swept area, sum Im(conj(v_i) v_i+1) over the mean of |v|^2, is zero for a string that swings in a plane,
+whose angle jumps by pi with each passage of the centre.
 """
 
 from __future__ import annotations
