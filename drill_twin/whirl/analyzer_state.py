@@ -33,6 +33,8 @@ from drill_twin.whirl.sample_bins import (
 
 LARGEST_RADIUS = 3.0
 """Largest plausible radius of a mark over its clearance; beyond is an error of measurement. Chosen, not measured."""
+BLIND = 0.125
+"""Rotation without any mark seen after which a sample tells so [rev], and is no longer skipped: twice a bin."""
 BLOCK = 256
 """Most samples in a block, which bound its memory; chosen, not measured."""
 
@@ -148,6 +150,8 @@ def take_sample(
         seen[k] = samples.distance[k] <= samples.plausible[k]
         any_seen = any_seen or seen[k]
     known = has_spin or math.isfinite(top_speed)
+    if not any_seen and samples.accepted[0] > 0 and math.isfinite(top_speed):
+        any_seen = (stamp - clock.last[0]) * 1e-9 * abs(top_speed) > BLIND * math.tau  # no mark for long: to be told
     if has_spin != (separation.spin_given[0] != 0) or not known or not any_seen:
         samples.incomplete[0] += 1
         return SKIPPED
@@ -175,10 +179,12 @@ def add_sample(
         _find_distance(samples, separation)
     add(bins, clock, samples.position, samples.phasor, seen, block.force[at], block.has_force[0])
     follow(carrier, separation, seconds_of(clock), samples.position, samples.phasor, seen)
-    samples.accepted[0] += 1
+    any_seen = seen.any()
+    counted = samples.accepted if any_seen else samples.incomplete
+    counted[0] += 1
     for k in range(seen.size):
         if not seen[k]:
-            samples.missing[0] += 1
+            samples.missing[0] += any_seen
             distance[k] = math.nan
         if separation.known[0]:
             samples.radius[k] = distance[k]

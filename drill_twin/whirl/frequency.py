@@ -17,6 +17,7 @@ import numpy as np
 from scipy import special
 
 from drill_twin.core.arrays import Array
+from drill_twin.whirl import criteria
 from drill_twin.whirl.columns import Columns
 from drill_twin.whirl.criteria import MotionState
 from drill_twin.whirl.findings import MotionPeriod
@@ -26,6 +27,9 @@ WINDOWS, FEWEST, SHORTEST = 8, 5, 3.0
 """Windows of a settled stretch, the fewest that tell a trend, and the shortest [rev]: of 12 or 16 windows fewer
 intervals hold; chosen. With windows of two revolutions `pa6_bench` seemed settled after 15 s, in the midst of a
 change."""
+FEWEST_TURNS = 2.0
+"""Least rotation with a frequency [rev], and least turns of a whirl that lasts for less than two windows; so short a
+whirl has none while its centre is not known (`criteria.SEPARATION_MEMORY`): of 1 s of rolling it was half; chosen."""
 SHARE, LIKE = 0.95, 0.5
 """Share of the intervals that would hold if windows were independent: with 0.9, eight of ten wandering frequencies are
 held (seeds 2000 to 2199), with 0.95 nine. Largest correlation of neighbours; with 0.4 as many of them hold."""
@@ -74,7 +78,7 @@ def whirl_frequency(
         irregular: Whether the motion that lasts is irregular, and never settled.
 
     Returns:
-        The frequency; None without a precession there.
+        The frequency; None without a precession there, or for too short a time.
     """
     late = (statistics.end > 0.5 * (onset + end) - origin) & (statistics.end <= end - origin)
     power = statistics.power[late].sum(axis=0)
@@ -111,6 +115,10 @@ def _over(statistics: Columns, mark: int, begin: float, end: float, *, irregular
     cells = cells[cells.size % each if cells.size > each else 0 :]
     length, swept, rotated = (one[cells, mark] for one in (statistics.length, statistics.swept, statistics.rotated))
     window = float(statistics.end[cells[0]] - length[0]), float(statistics.end[cells[-1]])
+    early = statistics.first[0] + cells[0] * statistics.width[0] < criteria.SEPARATION_MEMORY
+    short = cells.size < 2 * each and (early or abs(swept.sum()) < FEWEST_TURNS)
+    if short or not rotated.sum() >= FEWEST_TURNS:
+        return None
     hz, ratio = float(swept.sum() / length.sum()), float(swept.sum() / rotated.sum())
     share = float(statistics.left[cells, mark].sum() / statistics.power[cells, mark].sum())
     found = WhirlFrequency(mark, hz, ratio, window, share)

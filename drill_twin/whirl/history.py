@@ -44,6 +44,7 @@ def new_history(m: int) -> Columns:
         unwrapped=np.zeros((2 * CAPACITY, 2, m)),  # angle of the asynchronous and of the moving part [rad]
         contact=np.zeros((2 * CAPACITY, m)),  # share of the bin in contact with the wall
         seen=np.zeros((2 * CAPACITY, m), bool),
+        last_seen=np.zeros(1),  # revolutions at the last bin in which a mark was seen [rev]
         appended=np.zeros(1, np.int64),  # bins in total
         length=np.zeros(1, np.int64),  # bins since the last gap, at most `CAPACITY`
         angle_now=np.zeros((2, m)),  # work: unwrapped angle of the newest bin
@@ -94,6 +95,7 @@ def append(history: Columns, full: Columns, vector: ComplexArray, contact: Array
     if appended:
         elapsed = full.time[0] - history.time[last]
         gap = full.revolutions[0] - history.revolutions[last] > LARGEST_STEP or elapsed > LONGEST_PAUSE
+        gap = gap or (full.valid.any() and full.revolutions[0] - history.last_seen[0] > LARGEST_STEP)
     for row in range(2):
         for k in range(contact.size):
             step, before, expected = vector[row, k], history.vector[last, row, k], 0.0
@@ -117,6 +119,8 @@ def append(history: Columns, full: Columns, vector: ComplexArray, contact: Array
                 history.vector[at, row, k] = vector[row, k]
             for row in range(2):
                 history.unwrapped[at, row, k] = angle[row, k]
+    if full.valid.any():
+        history.last_seen[0] = full.revolutions[0]
     history.appended[0] += 1
     history.length[0] = 1 if gap else min(history.length[0] + 1, CAPACITY)
     return bool(gap)

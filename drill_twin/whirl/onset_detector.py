@@ -15,10 +15,10 @@ from drill_twin.whirl.columns import Columns
 from drill_twin.whirl.history import ASYNCHRONOUS, SYNCHRONOUS, newest, newest_in
 from drill_twin.whirl.onset.asynchronous_onset import INTERVAL, is_converged, update_candidate, width_for
 from drill_twin.whirl.onset.plane_swing import swing_radius, to_and_fro
+from drill_twin.whirl.onset.swept_angle import SweptAngle
 from drill_twin.whirl.onset.threshold_crossing import (
     Crossing,
     Detection,
-    SweptAngle,
     asynchronous_crossing,
     steady_position,
 )
@@ -133,6 +133,8 @@ class OnsetDetector:
         position = complex(separation.offset[mark]), complex(separation.synchronous[mark])
         valid_from = self._valid_from[mark]
         candidate = int(onsets.bin[mark]), begun, float(onsets.noise[mark])
+        if early and elapsed < criteria.SIDE_WINDOW and swept.in_hole < math.pi:
+            return None  # a swing along the wall sweeps as much
         if self._whirls(swept, mark, since):
             return _Displacement(*candidate, *position, valid_from)
         if elapsed > criteria.SWEEP_WINDOW and onsets.plane[mark]:

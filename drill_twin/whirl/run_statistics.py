@@ -11,7 +11,7 @@ import math
 
 import numpy as np
 
-from drill_twin.core.arrays import Mask
+from drill_twin.core.arrays import Array, Mask
 from drill_twin.core.compile.jit import strict_kernel
 from drill_twin.whirl import criteria
 from drill_twin.whirl.columns import Columns, columns
@@ -20,6 +20,9 @@ from drill_twin.whirl.sample_bins import BINS
 
 CELLS = 256
 """Cells of the whirl; it takes 128 or more once they have a second revolution. Chosen, not measured."""
+
+EQUAL = 0.9
+"""Least size of the second line over the first at which neither is the stronger; chosen."""
 
 
 def new_statistics(m: int) -> Columns:
@@ -67,8 +70,13 @@ def _halve(statistics: Columns) -> None:
 
 
 @strict_kernel
-def _add_whirl(statistics: Columns, orbit: Columns, whirling: Mask, full: Columns, history: Columns) -> None:
-    """Add what the marks swept since the last estimate; a mark without a precession adds nothing."""
+def _add_whirl(
+    statistics: Columns, orbit: Columns, whirling: Mask, full: Columns, history: Columns, lines: Array
+) -> None:
+    """Add what the marks swept since the last estimate; a mark without a precession, or with two equal, adds nothing.
+
+    The phase of two lines of like size follows neither: the rate of the stronger tells what it swept.
+    """
     while full.revolutions[0] - statistics.first[0] >= CELLS * statistics.width[0]:
         _halve(statistics)
     cell, last = int((full.revolutions[0] - statistics.first[0]) / statistics.width[0]), end_of(history) - 1
@@ -77,7 +85,11 @@ def _add_whirl(statistics: Columns, orbit: Columns, whirling: Mask, full: Column
     for k in range(whirling.size):
         row = 0 if whirling[k] else 1
         swept = history.unwrapped[last, row, k] - statistics.unwrapped[row, k]
-        if math.isfinite(orbit.ratio[k]) and math.isfinite(swept):
+        second = lines[k, 1, 1] / lines[k, 0, 1] if row == 0 and lines[k, 0, 1] > 0.0 else 0.0
+        two = second > 0.5 and orbit.left[k] < criteria.LEFT
+        if two:
+            swept = lines[k, 0, 0] * seconds
+        if math.isfinite(orbit.ratio[k]) and math.isfinite(swept) and not (two and second > EQUAL):
             statistics.length[cell, k] += seconds
             statistics.swept[cell, k] += (-swept if orbit.rotation[0] < 0.0 else swept) / math.tau
             statistics.rotated[cell, k] += abs(turned) / math.tau
@@ -87,7 +99,7 @@ def _add_whirl(statistics: Columns, orbit: Columns, whirling: Mask, full: Column
 
 
 @strict_kernel
-def add_bin(statistics: Columns, orbit: Columns, whirling: Mask, full: Columns, history: Columns) -> None:
+def add_bin(statistics: Columns, orbit: Columns, whirling: Mask, full: Columns, history: Columns, lines: Array) -> None:
     """Add a bin.
 
     Args:
@@ -96,6 +108,7 @@ def add_bin(statistics: Columns, orbit: Columns, whirling: Mask, full: Columns, 
         whirling: Marks in asynchronous whirl, shape (m,).
         full: The bin.
         history: The last revolutions.
+        lines: Rate [rad/s] and radius [m] of the two lines of each mark, the stronger first, shape (m, 2, 2).
     """
     begun, statistics.begun[0] = statistics.begun[0], True
     seconds, angle = full.time[0] - statistics.last_time[0], full.angle[0] - statistics.last_angle[0]
@@ -119,7 +132,7 @@ def add_bin(statistics: Columns, orbit: Columns, whirling: Mask, full: Columns, 
     if not statistics.estimated[0]:
         return
     if statistics.whirled[0]:
-        _add_whirl(statistics, orbit, whirling, full, history)
+        _add_whirl(statistics, orbit, whirling, full, history, lines)
     statistics.last_estimate[0], statistics.estimated_angle[0] = full.time[0], full.angle[0]
     for row in range(2):
         for k in range(whirling.size):

@@ -199,9 +199,9 @@ def close(bins: Columns, full: Columns) -> None:
     bins.time[0] = bins.angle[0] = bins.revolutions[0] = 0.0
     for k in range(full.valid.size):
         found = n - bins.missed[k]
-        full.position[k] = bins.position[k] / max(found, 1.0)
-        full.phasor[k] = bins.phasor[k] / max(found, 1.0)
         full.valid[k] = found > 0.0
+        if found > 0.0:  # else the last is kept
+            full.position[k], full.phasor[k] = bins.position[k] / found, bins.phasor[k] / found
         full.contact[k] = bins.touching[k] / forces if forces else 0.0
         bins.position[k] = bins.phasor[k] = bins.missed[k] = bins.touching[k] = 0.0
     bins.samples[0] = bins.forces[0] = 0

@@ -68,11 +68,15 @@ def summarise(
         mean_frequency_hz=whirl.hz if whirl else None,
         mean_ratio=whirl.ratio if whirl else None,
         irregular_share=whirl.irregular_share if whirl else None,
-        notes=_notes(quality, timelines[-1].dropped, decisions.rolling_ratio, unseen),
+        notes=_notes(
+            quality, timelines[-1].dropped, decisions.rolling_ratio, unseen, unknown=onset is not None and whirl is None
+        ),
     )
 
 
-def _notes(quality: Quality, dropped: int, rolling_ratio: float, unseen: list[str]) -> tuple[str, ...]:
+def _notes(
+    quality: Quality, dropped: int, rolling_ratio: float, unseen: list[str], *, unknown: bool
+) -> tuple[str, ...]:
     """Limits of the findings, as sentences."""
     notes = []
     rate, fewest = quality.samples_per_revolution, criteria.FEWEST_SAMPLES
@@ -98,6 +102,10 @@ def _notes(quality: Quality, dropped: int, rolling_ratio: float, unseen: list[st
         notes.append(f"{quality.gaps} gaps of more than 3/4 of a revolution")
     if unseen and quality.accepted:
         notes.append(f"never seen: {', '.join(unseen)}")
+    if unknown and rate >= fewest:
+        notes.append(
+            "no whirl frequency: the whirl lasts for too few revolutions, or has two lines of nearly equal size"
+        )
     if dropped:
         notes.append(f"{dropped} later changes of the string's motion are not listed")
     return tuple(notes)

@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 from kinematics import MARKS, TURN, clock, motion, play
 
+from drill_twin import analyze
 from drill_twin.report.text import findings
 from drill_twin.whirl.spectrum import lines_of
 
@@ -144,3 +145,28 @@ def test_transient_is_told_as_such():
 def test_spiral_names_the_states_of_its_marks():
     rows = dict(findings({**SUMMARY, "lasting_motion": "spiral", "whirl_frequency_hz": 1.0}))
     assert rows["motion that lasts"] == "spiral, the shape of the string (its marks at the end: forward whirl)"
+
+
+def in_hole(seconds, *lines):
+    """Findings of a sum of lines [Hz, over the clearance] in a hole of 54 mm, rotated at 120 rpm."""
+    time = np.arange(0.0, seconds, 0.01)
+    noise = 2e-4 * np.random.default_rng(11).normal(size=(2, time.size))
+    z = sum(0.054 * size * np.exp(2j * np.pi * pace * time) for pace, size in lines)
+    found = analyze(time, z.real + noise[0], z.imag + noise[1], rotation=4.0 * np.pi, clearance=0.054, radius=0.1016)
+    return found.summary
+
+
+@pytest.mark.parametrize("seconds", [1.0, 2.0])
+def test_frequency_of_too_short_a_whirl_is_not_told(seconds):
+    """Half of the pace was told of one second of rolling."""
+    summary = in_hole(seconds, (-3.76, 1.0))
+    assert summary.onset is not None
+    assert summary.whirl_frequency_hz is None
+    assert any("too few revolutions" in note for note in summary.notes)
+
+
+@pytest.mark.parametrize(("second", "hz"), [(0.4, None), (0.33, -2.4), (0.2, -2.4)])
+def test_two_whirls_have_the_frequency_of_the_stronger_or_none(second, hz):
+    """The mean phase of two equal lines is no motion's: +1.2 Hz was told of -2.4 and +1.4 Hz."""
+    found = in_hole(40.0, (-2.4, 0.4), (1.4, second)).whirl_frequency_hz
+    assert found == (hz and pytest.approx(hz, abs=0.01))

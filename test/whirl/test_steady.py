@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 from kinematics import BENCH, MARKS, clock, motion, play, turning
 
+from drill_twin import analyze
 from drill_twin.whirl import Analyzer, MarkInfo, MotionState
 
 
@@ -110,3 +111,17 @@ def test_string_that_bounces_on_the_low_side_from_the_start():
     roll = np.exp(0.15j * np.sin(2.0 * np.pi * 0.9 * time) * np.exp(-time / 3.0))
     lean = (1.0 - np.exp(-time / 0.1)) * (1.0 - bounce) * roll
     assert_no_whirl(motion(time, bow=0.02, offset=lean[:, None]).with_noise(0.005, seed=9))
+
+
+@pytest.mark.parametrize("begin", [0.0, 5.0])
+@pytest.mark.parametrize(("reach", "pace"), [(45.0, 0.4), (63.0, 0.9), (86.0, 1.3)])
+def test_string_that_swings_along_the_wall_does_not_whirl(begin, reach, pace):
+    """Of a hole that is not known to be inclined; from the first sample, or growing over ten seconds."""
+    time = np.arange(0.0, 30.0, 0.01)
+    grown = np.clip((time - begin) / 10.0, 0.0, 1.0) if begin else 1.0
+    angle = -0.5 * np.pi + np.radians(reach) * grown * np.sin(2.0 * np.pi * pace * time)
+    noise = 2e-4 * np.random.default_rng(1).normal(size=(2, time.size))
+    x, y = 0.054 * np.array([np.cos(angle), np.sin(angle)]) + noise
+    found = analyze(time, x, y, rotation=4.0 * np.pi, clearance=0.054, radius=0.1016)
+    assert found.onset_s is None
+    assert found.summary.motion[-1].state is MotionState.PLANE_SWING

@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 from kinematics import MARKS, clock, growth, motion, play
 
-from drill_twin.whirl import Analyzer, Findings
+from drill_twin import analyze
+from drill_twin.whirl import Analyzer, Findings, MotionState
 
 
 def moved_marks(rate=100, seconds=14.0, **how):
@@ -200,3 +201,15 @@ def test_reset_forgets():
     assert analyzer.summary().quality.accepted == 0
     _, again = play(moved, analyzer)
     assert bits(again[-1]) == bits(found[-1])
+
+
+@pytest.mark.parametrize("end", [14.0, 40.0])
+def test_time_without_a_mark_is_not_observable_from_its_begin(end):
+    time = np.arange(0.0, 40.0, 0.01)
+    z = np.where((time < 10.0) | (time >= end), 0.054 * np.exp(-7.52j * np.pi * time), np.nan)
+    found = analyze(time, z.real, z.imag, rotation=4.0 * np.pi, clearance=0.054, radius=0.1016).summary
+    hidden = [period for period in found.motion if period.state is MotionState.NOT_OBSERVABLE]
+    assert [period.start_s for period in hidden] == [pytest.approx(10.0, abs=0.1)]
+    after = found.motion[found.motion.index(hidden[0]) + 1 :]
+    assert [round(period.start_s) for period in after] == ([14] if end < 40.0 else [])
+    assert found.whirl_frequency_hz == pytest.approx(-3.76, abs=0.01)

@@ -6,7 +6,7 @@ import math
 import numpy as np
 import pytest
 
-from drill_twin.whirl.onset.threshold_crossing import SweptAngle
+from drill_twin.whirl.onset.swept_angle import SweptAngle
 
 BINS = np.arange(6 * 16)
 ROTATION = 2.0 * np.pi * BINS / 16.0

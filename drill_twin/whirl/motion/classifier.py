@@ -179,6 +179,9 @@ def classify(
     hysteresis.estimate[m] = _of_string(motion, hysteresis.estimate[reference])
     for subject in range(m + 1):
         hysteresis.start[subject] = _start(motion, subject, orbit.lag[0], time)
+        mark = motion.mark[subject]
+        if hysteresis.estimate[subject] == HIDDEN and not orbit.seen[mark] and orbit.last_seen[mark] < time:
+            hysteresis.start[subject] = orbit.last_seen[mark]
     any_event = update_states(hysteresis, orbit.lag[0], time, revolutions)
     for subject in range(m + 1):
         if hysteresis.event[subject] == CHANGED and is_whirl(hysteresis.held[subject]):

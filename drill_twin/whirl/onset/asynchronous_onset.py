@@ -44,6 +44,8 @@ GAIN = 20.0
 """Power gain of a third difference on white noise: the sum of the squares of its weights, 1 + 9 + 9 + 1."""
 MEMORY = 64
 """Memory of the noise [bins], four revolutions; chosen, not measured."""
+UNSURE = math.sqrt(2.0 * criteria.FALSE_ALARM_FACTOR / math.sqrt(MEMORY))
+"""Radius of a swing, over the noise, that the power of noise alone reaches: of n bins it scatters by 1 / sqrt(n)."""
 OUTLIER = 16.0
 """Largest power of a single difference, over the present estimate: four standard deviations; chosen, not measured."""
 
@@ -225,7 +227,7 @@ def ends(
         if landed and onsets.plane[k]:
             swing = swing_radius(history, arm[k], k, bins, 0) / averaged.clearance[k]
             swing = math.sqrt(max(swing * swing - 2.0 * noise * noise, 0.0))
-            if swing > criteria.RELEASE_RADIUS:
+            if swing > max(criteria.RELEASE_RADIUS, noise * UNSURE):
                 onsets.swing[k] = swing
     if not onsets.active.any():
         return False

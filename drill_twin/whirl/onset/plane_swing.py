@@ -10,7 +10,9 @@ long, where it also
 * keeps to the low side of an inclined hole, or
 * lies along one line: |sum z^2| / sum |z|^2 is 0 for a circle and (p^2 - q^2) / (p^2 + q^2) for an ellipse, 0.87 for
   the ellipse of that width. Motion without order has a small rotary coefficient too, and no direction. The drift counts
-  here: a buckled string that vibrates in a plane, and turns slowly, whirls.
+  here: a buckled string that vibrates in a plane, and turns slowly, whirls; or
+* lies along an arc about the hole's axis, and comes back: its radius varies as little as the width of that ellipse, its
+  angle makes no full turn and passes the middle of its range at least twice.
 
 A swing as fast as the rotation loses its forward half to the part that turns with the string, and looks like a backward
 circle: the motion is judged with that part as well. A whirl at -1 of the rotation beside a bow of its own size is the
@@ -51,6 +53,31 @@ def keeps_to_low_side(history: Columns, arm: complex, k: int, bins: int) -> bool
         if not centre.real * mean.real + centre.imag * mean.imag > 0.0:
             return False
     return mean.real > 0.0
+
+
+@strict_kernel
+def _along_arc(history: Columns, arm: complex, k: int, bins: int) -> bool:
+    """Check that mark k has moved to and fro along an arc about the hole's axis."""
+    end, low, high, angle = end_of(history), 0.0, 0.0, 0.0
+    first = before = _centre(history, arm, k, end - bins)
+    mean, radius, power = 0j, 0.0, 0.0
+    for i in range(end - bins, end):
+        centre = _centre(history, arm, k, i)
+        step, before = centre * before.conjugate(), centre
+        angle += math.atan2(step.imag, step.real)
+        low, high = min(low, angle), max(high, angle)
+        mean, radius, power = mean + centre / bins, radius + abs(centre) / bins, power + abs(centre - first) ** 2 / bins
+    across, side, passages, angle, before = 0.0, 0.0, 0, 0.0, first
+    for i in range(end - bins, end):
+        centre = _centre(history, arm, k, i)
+        across += (abs(centre) - radius) ** 2 / bins
+        step, before = centre * before.conjugate(), centre
+        angle += math.atan2(step.imag, step.real)
+        beyond = angle - 0.5 * (low + high)
+        if abs(beyond) > 0.25 * (high - low) and beyond * side <= 0.0:
+            passages, side = passages + 1, beyond
+    there_and_back = passages > 2 and high - low < math.tau
+    return there_and_back and across < 0.5 * (1.0 - LINE) * (power - abs(mean - first) ** 2)
 
 
 @strict_kernel
@@ -105,13 +132,14 @@ def swings(history: Columns, arm: complex, k: int, noise: float, low_side: bool,
         arm: From the centre line to the marked point [m].
         k: Index of the mark.
         noise: Of a bin per axis [m].
-        low_side: Whether the mark keeps to the low side of an inclined hole.
+        low_side: Whether the mark keeps to the low side of an inclined hole; along an arc it need not.
         rest: Work, of even size.
     """
     bins = rest.size
     if bins < FEWEST:
         return False
     first = end_of(history) - bins
+    low_side = low_side or _along_arc(history, arm, k, bins)
     middle, offset, drift, synchronous = _fit(history, arm, k, first, first + bins)
     for kept in range(2):  # without and with the part that turns with the string
         mean, squares, power, moved = 0j, 0j, 0.0, 0.0

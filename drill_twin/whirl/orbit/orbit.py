@@ -60,6 +60,7 @@ def new_orbit(clearance: Array) -> Columns:
         contact=0.0,  # share of the window in contact with the wall
         strikes=0.0,  # contacts in a revolution after the centre line was nearer to the axis than `criteria.AWAY`
         seen=True,  # marks seen in at least half of the bins of the last revolution
+        last_seen=0.0,  # time of the last bin in which the mark was seen, since the first sample [s]
         left=0.0,  # share of the asynchronous power in neither of its two strongest lines; 0 without such a whirl
         precession=math.nan,  # [rev/s], positive = forward
         ratio=math.nan,  # whirl ratio
@@ -108,6 +109,8 @@ def fit_orbit(orbit: Columns, history: Columns, noise: Array, arm: ComplexArray)
             )
             synchronous += history.vector[i, SYNCHRONOUS, k]
             seen += i >= end - last and history.seen[i, k]
+            if history.seen[i, k]:
+                orbit.last_seen[k] = history.time[i]
         orbit.contact[k] = contact / n
         orbit.strikes[k] = strikes / max(span, SHORTEST_WINDOW)
         orbit.seen[k] = 2 * seen >= last
