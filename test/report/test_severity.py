@@ -42,7 +42,7 @@ def test_a_quantity_has_the_grade_of_the_highest_bound_that_it_reaches(quantity,
     [("lateral_rms", 2.6 * GRAVITY, "lab", "medium: lateral acceleration 2.6 g rms at mark_2"),
      ("lateral_peak", 104.0 * GRAVITY, "si", "severe: lateral acceleration 104 g peak at mark_2"),
      ("bending_stress", 20e3 * 6894.757, "field", "medium: bending stress 20 ksi at mark_2"),
-     ("stick_slip", 1.234, "si", "severe: stick-slip index 1.2 at mark_2")],
+     ("stick_slip", 1.234, "si", "severe: stick-slip index 1.23 at mark_2")],
 )  # fmt: skip
 def test_severity_is_told_with_what_decided_it(quantity, value, units, text):
     found = Severity(grade(quantity, value), quantity, value, "mark_2")
@@ -89,7 +89,17 @@ def test_of_few_samples_in_a_revolution_no_acceleration_is_told(known_bag, write
     sparse = [row for k, row in enumerate(messages) if k == 0 or row[1] % 160_000_000 == 0]  # 3.1 in a revolution
     found = severity(read_recording(write(sparse)))
     assert found["acceleration"] == {}
-    assert "lateral_rms" not in found["severity_by_quantity"]
+    for name in ("lateral_rms", "axial_peak"):
+        row = found["severity_by_quantity"][name]
+        assert (row["grade"], row["value"]) == (None, None)
+        assert row["why"].endswith("samples in a revolution, 4 are needed")
+    summary = summarise(read_recording(write(sparse, "again")))
+    assert summary["severity"]["word"] == "none"
+    assert re.fullmatch(
+        r"none of what is known: stick-slip index \S+; lateral acceleration unknown \([\d.]+ samples in a rev.*\)",
+        told(summary["severity"], SYSTEMS["si"]),
+    )
+    assert "lateral acceleration rms, lateral acceleration peak, axial" in dict(severity_rows(summary))["unknown"]
 
 
 def test_acceleration_is_taken_between_even_steps_only():
