@@ -119,7 +119,7 @@ def whose_bounds(source: str | None, units: str) -> str:
 
 
 def value_text(quantity: str, value: float | None, units: UnitSystem) -> str:
-    """Value in SI as text in the reader's unit, two digits or all before the point, three of an index; "unknown" for None."""
+    """Value in SI as text in the reader's unit, two digits or all before the point; an index has three."""
     if value is None:
         return "unknown"
     shown = QUANTITIES.get(UNITS[quantity])

@@ -52,7 +52,8 @@ def answers(summary: Summary) -> Iterator[Row]:
     part = "" if seen >= _MOST * total else f" in the {seen:.0f} of {total:.0f} s with torque at steady rotation"
     by, sure = "torque and string", "likely" if spans else "no"
     if most is not None:
-        by, part, sure = "the speed of the bit", "", "yes" if spans else "no"
+        by, part = "the speed of the bit", ""
+        sure = "yes" if spans else "no" if most < MODERATE else "no, but the bit swings"
     elif index is None:
         more = ("", " has too few samples")["bit speed" in found["channels"]]
         by = f"the torque; the speed of the bit{more or ', or the string (--scene), tells more'}"

@@ -18,7 +18,7 @@ from drill_twin.report.recording import Recording
 from drill_twin.report.string_forces import fibre_stress, force_on_joint
 from drill_twin.whirl import BitMotion, MotionState
 from drill_twin.whirl.criteria import FEWEST_SAMPLES
-from drill_twin.whirl.motion.stick_slip_index import TIME_BASE
+from drill_twin.whirl.motion.stick_slip_index import FULL, TIME_BASE
 from drill_twin.whirl.severity import accelerations, sizes, torsion_grade, turns_backwards
 
 STEEL = (150e9, 230e9)
@@ -37,7 +37,7 @@ def severity(bag: Recording) -> dict[str, Any]:
       section, with its `distance_from_bit_m`) and `grade`; `why` is not empty where the grade is None, since bounds of
       this program do not hold there (wall force on collars, stress of another material than steel), or where something
       else than the value decides. An acceleration that is not known has neither value nor grade, and says why.
-    * `severity_source`: source of the bounds that the scene gives; None where none is given.
+    * `severity_source`: source of the bounds that the scene gives, and of which; None where none is given.
     * `acceleration`: by mark `lateral_rms_m_s2`, `lateral_peak_m_s2`, `axial_rms_m_s2`, `axial_peak_m_s2`; of the
       centre line, without gravity, from positions at the rate `acceleration_rate_hz`: a shock shorter than two samples
       is not in them. Empty with too few samples in a revolution (`whirl.criteria.FEWEST_SAMPLES`).
@@ -74,7 +74,7 @@ def severity(bag: Recording) -> dict[str, Any]:
     return {
         "severity": worst_row(rows, bounds),
         "severity_by_quantity": rows,
-        "severity_source": own and own.source,
+        "severity_source": own and own.whose,
         "acceleration_rate_hz": rate,
         "acceleration": found,
         "wear_power_w": wear,
@@ -136,6 +136,9 @@ def _torsion(bag: Recording, bounds: Bounds) -> dict[str, Any] | None:
         return None
     why = motion.value if motion in {BitMotion.AT_REST, BitMotion.STANDS, BitMotion.DECAYING} else ""
     why = "the bit turns backwards" if backwards and found is Grade.SEVERE else why
+    if never_stuck(bag) and not backwards:
+        below = grade("stick_slip", math.nextafter(FULL, 0.0), bounds)
+        found, why = min(found, found if below is None else below), "an upper estimate: the bit never stuck"
     none = 0.0 if motion is BitMotion.AT_REST else math.inf
     return {
         "grade": found,
@@ -144,6 +147,11 @@ def _torsion(bag: Recording, bounds: Bounds) -> dict[str, Any] | None:
         "why": why,
         "distance_from_bit_m": None,
     }
+
+
+def never_stuck(bag: Recording) -> bool:
+    """Tell whether the index of a record is of stick-slip, but its bit slows and never stands (`report.surface`)."""
+    return not bag.places and bag.summary.bit is BitMotion.STICK_SLIP and not bag.summary.stick_slip
 
 
 def _drilling(bag: Recording) -> dict[str, float | None]:

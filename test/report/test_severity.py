@@ -8,6 +8,8 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+import drill_twin as dt
+from drill_twin.core.errors import SceneError
 from drill_twin.core.severity import DEFAULT, Grade, Severity, grade, told
 from drill_twin.core.units.system import SYSTEMS
 from drill_twin.dynamics.discretisation.resolution import mesh
@@ -73,15 +75,36 @@ def test_bounds_of_the_scene_take_the_place_of_this_programs_and_their_source_is
     assert found["severity"]["quantity"] == "lateral_rms"
     rows = dict(severity_rows(found))
     assert rows["severity"].startswith("medium: lateral acceleration 0.046 g rms at mark_")
-    assert rows["bounds of severity"] == "manual of the tool, table 3"
+    given = "manual of the tool, table 3, for lateral acceleration rms"
+    assert rows["bounds of severity"] == f"{given}; for the others of this program, not of a vendor"
+    assert parse_scene(scene.to_yaml()).severity.whose == scene.severity.whose
+    assert parse_scene(scene.to_yaml()) == scene
     assert rows["bending stress"].endswith(": not graded (its bounds are of steel)")  # PA6, of no bounds here
     assert "not graded" in rows["wall force on 30 ft"]
+
+
+def test_bounds_of_all_quantities_have_the_source_alone():
+    block = {"source": "manual", **{key: list(values) for key, values in DEFAULT._asdict().items()}}
+    assert dt.load_scene("pa6_bench", {"severity": block}).severity.whose == "manual"
+
+
+@pytest.mark.parametrize(
+    ("block", "message"),
+    [({"source": "manual"}, "severity: expected bounds of a quantity beside their source, found none"),
+     ({"source": "", "stick_slip": [1, 2, 3, 4]}, "severity.source: expected text, found none"),
+     ({"source": "x", "stick_slip": [1, 2, 3]}, "severity.stick_slip: expected at least 4 items, found 3"),
+     ({"source": "x", "stick_slip": [1, 2, 3, 4, 5]}, "severity.stick_slip: expected at most 4 items, found 5"),
+     ({"source": "x", "lateral_rms": ["1 g", "2 g", "2 g", "3 g"]}, "found 9.80665, 19.6133, 19.6133, 29.42 m/s^2")],
+)  # fmt: skip
+def test_bounds_that_cannot_be_say_what_was_expected_and_found(block, message):
+    with pytest.raises(SceneError, match=re.escape(message)):
+        dt.load_scene("pa6_bench", {"severity": block})
 
 
 def test_a_page_says_once_whose_the_bounds_are(known_report):
     page = known_report.page.read_text("utf-8")
     assert page.count("not of a vendor") == page.count("for tools of the field, not of a bench") == 1
-    assert "<b>none</b><span>severity: lateral acceleration " in page
+    assert "<b>severity none</b><span>decided by lateral acceleration " in page
     assert "level 0" not in page
 
 
