@@ -28,7 +28,7 @@ LARGEST_SHEAR = 4e-4
 """Shear strain at the top from rotary drag beyond which a note is given [-]: a tenth of that at which steel yields."""
 
 TOLD = 1.05
-"""Processor time of stick-slip, over that of the rest of the motion, from which a note tells it; chosen."""
+"""Processor time of stick-slip, over the time that the rest of the motion takes, from which a note tells it; chosen."""
 FRAMES_IN_ORBIT, STEPS_IN_ORBIT = 2.5, 20.0
 """Frames in an orbit that whirl needs to be seen (`whirl.criteria.NEEDED_IN_ORBIT`), and time steps in which the
 midpoint rule turns it by 0.8 % too little."""
