@@ -80,6 +80,7 @@ def analyze(
     from drill_twin.api.scenes import in_si
     from drill_twin.core.units.dimension import LENGTH
     from drill_twin.io.bag.reader import parse_remappings
+    from drill_twin.io.bag.virtual_bags import RecordBag
     from drill_twin.report.selection import Selection
     from drill_twin.report.summary import summarise
 
@@ -98,6 +99,8 @@ def analyze(
         columns = options.choices(channel, null)
         selection = Selection(chosen, begin, end, names, namespace or None, room, rim, sub or "", run, columns, units)
         recording = _recording(bag, scene, selection)
+        if clearance and isinstance(recording.bag, RecordBag):
+            remark("--clearance: a table's columns of marks are not read; drill_twin.analyze or a bag takes positions")
         summary = summarise(recording)
     if why:
         from drill_twin.api.cause import cause_of

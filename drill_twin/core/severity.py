@@ -108,7 +108,9 @@ def told(entry: Mapping[str, Any] | None, units: UnitSystem) -> str:
     name, _, kind = WORDS[entry["quantity"]].partition(", ")
     value = value_text(entry["quantity"], entry["value"], units)
     decided = " ".join(filter(None, (name, value, kind, entry["place"] and f"at {entry['place']}")))
-    return f"{entry['word']}: {decided}" + (f" ({entry['why']})" if entry.get("why") else "")
+    word = f"{entry['word']}{' of what is known' if entry.get('unknown') else ''}"
+    why = f" ({entry['why']})" if entry.get("why") else ""
+    return "; ".join(filter(None, (f"{word}: {decided}{why}", entry.get("unknown"))))
 
 
 def whose_bounds(source: str | None, units: str) -> str:
@@ -117,12 +119,14 @@ def whose_bounds(source: str | None, units: str) -> str:
 
 
 def value_text(quantity: str, value: float | None, units: UnitSystem) -> str:
-    """Value in SI as text in the reader's unit, two digits or all before the point; "unknown" for None."""
+    """Value in SI as text in the reader's unit, two digits or all before the point; an index has three."""
     if value is None:
         return "unknown"
     shown = QUANTITIES.get(UNITS[quantity])
-    number = float(units.show(value, shown)) if shown else value
-    return f"{number:{'.0f' if abs(number) >= 99.5 else '.2g'}} {getattr(units, shown) if shown else ''}".strip()
+    if not shown:
+        return f"{value:.3g}"
+    number = float(units.show(value, shown))
+    return f"{number:{'.0f' if abs(number) >= 99.5 else '.2g'}} {getattr(units, shown)}"
 
 
 def grade(quantity: str, value: float, bounds: Bounds = DEFAULT) -> Grade | None:
@@ -131,14 +135,19 @@ def grade(quantity: str, value: float, bounds: Bounds = DEFAULT) -> Grade | None
 
 
 def worst_row(rows: Mapping[str, Mapping[str, Any]], bounds: Bounds) -> dict[str, Any] | None:
-    """Entry of the row that decides, with its `why`, of rows of a summary by quantity; None where none is graded."""
+    """Entry of the row that decides, with its `why`, of rows of a summary by quantity; None where none is graded.
+
+    `unknown` says that lateral acceleration is not known, where a row says why.
+    """
     known = [
         Severity(Grade(row["grade"]), quantity, math.inf if row["value"] is None else row["value"], row["place"])
         for quantity, row in rows.items()
         if row["grade"] is not None
     ]
     top = max(known, default=None, key=lambda one: one.order(bounds))
-    return top and {**top.entry, "why": rows[top.quantity].get("why", "")}
+    side = rows.get("lateral_rms", {"grade": 0})
+    unknown = "" if side["grade"] is not None else f"{WORDS['lateral_rms'].partition(',')[0]} unknown ({side['why']})"
+    return top and {**top.entry, "why": rows[top.quantity].get("why", ""), "unknown": unknown}
 
 
 def worst(found: Iterable[tuple[str, float, str]], bounds: Bounds = DEFAULT) -> Severity | None:

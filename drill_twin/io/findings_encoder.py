@@ -14,8 +14,9 @@ from typing import NamedTuple
 import numpy as np
 
 from drill_twin.core.arrays import Array, ComplexArray
-from drill_twin.core.severity import DEFAULT, Bounds, worst
+from drill_twin.core.severity import DEFAULT, Bounds, Grade, worst
 from drill_twin.io.messages.cdr import JointStateTemplate, finite_number
+from drill_twin.io.messages.diagnostics import Level
 from drill_twin.io.messages.stamps import NANOSECONDS, seconds
 from drill_twin.io.messages.topics import FRAME_ID, TWIN_SUMMARY, WHIRL_MOTION, WHIRL_ONSET, WHIRL_STATE
 from drill_twin.io.messages.whirl_encode import (
@@ -70,6 +71,8 @@ class TwinSummary:
         self._marks, self._bounds = [mark.name for mark in marks], bounds or DEFAULT
         self._centres: deque[tuple[int, ComplexArray]] = deque()  # stamps, and centre lines in the last `WINDOW`
         self._backwards = -math.inf  # time at which the bit turned backwards last [s]
+        self.grade: Grade | None = None
+        """Severity of the last message, of what is known of it."""
         self._factor = 0.0  # before the first is told
         self._due = -1
         self._samples: list[RigSample | Array] = []
@@ -116,13 +119,13 @@ class TwinSummary:
         torsion = torsion_grade(motion.bit, motion.bit_index, self._bounds, backwards=backwards)
         found = self._lateral(stamp, motion.string)
         lateral = worst(found, self._bounds)
-        grades = [grade for grade in (torsion, lateral and lateral.grade) if grade is not None]
+        self.grade = max((grade for grade in (torsion, lateral and lateral.grade) if grade is not None), default=None)
         values = (
             *(value if math.isfinite(value) else UNKNOWN for _, value, _ in found),
             MotionCode.of(motion.string),
             StickSlipCode.of(motion.bit),
             motion.bit_index if math.isfinite(motion.bit_index) else 0.0,
-            max(grades, default=UNKNOWN),
+            UNKNOWN if self.grade is None else self.grade,
             UNKNOWN if lateral is None else lateral.grade,
             0.0 if motion.onset is None else max(motion.onset.time_s, 1.0 / NANOSECONDS),
             self._factor,
@@ -187,6 +190,13 @@ class FindingsEncoder:
         self._motion_due = -1
         self.onset_announced = False
         """True once an onset was encoded."""
+
+    @property
+    def severity(self) -> tuple[Level, str]:
+        """Level of the diagnostics, WARN from high on as the dashboard's alarm, and the severity as a word."""
+        grade = self.summary.grade
+        bad = grade is not None and grade >= Grade.HIGH
+        return Level.WARN if bad else Level.OK, "unknown" if grade is None else grade.word
 
     @staticmethod
     def no_onset(stamp: int = 0) -> tuple[str, bytes]:

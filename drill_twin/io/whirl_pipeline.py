@@ -52,7 +52,7 @@ class WhirlPipeline:
     Attributes:
         scene, findings: The scene of the marks and the latest findings; None until there are any.
         malformed: Number of messages that could not be used; `trouble` is the last error, as text.
-        runs, marks: Number of runs so far, and the marks that are analysed.
+        runs, marks, encoder: Number of runs so far, the marks that are analysed, and the encoder of the findings.
         bit_only: Analysis of the bit where the scene or the stream has no marks; else None.
     """
 
@@ -92,7 +92,7 @@ class WhirlPipeline:
         self.bit_only = BitOnlyAnalyzer() if self._without_marks and not sub else None
         self._texts = SceneTexts()
         self._analyzer: Analyzer | SubAnalyzer | None = None
-        self._encoder: FindingsEncoder | None = None
+        self.encoder: FindingsEncoder | None = None
         self._mark_reader = MarkReader(())
         self._pairing = SamplePairing()
         self.marks: tuple[MarkInfo, ...] = ()
@@ -134,7 +134,7 @@ class WhirlPipeline:
 
     def start(self) -> list[Message]:
         """Messages to publish before the first sample, if the scene or the marks were given."""
-        return [] if self._encoder is None else [self._encoder.no_onset()]
+        return [] if self.encoder is None else [self.encoder.no_onset()]
 
     def analyse(self, topic: str, raw: bytes) -> list[Message]:
         """Process one message and return the messages that follow; an error in it is counted, not raised."""
@@ -145,8 +145,8 @@ class WhirlPipeline:
                 return self._on_marks(self._mark_states.read_one(raw))
             if topic == RIG_STATE:
                 return self._on_rig(self._rig_states.read_one(raw))
-            if topic == REALTIME_FACTOR and self._encoder is not None:
-                self._encoder.summary.set_factor(read_float64(raw))
+            if topic == REALTIME_FACTOR and self.encoder is not None:
+                self.encoder.summary.set_factor(read_float64(raw))
             if topic == TWIN_SCENE and self._given is None and not self._infos:
                 return self._on_scene(read_string(raw))
         except DrillTwinError as error:
@@ -198,7 +198,7 @@ class WhirlPipeline:
     ) -> list[list[Message]]:
         """Messages of the findings after each sample; an infinite value is counted as a malformed message."""
         try:
-            return [] if self._encoder is None else self._encoder.rows(found, frame_id, rig, centres)
+            return [] if self.encoder is None else self.encoder.rows(found, frame_id, rig, centres)
         except MessageError as error:
             self.malformed += 1
             self.trouble = str(error)
@@ -238,12 +238,12 @@ class WhirlPipeline:
             self.marks = tuple(select_marks(infos, self._selected))
             self.bit_only = BitOnlyAnalyzer() if self._without_marks or not self.marks else None
             self._analyzer = None if self.bit_only is not None else Analyzer(self.marks)
-        self._encoder = FindingsEncoder(self.marks, scene.severity_bounds if scene else None)
+        self.encoder = FindingsEncoder(self.marks, scene.severity_bounds if scene else None)
         self._mark_reader = MarkReader([mark.name for mark in self.marks])
         self._order = SampleOrder()
         self.scene, self.findings, self.trouble = scene, None, ""
         self.runs += 1
-        return [self._encoder.no_onset()]
+        return [self.encoder.no_onset()]
 
     def _clear(self) -> None:
         """Discard waiting samples and what is known of the stream."""
@@ -274,8 +274,8 @@ class WhirlPipeline:
         for stamp, rig, sent in () if self.over else zip(stamps, rigs.tolist(), messages, strict=True):
             if analyzer.push(stamp, *rig[:2]):
                 sent.append(FindingsEncoder.bit_only(stamp, analyzer.bit))
-            if self._encoder is not None:
-                sent.extend(self._encoder.bit_summary(stamp, analyzer.bit, RigSample(*rig)))
+            if self.encoder is not None:
+                sent.extend(self.encoder.bit_summary(stamp, analyzer.bit, RigSample(*rig)))
         return messages
 
     def _analyse_sample(self, sample: AnySample) -> Iterator[Message]:

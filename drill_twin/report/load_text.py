@@ -52,7 +52,8 @@ def answers(summary: Summary) -> Iterator[Row]:
     part = "" if seen >= _MOST * total else f" in the {seen:.0f} of {total:.0f} s with torque at steady rotation"
     by, sure = "torque and string", "likely" if spans else "no"
     if most is not None:
-        by, part, sure = "the speed of the bit", "", "yes" if spans else "no"
+        by, part = "the speed of the bit", ""
+        sure = "yes" if spans else "no" if most < MODERATE else "no, but the bit swings"
     elif index is None:
         more = ("", " has too few samples")["bit speed" in found["channels"]]
         by = f"the torque; the speed of the bit{more or ', or the string (--scene), tells more'}"
@@ -97,8 +98,12 @@ def severity_rows(summary: Summary) -> Iterator[Row]:
     units = units_of(summary)
     if summary["severity"]:
         yield "severity", told(summary["severity"], units)
+    unknown: dict[str, list[str]] = {}
     for quantity, words in WORDS.items():
-        if (row := summary["severity_by_quantity"].get(quantity)) is None:
+        if (row := summary["severity_by_quantity"].get(quantity)) is None or quantity == "stick_slip":
+            continue
+        if row["value"] is None:
+            unknown.setdefault(row["why"], []).append(words.replace(",", ""))
             continue
         value = value_text(quantity, row["value"], units)
         more = f" at {row['place']}" * bool(row["place"])
@@ -106,19 +111,24 @@ def severity_rows(summary: Summary) -> Iterator[Row]:
             more += f", {units.text(far, 'length')} from the bit"
         if quantity == "bending_stress" and (cycles := summary["bending_cycles_per_second"]) is not None:
             more += f", {cycles:.2g} cycles a second"
-        given = "not graded" if row["grade"] is None else Grade(row["grade"]).word
-        why = f" ({row['why']})" * bool(row["why"])
-        yield words, f"{value}{more}: {given}{why}"
+        yield words, f"{value}{more}{_grade_text(row)}"
+    yield from (("unknown", f"{', '.join(names)} ({why})") for why, names in unknown.items())
     if wear := {mark: power for mark, power in summary["wear_power_w"].items() if power is not None}:
         worst = max(wear, key=lambda mark: wear[mark])
         yield "wall force times sliding", f"{wear[worst]:.3g} W on average at {worst}: not graded, no bound is known"
-    if summary["severity_by_quantity"]:
+    if summary["severity"]:
         yield "bounds of severity", whose_bounds(summary["severity_source"], summary["units"])
     assumed = ", of the rock that the scene assumes" if summary["version"] else ""
     if summary["rate_of_penetration_m_s"] is not None:
         yield "rate of penetration", f"{units.text(summary['rate_of_penetration_m_s'], 'rate', '.3g')}{assumed}"
     if summary["specific_energy_pa"] is not None:
         yield "specific energy", f"{units.text(summary['specific_energy_pa'], 'stress', '.3g')} (Teale){assumed}"
+
+
+def _grade_text(row: Mapping[str, Any]) -> str:
+    """Grade of a quantity, and what else than its value decided it."""
+    grade = "not graded" if row["grade"] is None else Grade(row["grade"]).word
+    return f": {grade}{row['why'] and ' (' + row['why'] + ')'}"
 
 
 def surface_rows(summary: Summary) -> Iterator[Row]:
@@ -171,16 +181,18 @@ def bit_rows(summary: Summary) -> Iterator[Row]:
     """Rows on the rotation of the bit."""
     before = f"; stick-slip until {summary['stick_slip'][-1]['end_s']:.2f} s" if summary["stick_slip"] else ""
     yield "bit at the end", f"{summary['bit']}{before}"
-    if summary["largest_stick_slip_index"] is not None:
-        last, most = (number_text(summary[key], "{:.2f}") for key in ("stick_slip_index", "largest_stick_slip_index"))
-        yield "stick-slip index", f"{last} over the last {TIME_BASE} s, {most} at most"
+    row, most = summary["severity_by_quantity"].get("stick_slip"), summary["largest_stick_slip_index"]
+    if row or most is not None:
+        last = value_text("stick_slip", summary["stick_slip_index"], units_of(summary))
+        over = "" if most is None else f" over the last {TIME_BASE} s, {most:.3g} at most"
+        yield "stick-slip index", f"{last}{over}{_grade_text(row) if row else ''}"
     for stretch in summary["stick_slip"][:_STRETCHES]:
         yield (
             "stick-slip",
             (
                 f"{stretch['start_s']:.2f} to {stretch['end_s']:.2f} s: {stretch['cycles']} cycles of "
                 f"{stretch['shortest_s']:.3f} to {stretch['longest_s']:.3f} s ({stretch['frequency_hz']:.2f} Hz), "
-                f"severity {stretch['severity']:.2f}"
+                f"index {stretch['severity']:.2f}"
             ),
         )
     if len(summary["stick_slip"]) > _STRETCHES:

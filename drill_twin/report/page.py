@@ -144,7 +144,7 @@ def _first_cards(summary: Mapping[str, Any]) -> str:
     row = summary["severity_by_quantity"].get("stick_slip", {})
     index = f"stick-slip index of the bit, last {TIME_BASE} s" + (f", {Grade(row['grade']).word}" if row else "")
     return _row(
-        card(word, "{}", f"severity: {decided}" if decided else "severity"),
+        card(f"severity {word}", "{}", f"decided by {decided}" if decided else "no quantity is known"),
         card(summary["onset_s"], "{:.2f} s", onset),
         card(summary["stick_slip_index"], "{:.2f}", index, "unknown"),
     )  # fmt: skip

@@ -18,11 +18,12 @@ from drill_twin.report.recording import Recording
 from drill_twin.report.string_forces import fibre_stress, force_on_joint
 from drill_twin.whirl import BitMotion, MotionState
 from drill_twin.whirl.criteria import FEWEST_SAMPLES
-from drill_twin.whirl.motion.stick_slip_index import TIME_BASE
+from drill_twin.whirl.motion.stick_slip_index import FULL, TIME_BASE
 from drill_twin.whirl.severity import accelerations, sizes, torsion_grade, turns_backwards
 
 STEEL = (150e9, 230e9)
 """Young's moduli of steel [Pa], 207 GPa, or less where a scene has one modulus of pipe and joints; of titanium 115."""
+_OF_MARKS = ("lateral_rms", "lateral_peak", "axial_rms", "axial_peak")
 POSES_IN_A_CYCLE = 4.0
 """Fewest poses in a cycle of bending, by rotation and whirl, for cycles to be counted; 2 are the limit of Nyquist."""
 
@@ -30,13 +31,13 @@ POSES_IN_A_CYCLE = 4.0
 def severity(bag: Recording) -> dict[str, Any]:
     """Keys of the summary, from `settled_from` on; None for what it does not hold.
 
-    * `severity`: the worst of `severity_by_quantity`: `grade` (0 to 4), `word`, `quantity`, `value` [SI], `place`, and
-      `why`, empty where the value alone decides.
+    * `severity`: the worst of `severity_by_quantity`: `grade` (0 to 4), `word`, `quantity`, `value` [SI], `place`,
+      `why`, empty where the value alone decides, and `unknown`, empty unless lateral acceleration is not known.
     * `severity_by_quantity`: by field of `core.severity.Bounds` the `value` where it is largest, its `place` (mark, or
       section, with its `distance_from_bit_m`) and `grade`; `why` is not empty where the grade is None, since bounds of
       this program do not hold there (wall force on collars, stress of another material than steel), or where something
-      else than the value decides.
-    * `severity_source`: source of the bounds that the scene gives; None where none is given.
+      else than the value decides. An acceleration that is not known has neither value nor grade, and says why.
+    * `severity_source`: source of the bounds that the scene gives, and of which; None where none is given.
     * `acceleration`: by mark `lateral_rms_m_s2`, `lateral_peak_m_s2`, `axial_rms_m_s2`, `axial_peak_m_s2`; of the
       centre line, without gravity, from positions at the rate `acceleration_rate_hz`: a shock shorter than two samples
       is not in them. Empty with too few samples in a revolution (`whirl.criteria.FEWEST_SAMPLES`).
@@ -65,12 +66,15 @@ def severity(bag: Recording) -> dict[str, Any]:
         known = None if why else grade(quantity, value, bounds)
         rows[quantity] = {"grade": known, "value": value, "place": mark, "why": why}  # the largest is the last
         rows[quantity]["distance_from_bit_m"] = distance.get(quantity)
+    unseen = _unseen(bag) or "no three samples at even steps of time"
+    missing = {"grade": None, "value": None, "place": "", "why": unseen, "distance_from_bit_m": None}
+    rows |= {name: missing for name in _OF_MARKS if name not in rows}
     if torsion := _torsion(bag, bounds):
         rows["stick_slip"] = torsion
     return {
         "severity": worst_row(rows, bounds),
         "severity_by_quantity": rows,
-        "severity_source": own and own.source,
+        "severity_source": own and own.whose,
         "acceleration_rate_hz": rate,
         "acceleration": found,
         "wear_power_w": wear,
@@ -82,7 +86,7 @@ def severity(bag: Recording) -> dict[str, Any]:
 def _of_marks(bag: Recording) -> tuple[float | None, dict[str, dict[str, float]], dict[str, float]]:
     """Rate of the samples [Hz] and, by mark, `acceleration` and `wear_power_w`; empty without marks or of a sub."""
     late = bag.marks.time >= settled_from(bag)
-    if late.sum() < 3 or bag.sub or not bag.places or bag.summary.quality.samples_per_revolution < FEWEST_SAMPLES:
+    if late.sum() < 3 or _unseen(bag):
         return None, {}, {}
     time, columns = bag.marks.time[late], [bag.marks.names.index(place.name) for place in bag.places]
     centre, push = bag.centre_lines()[late], bag.marks.wall_force[late][:, columns, :2]
@@ -91,10 +95,18 @@ def _of_marks(bag: Recording) -> tuple[float | None, dict[str, dict[str, float]]
     around = (np.gradient(centre, time, axis=0) * np.exp(-1j * np.angle(centre))).imag
     rim = np.array([place.wall_offset for place in bag.places]) * bag.marks.spin_rate[late][:, columns]
     power, found = (np.linalg.norm(push, axis=-1) * np.abs(around + rim)).mean(axis=0), {}
-    names = [f"{way}_{size}_m_s2" for way in ("lateral", "axial") for size in ("rms", "peak")]
+    names = [f"{name}_m_s2" for name in _OF_MARKS]
     for mark, place in enumerate(bag.places):
         found[place.name] = dict(zip(names, (*sizes(lateral[:, mark]), *sizes(axial[:, mark])), strict=True))
     return 1.0 / step, found, dict(zip(found, power.tolist(), strict=True))
+
+
+def _unseen(bag: Recording) -> str:
+    """Reason for which no acceleration of a mark can be told from its positions; empty where it can."""
+    rate = bag.summary.quality.samples_per_revolution
+    if bag.sub or not bag.places:
+        return "positions of marks are needed"
+    return f"{rate:.1f} samples in a revolution, {FEWEST_SAMPLES:g} are needed" if rate < FEWEST_SAMPLES else ""
 
 
 def _not_graded(bag: Recording, quantity: str) -> str:
@@ -124,6 +136,9 @@ def _torsion(bag: Recording, bounds: Bounds) -> dict[str, Any] | None:
         return None
     why = motion.value if motion in {BitMotion.AT_REST, BitMotion.STANDS, BitMotion.DECAYING} else ""
     why = "the bit turns backwards" if backwards and found is Grade.SEVERE else why
+    if never_stuck(bag) and not backwards:
+        below = grade("stick_slip", math.nextafter(FULL, 0.0), bounds)
+        found, why = min(found, found if below is None else below), "an upper estimate: the bit never stuck"
     none = 0.0 if motion is BitMotion.AT_REST else math.inf
     return {
         "grade": found,
@@ -132,6 +147,11 @@ def _torsion(bag: Recording, bounds: Bounds) -> dict[str, Any] | None:
         "why": why,
         "distance_from_bit_m": None,
     }
+
+
+def never_stuck(bag: Recording) -> bool:
+    """Tell whether the index of a record is of stick-slip, but its bit slows and never stands (`report.surface`)."""
+    return not bag.places and bag.summary.bit is BitMotion.STICK_SLIP and not bag.summary.stick_slip
 
 
 def _drilling(bag: Recording) -> dict[str, float | None]:

@@ -25,9 +25,9 @@ from drill_twin.report.quantities import (
     wall_depth,
 )
 from drill_twin.report.recording import Recording, read_recording
-from drill_twin.report.severity import severity
+from drill_twin.report.severity import never_stuck, severity
 from drill_twin.report.surface import highest_line, surface, without_spikes
-from drill_twin.whirl import MotionPeriod
+from drill_twin.whirl import BitMotion, MotionPeriod
 
 _OF_THE_ONSET = ("mark", "confidence", "criterion", "uncertainty_s", "dated", "at_start")
 _OF_THE_WHIRL = (
@@ -123,7 +123,8 @@ def summarise(bag: Recording | Bag | str | Path) -> dict[str, Any]:
         "clearance_m": {mark.name: mark.clearance for mark in bag.places},
         "motion": timeline(found.motion, bag.duration),
         "mark_motion": {mark: timeline(periods, bag.duration) for mark, periods in found.mark_motion.items()},
-        **{key: getattr(found, key) for key in ("bit", "stick_slip_index", "largest_stick_slip_index")},
+        "bit": BitMotion.VIBRATION if never_stuck(bag) else found.bit,
+        **{key: getattr(found, key) for key in ("stick_slip_index", "largest_stick_slip_index")},
         "stick_slip": [{**asdict(period), "frequency_hz": period.frequency_hz} for period in found.stick_slip],
         "bit_spectral_peak_hz": bit_peak(bag),
         "sub": None if found.sub is None else asdict(found.sub),

@@ -158,7 +158,8 @@ class Analyzer(TwinNode):
             values |= {"largest_impact": _known(sub.largest_impact), "share_at_rest": _known(sub.share_at_rest)}
         silence = self.samples.verdict()
         loss = self.topics.loss if silence[0] is Level.OK else ""
-        motion = Level.OK, f"motion: {pipeline.motion}"
+        level, values["severity"] = pipeline.encoder.severity if pipeline.encoder else (Level.OK, "unknown")
+        motion = level, f"motion: {pipeline.motion}"
         return self.status(values, (Level.ERROR, pipeline.trouble), (Level.WARN, loss), silence, motion)
 
 

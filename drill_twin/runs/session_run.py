@@ -184,10 +184,11 @@ class SessionRun:
             "weight_on_bit": f"{self.command.weight_on_bit:g}",
             "speed_rev_s": f"{self.command.rotation / math.tau:g}",
         }
-        analyzer = {"samples": str(quality.accepted), "malformed": str(self.pipeline.malformed)}
+        level, severity = self.pipeline.encoder.severity if self.pipeline.encoder else (Level.OK, "unknown")
+        analyzer = {"samples": str(quality.accepted), "malformed": str(self.pipeline.malformed), "severity": severity}
         motion = self.findings.motion.value if self.findings else "unknown"
         statuses = [
             Status("simulator", *self.loop.verdict(), simulator),
-            Status("analyzer", Level.OK, f"motion: {motion}", analyzer),
+            Status("analyzer", level, f"motion: {motion}", analyzer),
         ]
         self._recorder.write(DIAGNOSTICS, self.stamp, encode_diagnostics(self.stamp, statuses))

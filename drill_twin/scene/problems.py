@@ -71,8 +71,11 @@ def _explanation(detail: ErrorDetails, place: Place, model: type[BaseModel]) -> 
         return f"expected text, found {show(found)}"
     if kind == "string_pattern_mismatch":
         return f"expected letters, digits and underscores, a letter first, found {show(found)}"
-    if kind == "too_short":
-        return f"expected at least {context['min_length']} item, found none"
+    if kind in {"too_short", "too_long"}:
+        side, size = ("least", context.get("min_length")) if kind == "too_short" else ("most", context["max_length"])
+        return f"expected at {side} {size} item{'s' * (size != 1)}, found {context['actual_length'] or 'none'}"
+    if kind == "string_too_short":
+        return "expected text, found none"
     return f"expected another value ({detail['msg']}), found {show(found)}"
 
 

@@ -54,7 +54,7 @@ def criterion_text(found: MotionState, state: Columns, mark: int, *, contact_kno
     sense = "forward" if ratio > 0.0 else "backward"
     digits = 2 if abs(ratio) >= FEW_DIGITS else 3
     radius = float(orbit.radius[row, mark])
-    beyond = " (about its mean place, which is off the axis, or the wall gives)" if radius > 1.0 else ""
+    beyond, mean = (" (about its mean place)" if size > 1.0 else "" for size in (radius, max(whirl, synchronous)))
     orbit_text = f"radius {100 * radius:.0f} % of the clearance{beyond}, ratio {ratio:+.{digits}f}"
     match found:
         case MotionState.NOT_OBSERVABLE if orbit.samples_per_revolution[0] < criteria.FEWEST_SAMPLES:
@@ -81,7 +81,8 @@ def criterion_text(found: MotionState, state: Columns, mark: int, *, contact_kno
                 f"sense are nearly equal (rotary coefficient below {criteria.ROTARY:g})"
             )
         case MotionState.FIXED_AXIS:
-            return f"asynchronous radius {100 * whirl:.1f} %, synchronous {100 * synchronous:.1f} % of the clearance"
+            sizes = f"asynchronous radius {100 * whirl:.1f} %, synchronous {100 * synchronous:.1f} %"
+            return f"{sizes} of the clearance{mean}"
         case MotionState.IRREGULAR:
             coherence, unevenness = float(orbit.coherence[row, mark]), float(orbit.unevenness[row, mark])
             left = 100 * float(orbit.left[mark])

@@ -23,6 +23,16 @@ def test_marks_and_time(bench_run):
     assert found["samples"] == 151
 
 
+def test_a_table_has_no_clearance_of_marks(tmp_path):
+    table = tmp_path / "marks.csv"
+    rows = "".join(f"{0.1 * k:.1f},120,{0.01 * (k % 3)}\n" for k in range(300))
+    table.write_text(f"time [s],RPM [rpm],x [m]\n{rows}")
+    result = ran(table, "--clearance", "36 mm")
+    assert result.exit_code == 0, result.output
+    assert "a table's columns of marks are not read; drill_twin.analyze" in " ".join(result.output.split())
+    assert "columns of marks" not in ran(table).output
+
+
 def test_every_mark_has_its_timeline(bench_run):
     result = ran(bench_run.bag)
     assert result.exit_code == 0, result.output

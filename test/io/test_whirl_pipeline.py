@@ -10,8 +10,9 @@ import pytest
 from drill_twin.core.errors import DrillTwinError
 from drill_twin.core.severity import DEFAULT, Grade, worst
 from drill_twin.io.bag.reader import Bag
-from drill_twin.io.findings_encoder import Motion, TwinSummary
+from drill_twin.io.findings_encoder import FindingsEncoder, Motion, TwinSummary
 from drill_twin.io.messages.decode import read_joint_state, read_string
+from drill_twin.io.messages.diagnostics import Level
 from drill_twin.io.messages.encode import encode_string
 from drill_twin.io.messages.stamps import pack_stamp, seconds
 from drill_twin.io.messages.topics import (
@@ -24,7 +25,7 @@ from drill_twin.io.messages.topics import (
     WHIRL_STATE,
 )
 from drill_twin.io.messages.whirl_encode import decode_motion, decode_onset
-from drill_twin.io.samples import STUCK, WAITING, RigSample
+from drill_twin.io.samples import STUCK, UNKNOWN_RIG, WAITING, RigSample
 from drill_twin.io.whirl_pipeline import WhirlPipeline
 from drill_twin.report import read_recording
 from drill_twin.whirl import AnalysisError, BitMotion, MarkInfo, MotionCode, MotionState, StickSlipCode
@@ -304,3 +305,15 @@ def test_some_of_the_marks(inputs):
     assert pipeline.findings.marks == ("mark_3",)
     with pytest.raises(AnalysisError, match="found mark_7"):
         WhirlPipeline(pipeline.scene, marks=["mark_7"])
+
+
+@pytest.mark.parametrize(
+    ("bit", "index", "told"),
+    [(BitMotion.STEADY, 0.01, (Level.OK, "none")), (BitMotion.VIBRATION, 0.7, (Level.OK, "medium")),
+     (BitMotion.STICK_SLIP, 1.1, (Level.WARN, "high")), (BitMotion.STARTING, math.nan, (Level.OK, "unknown"))],
+)  # fmt: skip
+def test_diagnostics_warn_of_a_high_severity(bit, index, told):
+    encoder = FindingsEncoder(())
+    encoder.summary.add(0, UNKNOWN_RIG[0])
+    encoder.summary.encode(0, Motion(MotionState.NOT_OBSERVABLE, bit, index), "world")
+    assert encoder.severity == told

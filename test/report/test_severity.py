@@ -8,6 +8,8 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+import drill_twin as dt
+from drill_twin.core.errors import SceneError
 from drill_twin.core.severity import DEFAULT, Grade, Severity, grade, told
 from drill_twin.core.units.system import SYSTEMS
 from drill_twin.dynamics.discretisation.resolution import mesh
@@ -42,7 +44,7 @@ def test_a_quantity_has_the_grade_of_the_highest_bound_that_it_reaches(quantity,
     [("lateral_rms", 2.6 * GRAVITY, "lab", "medium: lateral acceleration 2.6 g rms at mark_2"),
      ("lateral_peak", 104.0 * GRAVITY, "si", "severe: lateral acceleration 104 g peak at mark_2"),
      ("bending_stress", 20e3 * 6894.757, "field", "medium: bending stress 20 ksi at mark_2"),
-     ("stick_slip", 1.234, "si", "severe: stick-slip index 1.2 at mark_2")],
+     ("stick_slip", 1.234, "si", "severe: stick-slip index 1.23 at mark_2")],
 )  # fmt: skip
 def test_severity_is_told_with_what_decided_it(quantity, value, units, text):
     found = Severity(grade(quantity, value), quantity, value, "mark_2")
@@ -73,15 +75,36 @@ def test_bounds_of_the_scene_take_the_place_of_this_programs_and_their_source_is
     assert found["severity"]["quantity"] == "lateral_rms"
     rows = dict(severity_rows(found))
     assert rows["severity"].startswith("medium: lateral acceleration 0.046 g rms at mark_")
-    assert rows["bounds of severity"] == "manual of the tool, table 3"
+    given = "manual of the tool, table 3, for lateral acceleration rms"
+    assert rows["bounds of severity"] == f"{given}; for the others of this program, not of a vendor"
+    assert parse_scene(scene.to_yaml()).severity.whose == scene.severity.whose
+    assert parse_scene(scene.to_yaml()) == scene
     assert rows["bending stress"].endswith(": not graded (its bounds are of steel)")  # PA6, of no bounds here
     assert "not graded" in rows["wall force on 30 ft"]
+
+
+def test_bounds_of_all_quantities_have_the_source_alone():
+    block = {"source": "manual", **{key: list(values) for key, values in DEFAULT._asdict().items()}}
+    assert dt.load_scene("pa6_bench", {"severity": block}).severity.whose == "manual"
+
+
+@pytest.mark.parametrize(
+    ("block", "message"),
+    [({"source": "manual"}, "severity: expected bounds of a quantity beside their source, found none"),
+     ({"source": "", "stick_slip": [1, 2, 3, 4]}, "severity.source: expected text, found none"),
+     ({"source": "x", "stick_slip": [1, 2, 3]}, "severity.stick_slip: expected at least 4 items, found 3"),
+     ({"source": "x", "stick_slip": [1, 2, 3, 4, 5]}, "severity.stick_slip: expected at most 4 items, found 5"),
+     ({"source": "x", "lateral_rms": ["1 g", "2 g", "2 g", "3 g"]}, "found 9.80665, 19.6133, 19.6133, 29.42 m/s^2")],
+)  # fmt: skip
+def test_bounds_that_cannot_be_say_what_was_expected_and_found(block, message):
+    with pytest.raises(SceneError, match=re.escape(message)):
+        dt.load_scene("pa6_bench", {"severity": block})
 
 
 def test_a_page_says_once_whose_the_bounds_are(known_report):
     page = known_report.page.read_text("utf-8")
     assert page.count("not of a vendor") == page.count("for tools of the field, not of a bench") == 1
-    assert "<b>none</b><span>severity: lateral acceleration " in page
+    assert "<b>severity none</b><span>decided by lateral acceleration " in page
     assert "level 0" not in page
 
 
@@ -89,7 +112,17 @@ def test_of_few_samples_in_a_revolution_no_acceleration_is_told(known_bag, write
     sparse = [row for k, row in enumerate(messages) if k == 0 or row[1] % 160_000_000 == 0]  # 3.1 in a revolution
     found = severity(read_recording(write(sparse)))
     assert found["acceleration"] == {}
-    assert "lateral_rms" not in found["severity_by_quantity"]
+    for name in ("lateral_rms", "axial_peak"):
+        row = found["severity_by_quantity"][name]
+        assert (row["grade"], row["value"]) == (None, None)
+        assert row["why"].endswith("samples in a revolution, 4 are needed")
+    summary = summarise(read_recording(write(sparse, "again")))
+    assert summary["severity"]["word"] == "none"
+    assert re.fullmatch(
+        r"none of what is known: stick-slip index \S+; lateral acceleration unknown \([\d.]+ samples in a rev.*\)",
+        told(summary["severity"], SYSTEMS["si"]),
+    )
+    assert "lateral acceleration rms, lateral acceleration peak, axial" in dict(severity_rows(summary))["unknown"]
 
 
 def test_acceleration_is_taken_between_even_steps_only():

@@ -54,6 +54,25 @@ def test_a_record_tells_weight_swing_index_gaps_and_spikes(tmp_path):
     assert float(known["stick-slip index"].partition(" ")[0]) == pytest.approx(0.5, abs=0.03)
 
 
+def test_a_bit_that_swings_and_never_stands_does_not_stick_in_any_row(tmp_path):
+    """A swing that grows to 0.95 of the mean: its index exceeds 1, as 20 s hold no whole number of its periods."""
+    time = np.arange(0.0, 200.0, 0.05)
+    bit = 120.0 * (1.0 + 0.95 * time / 200.0 * np.sin(math.tau * time / 8.7))
+    table = np.column_stack([time, 0.0 * time + 100.0, 0.0 * time + 120.0, 20.0 + 0.0 * time, bit])
+    np.savetxt(tmp_path / "grow.csv", table, delimiter=",", comments="",
+               header="time [s],WOB [kN],RPM [rpm],TQA [kN.m],BRPM [rpm]")  # fmt: skip
+    assert bit.min() > 6.0
+    found = summarise(read_recording(tmp_path / "grow.csv"))
+    rows = dict([*answers(found), *findings(found)])
+    assert found["stick_slip_index"] > 1.0
+    assert rows["did it stick"] == "no, but the bit swings, by the speed of the bit"
+    assert rows["when"] == "never"
+    assert rows["bit at the end"] == "torsional vibration"
+    assert rows["stick-slip index"].endswith("at most: medium (an upper estimate: the bit never stuck)")
+    assert rows["severity"].startswith("medium of what is known: stick-slip index 1.0")
+    assert rows["severity"].endswith("; lateral acceleration unknown (positions of marks are needed)")
+
+
 def test_a_record_in_pounds_is_told_in_pounds(tmp_path):
     file = tmp_path / "rig.csv"
     rows = "".join(f"{k},20,120\n" for k in range(30))

@@ -106,6 +106,8 @@ def test_health_is_reported_each_second_with_the_cost(bench_run):
     simulator = next(status for status in reports[-1][1] if status.name == "simulator")
     assert 0.0 < float(simulator.values["realtime_factor"]) <= float(simulator.values["physics_speed"])
     assert simulator.values["frames"] == "300"
+    analyzer = next(status for status in reports[-1][1] if status.name == "analyzer")
+    assert analyzer.values["severity"] in {"none", "low", "medium", "high", "severe"}
 
 
 def test_same_scene_gives_the_same_bytes_again(session, bench_run, tmp_path):

@@ -27,6 +27,8 @@ from drill_twin.scene.set_points import extremes
 LARGEST_SHEAR = 4e-4
 """Shear strain at the top from rotary drag beyond which a note is given [-]: a tenth of that at which steel yields."""
 
+TOLD = 1.05
+"""Processor time of stick-slip, over the time that the rest of the motion takes, from which a note tells it; chosen."""
 FRAMES_IN_ORBIT, STEPS_IN_ORBIT = 2.5, 20.0
 """Frames in an orbit that whirl needs to be seen (`whirl.criteria.NEEDED_IN_ORBIT`), and time steps in which the
 midpoint rule turns it by 0.8 % too little."""
@@ -101,7 +103,7 @@ def _coarse_mesh(scene: Scene) -> Iterator[str]:
 
 def _stick_slip(scene: Scene) -> Iterator[str]:
     wanted = stick_slip_step(scene)
-    if scene.numerics.step != "auto" or scene.numerics.accuracy is not None or wanted >= step_of_motion(scene):
+    if scene.numerics.step != "auto" or scene.numerics.accuracy is not None or step_of_motion(scene) < TOLD * wanted:
         return
     step = resolution_of(scene)[1]
     yield (

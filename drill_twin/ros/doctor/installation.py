@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Checks of this machine: Python, packages, ROS, cache of compiled kernels, clock, browser; works without ROS.
 
-`examine` makes all checks of `drill-twin ros doctor`, those of the running nodes too.
+`examine` makes all checks of `drill-twin ros doctor`, also the checks of running nodes.
 """
 
 import ctypes

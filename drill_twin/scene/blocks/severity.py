@@ -3,9 +3,9 @@
 
 from collections.abc import Iterator
 from itertools import pairwise
-from typing import Annotated
+from typing import Annotated, Any
 
-from pydantic import Field
+from pydantic import Field, SerializerFunctionWrapHandler, model_serializer
 
 from drill_twin.core import severity
 from drill_twin.core.units import Acceleration, Dimensionless, Force, Pressure
@@ -35,12 +35,32 @@ class SeverityBounds(Part):
     """Stick-slip index of the bit."""
 
     def problems(self) -> Iterator[Problem]:
-        """Bounds that do not rise from above zero."""
-        for key in severity.Bounds._fields:
+        """Bounds that do not rise from above zero, and a source without bounds."""
+        if not self._given:
+            yield (), "expected bounds of a quantity beside their source, found none; without own bounds leave it out"
+        for key in self._given:
             values = (0.0, *getattr(self, key))
             if any(low >= high for low, high in pairwise(values)):
-                shown = ", ".join(f"{value:g}" for value in values[1:])
+                unit = severity.UNITS[key].strip("-")
+                shown = f"{', '.join(f'{value:g}' for value in values[1:])} {unit}".strip()
                 yield (key,), f"expected four bounds above 0, each larger than the one before, found {shown}"
+
+    @model_serializer(mode="wrap")
+    def _own(self, handler: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        """Source and the bounds that are given, so that a scene that is read again names the source for no others."""
+        return {key: value for key, value in handler(self).items() if key in self.model_fields_set}
+
+    @property
+    def _given(self) -> list[str]:
+        return [key for key in severity.Bounds._fields if key in self.model_fields_set]
+
+    @property
+    def whose(self) -> str:
+        """Source, and of which quantities where the block does not give the bounds of all."""
+        if len(self._given) == len(severity.WORDS):
+            return self.source
+        names = ", ".join(severity.WORDS[key].replace(",", "") for key in self._given)
+        return f"{self.source}, for {names}; for the others {severity.OF_THIS_PROGRAM}"
 
     @property
     def bounds(self) -> severity.Bounds:

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Time at which the radius of a whirl crossed its threshold, found backwards once the whirl is detected.
 
-The crossing is the last time at which the mean square of the radius over a revolution rose to that of the threshold, by
+The crossing is the last time at which the mean square of the radius over a revolution rose to the threshold squared, by
 interpolation of its logarithm, since orbits grow exponentially. Noise is taken out of the square, and averages out;
 two whirls at once, an ellipse, strikes and irregular motion, whose radius dips within a revolution, have one crossing.
 """

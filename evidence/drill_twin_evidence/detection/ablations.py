@@ -46,7 +46,7 @@ MECHANISMS: dict[str, list[tuple[Any, str, Callable[..., Any]]]] = {
     "`_swung`: no search before a swing": [(OnsetDetector, "_swung", _false)],
     "`_synchronous`: critical speeds in run-ups": [(OnsetDetector, "_synchronous", _false)],
 }
-"""What replaces a mechanism: the object, the name and the stand-in."""
+"""Stand-in of a mechanism: the object, the name and what replaces it."""
 
 
 def shortest(each: int) -> list[FrozenRecord]:

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from scipy.linalg import eigh
 
+from drill_twin.dynamics.discretisation import notes
 from drill_twin.dynamics.discretisation.notes import frequency_error, notes_on
 from drill_twin.dynamics.discretisation.resolution import resolution_of
 from drill_twin.runs import RunLoop
@@ -19,6 +20,13 @@ LONG = {"string.sections[1].length": "3420 m"}
 @pytest.mark.parametrize("name", sorted(set(presets()) - {"ufrj_rig", "ufrj_torsion"}))
 def test_the_installed_scenes_need_no_note(name):
     assert notes_on(load_scene(name)) == []
+
+
+@pytest.mark.parametrize(("share", "told"), [(1.04, 0), (1.1, 1)])
+def test_a_step_that_costs_nothing_more_is_not_told(monkeypatch, share, told):
+    monkeypatch.setattr(notes, "step_of_motion", lambda _: 1e-3 * share)
+    monkeypatch.setattr(notes, "stick_slip_step", lambda _: 1e-3)
+    assert len(notes_on(load_scene("pa6_bench"))) == told
 
 
 def test_a_mesh_at_the_cap_is_told_with_its_cost():

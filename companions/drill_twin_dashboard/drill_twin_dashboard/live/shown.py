@@ -156,7 +156,7 @@ def shown_scene(scene: Scene) -> dict[str, Any]:
     return {
         "name": scene.name,
         "units": scene.unit_system.name,
-        "bounds": whose_bounds(scene.severity.source if scene.severity else None, scene.unit_system.name),
+        "bounds": whose_bounds(scene.severity.whose if scene.severity else None, scene.unit_system.name),
         "length": scene.length,
         "hole": scene.hole.radius,
         "well": well_geometry(scene, _STATIONS),

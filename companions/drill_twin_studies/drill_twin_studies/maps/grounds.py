@@ -21,12 +21,12 @@ so that one of so many looks is reported; not measured."""
 def calm_means(found: MapFields) -> str:
     """Meaning of calm, with the bounds of the scene and their source."""
     own = parse_scene(found.scene).severity if found.scene else None
-    bounds, source = (own.bounds if own else DEFAULT)._asdict(), own.source if own else OF_THIS_PROGRAM
+    bounds, source = (own.bounds if own else DEFAULT)._asdict(), own.whose if own else OF_THIS_PROGRAM
     said = "; ".join(
         f"{WORDS[name]} {found.units.text(bounds[name][1], unit, '.3g') if unit else bounds[name][1]}"
         for name, unit in GRADED.items()
     )
-    return f"calm: no whirl but creeping, settled, and below medium, which begins at {said} ({source})"
+    return f"calm: no whirl but creeping, settled, and below medium, which begins at {said} (bounds: {source})"
 
 
 def grounds(found: MapFields) -> Iterator[str]:

@@ -143,10 +143,10 @@ def test_the_window_says_by_which_bounds_it_is_calm():
     found = map_of(lambda *_: CREEP)
     assert "289 runs of 30 s in them and at their corners, all calm (289 creeping along the wall)" in found.basis[0]
     assert "below medium, which begins at lateral acceleration, rms 2 g; lateral acc" in found.basis[1]
-    assert "stick-slip index 0.5 (bounds of this program, not of a vendor)" in found.basis[1]
+    assert "stick-slip index 0.5 (bounds: of this program, not of a vendor)" in found.basis[1]
     own = dt.load_scene("pa6_bench", {"severity": {"source": "manual X", "lateral_rms": [1.0, 2.9419950, 10.0, 20.0]}})
     said = replace(found, scene=own.to_yaml()).basis[1]
-    assert "(manual X)" in said
+    assert "(bounds: manual X, for lateral acceleration rms; for the others of this program" in said
     assert "lateral acceleration, rms 0.3 g" in said
 
 
