@@ -1,8 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Checks of this machine: Python, packages, ROS, cache of compiled kernels, clock, browser; works without ROS.
-
-`examine` makes all checks of `drill-twin ros doctor`, also the checks of running nodes.
-"""
+"""Checks of this machine: Python, packages, ROS, cache of compiled kernels, clock, browser; works without ROS."""
 
 import ctypes
 import importlib
@@ -23,7 +20,6 @@ from pathlib import Path
 from drill_twin.core import __version__
 from drill_twin.core.errors import DrillTwinError
 from drill_twin.core.process import child_environment
-from drill_twin.ros.core.stop_request import StopRequest
 
 INSTALLED, ROS, MACHINE = "installed", "ROS 2", "machine"
 DISTRO = "jazzy"
@@ -58,37 +54,6 @@ class Check:
 def judged(section: str, name: str, found: str, remedy: str, otherwise: Verdict = Verdict.PROBLEM) -> Check:
     """Check that is well unless there is a remedy."""
     return Check(section, name, found, otherwise if remedy else Verdict.OK, remedy)
-
-
-def examine(seconds: float) -> list[Check]:
-    """Check the installation and, where ROS is there, listen to the domain for a time [s]; 0: do not listen."""
-    checks = [*installation(), *ros_installation()]
-    broken = any(check.verdict is Verdict.PROBLEM and check.section == ROS for check in checks)
-    if seconds and ros_present() and not broken:
-        try:
-            checks += _examine_domain(seconds)
-        except DrillTwinError as error:
-            checks.append(Check(ROS, "node", str(error), Verdict.PROBLEM, "mend this first, then ask again"))
-    return checks
-
-
-def _examine_domain(seconds: float) -> list[Check]:
-    from rclpy.executors import SingleThreadedExecutor
-    from rclpy.node import Node
-
-    from drill_twin.ros.core.node_main import init_context
-    from drill_twin.ros.deployment import readable_refusal
-    from drill_twin.ros.doctor.graph import NAME, graph_checks, observe
-
-    context = init_context([], StopRequest())
-    try:
-        with readable_refusal():
-            node = Node(NAME, context=context, enable_rosout=False, start_parameter_services=False)
-        executor = SingleThreadedExecutor(context=context)
-        executor.add_node(node)
-        return list(graph_checks(observe(node, executor.spin_once, seconds)))
-    finally:
-        context.try_shutdown()
 
 
 def installation() -> Iterator[Check]:
