@@ -33,7 +33,8 @@ def test_the_distance_to_a_dense_patch_is_that_of_the_boundaries(found, tmp_path
     assert len(lines) == 1 + 5 * 5
     (tmp_path / "patch_0" / "runs.jsonl").write_bytes(b"".join(lines[:-2]))
     assert np.array_equal(error(scene, found, 1, 2, tmp_path, 1), distances)
-    moved = {Key(key.i + 1, *key[1:]): record for key, record in found.records.items() if key.i < found.plane.steps}
-    moved |= {Key(0, j): found.records[Key(0, j)] for j in range(found.plane.steps + 1) if Key(0, j) in found.records}
+    first = [Key(0, j) for j in range(found.plane.steps + 1) if Key(0, j) in found.records]
+    moved = {Key(key.i + 2, *key[1:]): record for key, record in found.records.items() if key.i + 1 < found.plane.steps}
+    moved |= {Key(i, key.j): found.records[key] for key in first for i in range(2)}
     shifted = replace(found, records=moved)
     assert error(scene, shifted, 1, 2, tmp_path / "shifted", 2).max() > distances.max()

@@ -104,11 +104,11 @@ FAULTS = (
         "test/whirl/test_precession.py",
     ),
     Fault(
-        "off-by-one: last cell of the window of a peak left out",
-        "drill_twin/whirl/run_statistics.py",
-        "centre + PEAK_CELLS + 1)",
-        "centre + PEAK_CELLS)",
-        "test/whirl/test_precession.py",
+        "wrong divisor: the whirl frequency over the rotation in place of the time",
+        "drill_twin/whirl/frequency.py",
+        "hz, ratio = float(swept.sum() / length.sum())",
+        "hz, ratio = float(swept.sum() / rotated.sum())",
+        "test/whirl/test_frequency.py",
     ),
     Fault(
         "sign: left-hand rotation counted as right-hand",
