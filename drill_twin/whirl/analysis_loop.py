@@ -155,7 +155,7 @@ def analyse(words: Integers, kind: Any) -> int:
             ):  # fmt: skip
                 return DESCRIBE
         elif step == STATISTICS:
-            add_bin(statistics, orbit, onsets.active, full, history, motion.lines)
+            add_bin(statistics, orbit, onsets.active, full, history, motion)
             flow.step[0] = ADD
         elif step == ADD:
             add_sample(block, samples, clock, bins, separation, carrier)

@@ -34,7 +34,7 @@ from drill_twin.whirl.sample_bins import (
 LARGEST_RADIUS = 3.0
 """Largest plausible radius of a mark over its clearance; beyond is an error of measurement. Chosen, not measured."""
 BLIND = 0.125
-"""Rotation without any mark seen after which a sample tells so [rev], and is no longer skipped: twice a bin."""
+"""Rotation without any mark seen after which a sample tells so [rev], and is no longer skipped: twice a bin. Chosen."""
 BLOCK = 256
 """Most samples in a block, which bound its memory; chosen, not measured."""
 

@@ -11,7 +11,7 @@ import math
 
 import numpy as np
 
-from drill_twin.core.arrays import Array, Mask
+from drill_twin.core.arrays import Mask
 from drill_twin.core.compile.jit import strict_kernel
 from drill_twin.whirl import criteria
 from drill_twin.whirl.columns import Columns, columns
@@ -71,7 +71,7 @@ def _halve(statistics: Columns) -> None:
 
 @strict_kernel
 def _add_whirl(
-    statistics: Columns, orbit: Columns, whirling: Mask, full: Columns, history: Columns, lines: Array
+    statistics: Columns, orbit: Columns, whirling: Mask, full: Columns, history: Columns, motion: Columns
 ) -> None:
     """Add what the marks swept since the last estimate; a mark without a precession, or with two equal, adds nothing.
 
@@ -85,8 +85,9 @@ def _add_whirl(
     for k in range(whirling.size):
         row = 0 if whirling[k] else 1
         swept = history.unwrapped[last, row, k] - statistics.unwrapped[row, k]
+        lines, irregular = motion.lines, motion.irregularity.active[k]
         second = lines[k, 1, 1] / lines[k, 0, 1] if row == 0 and lines[k, 0, 1] > 0.0 else 0.0
-        two = second > 0.5 and orbit.left[k] < criteria.LEFT
+        two = irregular and second > 0.5 and orbit.left[k] < criteria.LEFT
         if two:
             swept = lines[k, 0, 0] * seconds
         if math.isfinite(orbit.ratio[k]) and math.isfinite(swept) and not (two and second > EQUAL):
@@ -99,7 +100,9 @@ def _add_whirl(
 
 
 @strict_kernel
-def add_bin(statistics: Columns, orbit: Columns, whirling: Mask, full: Columns, history: Columns, lines: Array) -> None:
+def add_bin(
+    statistics: Columns, orbit: Columns, whirling: Mask, full: Columns, history: Columns, motion: Columns
+) -> None:
     """Add a bin.
 
     Args:
@@ -108,7 +111,7 @@ def add_bin(statistics: Columns, orbit: Columns, whirling: Mask, full: Columns, 
         whirling: Marks in asynchronous whirl, shape (m,).
         full: The bin.
         history: The last revolutions.
-        lines: Rate [rad/s] and radius [m] of the two lines of each mark, the stronger first, shape (m, 2, 2).
+        motion: Two lines of each mark, and whether its motion is irregular, as a growing orbit with two lines is not.
     """
     begun, statistics.begun[0] = statistics.begun[0], True
     seconds, angle = full.time[0] - statistics.last_time[0], full.angle[0] - statistics.last_angle[0]
@@ -132,7 +135,7 @@ def add_bin(statistics: Columns, orbit: Columns, whirling: Mask, full: Columns, 
     if not statistics.estimated[0]:
         return
     if statistics.whirled[0]:
-        _add_whirl(statistics, orbit, whirling, full, history, lines)
+        _add_whirl(statistics, orbit, whirling, full, history, motion)
     statistics.last_estimate[0], statistics.estimated_angle[0] = full.time[0], full.angle[0]
     for row in range(2):
         for k in range(whirling.size):

@@ -102,7 +102,8 @@ def test_too_short_a_record_has_no_line():
 
 SUMMARY = {
     "run": 1, "runs": 1, "start_utc": None,
-    "units": "si", "version": None, "acceleration": {}, "rate_of_penetration_m_s": None, "specific_energy_pa": None,
+    "units": "si", "version": None, "severity": None,
+    "severity_by_quantity": {}, "wear_power_w": {}, "rate_of_penetration_m_s": None, "specific_energy_pa": None,
     "stick_slip_level": None, "applied": {"rotation_rad_s": None},
     "whirl_observable": True, "onset_s": 5.0, "onset_mark": "m", "onset_confidence": 1.0, "whirl_end_s": None,
     "lasting_motion": "irregular", "whirl_frequency_hz": None, "frequency_mark": "m", "whirl_ratio": None,

@@ -153,6 +153,8 @@ def swings(history: Columns, arm: complex, k: int, noise: float, low_side: bool,
             place = rest[i] + drift * (history.time[first + i] - middle)
             squares += place * place
             moved += place.real * place.real + place.imag * place.imag
+        if moved > 2.0 * power:
+            continue  # it drifts farther than it swings
         along = power > 0.0 and abs(squares) > LINE * (moved - 2.0 * bins * noise * noise)
         if (along or (low_side and not kept)) and _rotary_coefficient(rest, power) < criteria.ROTARY:
             return True

@@ -149,8 +149,9 @@ def _add_bin(separation: Columns, full: Columns, k: int, fade: float) -> None:
     sums = separation.sums
     if separation.held[k]:
         return
-    phasor, position = full.phasor[k], full.position[k]
-    sums[0, k] = fade * sums[0, k] + (1.0 if full.valid[k] else 0.0)
+    seen = 1.0 if full.valid[k] else 0.0
+    phasor, position = seen * full.phasor[k], seen * full.position[k]
+    sums[0, k] = fade * sums[0, k] + seen
     sums[1, k] = fade * sums[1, k] + phasor * phasor.conjugate()
     sums[2, k] = fade * sums[2, k] + phasor
     sums[3, k] = fade * sums[3, k] + position

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Regimes of an operating map, from the findings of a run."""
 
+import math
 from collections.abc import Iterable
 from enum import Enum
 from typing import NamedTuple
@@ -106,12 +107,12 @@ def regime_of(
         grows: True if a motion grows that would not be calm in the time asked.
     """
     state = summary.motion[-1].state if summary.motion else MotionState.AT_REST
-    ratio = summary.mean_ratio or 0.0
+    ratio = math.inf if summary.mean_ratio is None else summary.mean_ratio  # not known of a whirl of few revolutions
     stands = abs(ratio) < criteria.STANDING_RATIO and state not in {MotionState.IRREGULAR, MotionState.IMPACTS}
     if not (state in NO_WHIRL or state is MotionState.NOT_OBSERVABLE or stands):
-        if state not in _BY_STATE and (widest := summary.mark_motion.get(summary.frequency_mark or "")):
-            state = widest[-1].state
-        return _BY_STATE.get(state, Regime.FORWARD if ratio > 0.0 else Regime.BACKWARD)
+        last = {mark: periods[-1].state for mark, periods in summary.mark_motion.items() if periods}
+        named = (one for one in (state, last.get(summary.frequency_mark or ""), *last.values()) if one in _BY_STATE)
+        return _BY_STATE[found] if (found := next(named, None)) else Regime.FORWARD if ratio > 0.0 else Regime.BACKWARD
     decays = summary.bit is BitMotion.DECAYING
     if summary.bit in {BitMotion.STICK_SLIP, BitMotion.STANDS} or (torsion.sticks and not decays):
         return Regime.STICK_SLIP
