@@ -32,7 +32,12 @@ def test_its_fields_are_those_of_the_map(found):
 
 @pytest.mark.parametrize("width", [390, 1280])
 def test_a_click_shows_the_run_and_its_command(found, browse, tmp_path, width):
-    key = next(key for key, record in found.records.items() if record.whirls and key.draw == 0 and not key.origin)
+    inside = range(1, found.plane.steps)  # a click on the rim of a small picture may meet its neighbour
+    key = next(
+        key
+        for key, record in found.records.items()
+        if record.whirls and key.draw == 0 and key.searches and key.i in inside and key.j in inside
+    )
     file = tmp_path / "map.html"
     file.write_text(build_page(found, "pa6_bench"))
     shown = browse(file.as_uri(), width, live=False).value(USE % key.node)
