@@ -60,7 +60,7 @@ def summarise(bag: Recording | Bag | str | Path) -> dict[str, Any]:
           at `frequency_mark`; `whirl_ratio`: the same over the rotation meanwhile. None for irregular motion, which has
           no single frequency. `whirl_frequency_changes`: whether it still changes; None for too short a whirl.
           `whirl_frequency_interval_hz`: where it does not change, it lies between in nine of ten cases; else the least
-          and the largest mean of a window of two revolutions or more.
+          and the largest mean of a window of three revolutions or more.
         * `spectrum_lines`: highest lines of the spectrum over the same time: `frequency_hz`, `radius_m`.
         * `max_radius_m`: largest distance of the centre line from the hole's axis by mark [m].
         * `motion`, `mark_motion`: timelines of the motion states, each with start and end, and criterion.

@@ -94,7 +94,7 @@ def test_the_error_is_below_the_accuracy_elsewhere(scene: str, changes: dict[str
 @pytest.mark.long
 @pytest.mark.parametrize("accuracy", ["3 %", "0.3 %"])
 def test_an_error_that_cannot_be_reached_is_refused(accuracy: str) -> None:
-    """Of a free bit the onset is dated at one of two rises, by the resolution: no error of it can be promised."""
+    """Of a free bit the date of the onset differs by a fifth between resolutions: no error of it can be promised."""
     with pytest.raises(SceneError, match=r"expected an error that can be reached, found .* and at best"):
         resolve(asking(accuracy, {"string.bit_end": "free", "wob": "20 N", "duration": "12 s"}))
 
