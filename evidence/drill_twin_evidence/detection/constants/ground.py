@@ -27,7 +27,7 @@ class Ground(StrEnum):
     NONE = "none"
 
 
-_NOT_MEASURED = re.compile(r"\b(?:[Nn]ot|[Nn]o)\b[^.;]{0,60}\bmeasured( by (itself|themselves))?")
+_NOT_MEASURED = re.compile(r"(?i:\bno|\bnot)\b[^.;]{0,60}\bmeasured( by (itself|themselves))?")
 _WORDS = {
     Ground.MEASURED: r"python -m|drill-twin |`make |`test|\bseeds\b|evidence/|\bmeasured\b|random runs",
     Ground.SOURCE: r"\b(19|20)\d\d\b|\bAPI \d|\bSPE\b|Nyquist|Descartes|\bISO \d|Student",
