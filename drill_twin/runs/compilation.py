@@ -160,7 +160,7 @@ def _compile_in_child(scene: Scene, period: float, progress: Callable[[str], Non
 
 
 def _follow(child: subprocess.Popen[bytes], report: Callable[[int], None]) -> int:
-    """Report the number of functions that a child has compiled, until it ends, and return it; it writes a byte for each."""
+    """Report and return the number of functions that a child compiles, until it ends: it writes a byte for each."""
     functions, pipe = 0, child.stdout
     while pipe is not None:
         if select.select([pipe], [], [], _POLL)[0]:
