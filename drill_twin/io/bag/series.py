@@ -93,7 +93,7 @@ class MarkSeries(JointSeries):
         return values[:, :, columns(states.names, self._layout_marks)], self._layout_marks
 
     def _set_layout(self, state: JointArrays) -> None:
-        """Choose the marks of a layout: those of an earlier message, if all are there, else all marks."""
+        """Choose the marks of a layout: the marks of an earlier message, if all are there, else all marks."""
         names = state.names
         found = {name.removesuffix("/x"): None for name in names if name.endswith("/x")}
         marks = next((known for known in self._marks if found.keys() >= set(known)), tuple(found))
