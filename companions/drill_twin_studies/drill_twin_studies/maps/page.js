@@ -140,7 +140,7 @@ $("about").textContent = `${D.runs.filter((run) => run.finer === 1).length} runs
 const words = D.safe_windows.map((one) => `${span(one.weight_on_bit_N, "force")} at ${span(one.rotation_rad_s, "rotation")}`);
 const lines = words.length ? [words.join("; or "), ...D.windows_rest_on.map((text) => `rests on: ${text}`)] : ["None that this map can stand behind."];
 for (const [id, texts] of [["window", lines], ["notes", D.notes]]) $(id).replaceChildren(...texts.map((text, k) => Object.assign(document.createElement("p"), { textContent: text, className: id === "notes" || k ? "lead" : "" })));
-rows("here", [["move over the map; a drag zooms, a double click shows all", ""]]);
+rows("here", [["move over the map; a click chooses a run, a drag zooms, a double click shows all", ""]]);
 rows("own", inside(...D.own) ? place(...D.own) : [["outside the ranges", setPoint(...D.own)]]);
 $("copy").onclick = () => navigator.clipboard?.writeText($("command").textContent);
 plotlyReady.then(() => {
@@ -149,4 +149,7 @@ plotlyReady.then(() => {
   $("field").onchange = draw;
   $("map").on("plotly_hover", ({ points: [{ pointIndex: [i, j] }] }) => rows("here", [...place(load(i), speed(j)), ...numbers(near(i, j)).slice(1)]));
   $("map").on("plotly_click", ({ points: [{ pointIndex: [i, j] }] }) => pick(nearest[i * side + j]));
+}).catch((error) => {
+  $("map").textContent = "This browser cannot draw the map (it needs DecompressionStream); map.png shows it.";
+  throw error;
 });

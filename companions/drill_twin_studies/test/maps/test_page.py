@@ -38,6 +38,13 @@ def test_its_fields_are_those_of_the_map(found):
     assert len(data["commands"]) == len(data["runs"])
 
 
+def test_a_browser_that_cannot_unpack_plotly_is_told_where_the_map_is(found, browse, tmp_path):
+    file = tmp_path / "map.html"
+    file.write_text(build_page(found, "pa6_bench").replace("new DecompressionStream", "new NoSuchStream"))
+    page = browse(file.as_uri(), 1280, live=False)
+    assert "map.png shows it" in page.text("map")
+
+
 @pytest.mark.parametrize("width", [390, 1280])
 def test_a_click_shows_the_run_and_its_command(found, browse, tmp_path, width):
     inside = range(1, found.plane.steps)  # a click on the rim of a small picture may meet its neighbour
