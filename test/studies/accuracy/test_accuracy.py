@@ -6,7 +6,6 @@ import time
 from dataclasses import replace
 from pathlib import Path
 
-import numpy as np
 import pytest
 from typer.testing import CliRunner
 from variants import one_of
@@ -24,7 +23,6 @@ from drill_twin.studies.accuracy.error_model import OVERHEAD, ErrorModel, Measur
 from drill_twin.studies.accuracy.errors import compare, errors_before
 from drill_twin.studies.accuracy.measure import AFTER_ONSET, TIGHT, Measurement, at, in_words
 from drill_twin.studies.accuracy.motion_run import run_motion
-from drill_twin.studies.accuracy.plan import interval
 
 SWING = {
     "effects.stretch": "off", "effects.torsion": "off", "effects.gravity": "off", "effects.eccentricity": "off",
@@ -241,22 +239,6 @@ def test_an_accuracy_out_of_reach_is_refused(monkeypatch: pytest.MonkeyPatch) ->
         resolve(asking("0.0001 %", SWING))
 
 
-def test_the_interval_holds_the_mean() -> None:
-    """Of 400 correlated records about 95 % of the intervals hold the true mean."""
-    random = np.random.default_rng(5)
-    time = np.linspace(0.01, 42.0, 4200)
-    held = 0
-    for _ in range(400):
-        noise = random.normal(size=(4200,))
-        values = 3.0 + np.convolve(noise, np.ones(20) / 20.0, mode="same")
-        found = interval(time, values, onset=0.0)
-        assert found is not None
-        held += found.low < 3.0 < found.high
-    assert 0.90 < held / 400 < 0.985
-    assert interval(time, values, onset=None) is None
-    assert interval(time, values, onset=41.0) is None
-
-
 def test_the_command_says_what_to_expect_and_what_came(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     words = [word for key, value in SWING.items() for word in ("--set", f"{key}={value}")]
@@ -270,4 +252,3 @@ def test_the_command_says_what_to_expect_and_what_came(tmp_path: Path, monkeypat
     assert accuracy["asked"] == 1e-3
     assert 0.3 * accuracy["expected"] < accuracy["actual"] < accuracy["asked"]
     assert accuracy["actual_seconds"] > 0.0
-    assert accuracy["precession_hz"] is None
