@@ -201,8 +201,9 @@ def main() -> int:
         for mode in (0, 1):
             root = root_of(MEASURED[rig][mode], mode, with_disc=rig == "LD")
             print(f"  {rig} {mode + 1}: {root:6.1f} N m/rad ", errors(root, np.inf).round(1))
-    root, lateral = both_of_second_modes()
-    print(f"two numbers on LD 2 and ROD 2: {root:.1f} N m/rad, {lateral:.4g} N/m", errors(root, lateral).round(1))
+    for name, modes in (("LD 2 and ROD 2", SECOND_MODES), ("all four", ALL_MODES)):
+        root, lateral = root_fitted_on(modes)
+        print(f"two numbers on {name}: {root:.1f} N m/rad, {lateral:.4g} N/m", errors(root, lateral).round(1))
     for run, rig in (("CCWUP", "LD"), ("CCWDOWN", "LD"), ("CCWUP", "ROD")):
         for band in ((1.0, 1.45), (9.3, 10.2)) if rig == "LD" else ((1.45, 1.9), (11.2, 12.5)):
             lines = free_lines(folder, run, rig, band)
@@ -224,11 +225,14 @@ def errors(rotational: float, lateral: float) -> Real:
     return 100 * np.concatenate(found)
 
 
-def both_of_second_modes() -> tuple[float, float]:
-    """Return the rotational [N m/rad] and lateral stiffness [N/m] of the root with which both second modes fit best."""
+SECOND_MODES, ALL_MODES = (1, 3), (0, 1, 2, 3)  # of LD 1, LD 2, ROD 1, ROD 2
+
+
+def root_fitted_on(modes: tuple[int, ...]) -> tuple[float, float]:
+    """Return the rotational [N m/rad] and lateral stiffness [N/m] of the root with which these modes fit best."""
 
     def off(logarithms: Real) -> Real:
-        return errors(*np.exp(logarithms))[[1, 3]]
+        return errors(*np.exp(logarithms))[list(modes)]
 
     found = least_squares(off, np.log([300.0, 3e4]), diff_step=1e-3)
     rotational, lateral = np.exp(found.x)
