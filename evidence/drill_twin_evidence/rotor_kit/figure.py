@@ -18,14 +18,14 @@ def drawn(rows: list[dict[str, str]]) -> Figure:
     """Return the amplitude at p1x over speed with its 90 % band."""
     rpm, middle, low, high = (np.array([float(row[name]) for row in rows]) for name in rows[0])
     with styled():
-        figure = laid_out(3.4, "rotor kit: run-up at 229 rpm/s, predicted")
+        figure = laid_out(3.6, "rotor kit: run-up at 229 rpm/s, predicted")
         axes = figure.subplots()
         axes.fill_between(rpm, low, high, color=BLUE, alpha=0.25, linewidth=0, label="90 % band")
         axes.plot(rpm, middle, color=BLUE, label="median")
         axes.set_yscale("log")
         axes.set_xlim(rpm[0], rpm[-1])
         axes.set_xlabel("speed [rpm]")
-        axes.set_ylabel("once a revolution at p1x [µm, 0 to peak]")
+        axes.set_ylabel("amplitude at p1x [µm]")
         axes.legend()
         return figure
 

@@ -106,7 +106,7 @@ def loaded(path: Path) -> tuple[dict[str, Any], Real]:
     """Return a fit's document and its draws, shape (draws, unknowns).
 
     Raises:
-        ValueError: if the file's unknowns are not those of this code.
+        ValueError: if the file's unknowns differ from this code's.
     """
     fit = json.loads(path.read_text())
     names = [one["name"] for one in fit["unknowns"]]

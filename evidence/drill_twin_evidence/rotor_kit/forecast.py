@@ -16,7 +16,7 @@ from drill_twin_evidence.rotor_kit.posterior import SPEED, Measured, corrections
 from drill_twin_evidence.rotor_kit.rig import Rigs
 
 SPEEDS = (SPEED, 1206.0 * np.pi / 30)  # [rad/s]
-RESIDUAL = 60.0  # [g mm] prior size of a disc's residual unbalance: the base is that of some 50 g mm
+RESIDUAL = 60.0  # [g mm] prior size of a disc's residual unbalance: some 50 g mm give the base
 CARRIED = 0.01  # model's error that is not alike at both speeds, a part of a vector; chosen, not measured
 MOUNT = 0.015  # error of a mounted weight, a part of it: 0.3 mm in a hole at 30 mm, 1 % of mass; chosen, not measured
 SPEED_ERROR = 0.003  # a run's speed about the nominal one: records lie within 1,001 to 1,010 of 1,005 rpm

@@ -146,13 +146,13 @@ def free_lines(folder: Path, run: str, rig: str, band: tuple[float, float]) -> l
 
 @dataclass(frozen=True)
 class Locked:
-    """What a spectrum shows at a part of the rotation."""
+    """The line of a spectrum at a part of the rotation."""
 
     nominal_rpm: int
     rotation: float  # [Hz] measured
     height: float  # [m/s] of both axes together
     above: float  # height over the median within 0.3 Hz
-    over_rotation: float  # height over that of the line at the rotation
+    over_rotation: float  # height over the line at the rotation
 
 
 def locked_lines(folder: Path, run: str, rig: str, part: float) -> list[Locked]:

@@ -70,7 +70,7 @@ def with_whirl(position: Real, time: Real, *, ratio: float, radius: float, rpm: 
 def run_up(rigs: Rigs, at: int, unbalance: Real, rng: np.random.Generator) -> tuple[Real, Real, Real] | None:
     """Return times [s], positions at disc 2 [m] and rotation [rad/s] of rig `at` in a run-up; None where unstable.
 
-    The unbalance is that of both discs [g mm]; sensors are at right angles, with the noise of a record.
+    Unbalances are of disc 1 and disc 2 [g mm]; sensors are at right angles, with the noise of a record.
     """
     rotors = rigs.rotors(2)
     damping, gyroscopic, stiffness, force, shapes = reduced(rotors, at, rigs.disc_places())

@@ -22,7 +22,7 @@ NOISE = (
     ),
     Prior("discrepancy", "log-normal", 0.02, 0.5, "of the model's vectors: supports that are not linear, hubs, bow"),
 )
-POOR = 4.0  # times the scatter at p1x, whose baseline moves by 0.9 um where that of others moves by 0.04 to 0.2
+POOR = 4.0  # times the scatter at p1x, whose baseline moves by 0.9 um where the other probes' moves by 0.04 to 0.2
 ALL = (*PRIORS, *NOISE)
 
 

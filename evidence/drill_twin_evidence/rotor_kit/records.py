@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from drill_twin_evidence.rotor_kit.elements import Complex, Real
 
-NDArrayInt = NDArray[np.int64]
+Integers = NDArray[np.int64]
 
 CREDIT = (
     "M-Nouioua/rk4-rotor-unbalance-estimation, Copyright (c) 2026 Mourad Nouioua, MIT for code and artefacts",
@@ -36,13 +36,13 @@ class Records:
 
     condition: tuple[str, ...]
     session: tuple[str, ...]
-    repeat: NDArrayInt
-    sealed: NDArrayInt
+    repeat: Integers
+    sealed: Integers
     rpm: Real
     unbalance: Complex  # [g mm] of disc 1 and 2, angle as lag, shape (n, 2); nan where sealed
     vectors: Complex  # [um, 0 to peak], phase as lag, shape (n, 4)
 
-    def rows(self, condition: str) -> NDArrayInt:
+    def rows(self, condition: str) -> Integers:
         """Return the rows of one condition."""
         return np.flatnonzero(np.array(self.condition) == condition)
 

@@ -15,12 +15,12 @@ from scipy.special import ndtr
 
 from drill_twin_evidence.rotor_kit.elements import STEEL_DENSITY, Bearings, Complex, Discs, Real, Rotors, mesh
 
-NDArrayBool = NDArray[np.bool_]
+Flags = NDArray[np.bool_]
 
 DIAMETER = 0.010  # [m] of the shaft, stated
 YOUNG = 205e9  # [Pa] steel, handbook 200 to 210
 DISC_DIAMETER, DISC_THICKNESS = 0.076, 0.025  # [m] stated
-PARTS = 1  # elements between bearing, disc, disc and bearing: vectors of the prior within 0.12 % of those with 8
+PARTS = 1  # elements between bearing, disc, disc and bearing: vectors of the prior move by 0.12 % at most with 8
 LIKELY = 0.75  # of 480 mm between bearings: 560 mm is also stated as the whole shaft; chosen, not measured
 RUNOUT_SPEED = 251 * 2 * np.pi / 60  # [rad/s] of the record that was subtracted as run-out
 MICRO_PER_GRAM_MM = 1e6 * 1e-6  # response in m per kg m times this is um per g mm
@@ -31,7 +31,7 @@ class Prior:
     """One unknown: its name, its law, and what the law rests on."""
 
     name: str
-    law: str  # "normal", "log-normal" or "uniform" or "log-uniform"
+    law: str  # "normal", "log-normal", "uniform" or "log-uniform"
     low: float  # mean or median, or lower end
     high: float  # standard deviation (of the logarithm for log-normal), or upper end
     ground: str
@@ -127,13 +127,13 @@ class Rigs:
         """Return the places of the two pairs of probes from bearing 1 [m], shape (n, 2)."""
         return 1e-3 * self._both("probe_place") - self._first_bearing[:, None]
 
-    def possible(self) -> NDArrayBool:
+    def possible(self) -> Flags:
         """Return where the parts have room: probes and discs on the span, no probe inside a disc."""
         span, discs, probes = self.span[:, None], self.disc_places(), self.probe_places()
         clear = np.abs(discs - probes) > DISC_THICKNESS / 2 + 0.006  # 8 mm tip of a probe and 2 mm of air
         inside = (discs > 0.02) & (discs < span - 0.02) & (probes > 0.01) & (probes < span - 0.01)
         order = (probes[:, 0] < discs[:, 0]) & (discs[:, 0] < discs[:, 1]) & (discs[:, 1] < probes[:, 1])
-        result: NDArrayBool = (clear & inside).all(axis=1) & order
+        result: Flags = (clear & inside).all(axis=1) & order
         return result
 
     def rotors(self, parts: int = PARTS) -> Rotors:

@@ -22,7 +22,7 @@ from drill_twin_evidence.rotor_kit.rig import RUNOUT_SPEED, Rigs
 RADIANS = np.pi / 30  # [rad/s] of 1 rpm
 START, END = 1037.0 * RADIANS, 5005.0 * RADIANS  # [rad/s] stated
 ACCELERATION = 229.0 * RADIANS  # [rad/s2] stated
-MODES = 6  # three in each plane; steady vectors at 1,005 rpm are within 1 % of all modes
+MODES = 6  # three in each plane; steady vectors at 1,005 rpm are within 2 % of all modes
 LARGEST_STEP = 2e-4  # [s] 160 a period of the first critical; half of it moves a vector by 0.4 % of the largest
 STABLE = 1.5  # step times the fastest root: Runge-Kutta of order four is stable to 2.6 in every stable direction
 REVOLUTIONS = 4  # over which a vector once per revolution is averaged; chosen, the record's own filter is not known

@@ -2,7 +2,7 @@
 """Predictions beside a record: `python -m drill_twin_evidence.rotor_kit.score RECORDS.csv PREDICTIONS.csv`.
 
 Counted as the issue says: p2x and p2y, minus the session's baseline, net unbalance of 20 g mm or more, doubtful
-conditions and the fitted ones left out. The baseline of a session is that of the least-squares superposition of the
+conditions and the fitted ones left out. The baseline of a session comes from the least-squares superposition of the
 record itself, so no prediction enters into what it is held against.
 """
 

@@ -36,7 +36,7 @@ class Truth:
 
     @classmethod
     def drawn(cls, rng: np.random.Generator) -> Truth:
-        """Return a rig whose vectors a unit of unbalance are within 30 % of those of the record."""
+        """Return a rig whose vectors a unit of unbalance are within 30 % of the record's."""
         while True:
             many = Rigs.of(WIDER * rng.standard_normal((400, len(NAMES))))
             many = Rigs(many.values[many.possible()])
