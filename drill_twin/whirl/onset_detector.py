@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -81,8 +81,12 @@ class OnsetDetector:
             if whirl is not None:
                 whirls[mark] = whirl
         if whirls or onsets.active.any():  # the string whirls as one: so do the other marks that are displaced
-            others = (mark for mark in sorted(self._displaced) if mark not in whirls and not onsets.plane[mark])
-            whirls |= {mark: self._displaced[mark] for mark in others}
+            for mark in np.flatnonzero(np.isnan(onsets.began) & ~onsets.plane).tolist():
+                lasting = self._revolutions - float(onsets.revolutions[mark]) >= criteria.SUSTAIN
+                if mark in self._displaced:
+                    whirls.setdefault(mark, self._displaced[mark])
+                elif not math.isnan(onsets.time[mark]) and lasting:
+                    whirls.setdefault(mark, self._candidate(mark))
         crossings = [self._start_whirl(mark, whirl) for mark, whirl in whirls.items()]
         onsets.displaced[:] = False
         onsets.displaced[list(self._displaced)] = True
@@ -118,35 +122,41 @@ class OnsetDetector:
         self.moved += marks
         self._onsets.falling[:] = False
 
+    def _candidate(self, mark: int) -> _Displacement:
+        """Displacement of a mark by its candidate, from its present steady position."""
+        onsets, separation = self._onsets, self._separation
+        return _Displacement(
+            int(onsets.bin[mark]), float(onsets.revolutions[mark]), float(onsets.noise[mark]),
+            complex(separation.offset[mark]), complex(separation.synchronous[mark]), self._valid_from[mark],
+        )  # fmt: skip
+
     def _confirm(self, mark: int) -> _Displacement | None:
         """Start, drop or confirm the candidate of a mark; return it once it is confirmed as whirl."""
-        history, onsets, separation = self._history, self._onsets, self._separation
+        history, onsets = self._history, self._onsets
         if not as_python(update_candidate)(onsets, self._averaged, history, mark):
             return None
-        begun = float(onsets.revolutions[mark])
-        elapsed = self._revolutions - begun
+        found = self._candidate(mark)
+        elapsed = self._revolutions - found.revolutions
         if elapsed < criteria.SUSTAIN:
             return None
-        since = self._appended - int(onsets.bin[mark]) + 1
-        early = self._early(begun)
-        swept = self._swept(mark, since, complex(separation.arm[mark]) if early else None)
-        position = complex(separation.offset[mark]), complex(separation.synchronous[mark])
-        valid_from = self._valid_from[mark]
-        candidate = int(onsets.bin[mark]), begun, float(onsets.noise[mark])
+        since = self._appended - found.bin + 1
+        early = self._early(found.revolutions)
+        swept = self._swept(mark, since, complex(self._separation.arm[mark]) if early else None)
         if early and elapsed < criteria.SIDE_WINDOW and swept.in_hole < math.pi:
             return None  # a swing along the wall sweeps as much
         if self._whirls(swept, mark, since):
-            return _Displacement(*candidate, *position, valid_from)
+            return found
         if elapsed > criteria.SWEEP_WINDOW and onsets.plane[mark]:
             if not (self._inclined[mark] or early or mark in self._displaced):
-                self._displaced[mark] = _Displacement(*candidate, *position, valid_from)
+                self._displaced[mark] = found
             onsets.time[mark] = math.nan
             return None
         turns = swept.smallest >= criteria.LEAST_SWEPT_ANGLE  # as yet too slowly
         if elapsed > (criteria.LONGEST_SWEEP_WINDOW if turns else criteria.SWEEP_WINDOW):
             if not early and mark not in self._displaced:
-                position = steady_position(history, mark, since, self._appended - valid_from) or position
-                self._displaced[mark] = _Displacement(*candidate, *position, valid_from)
+                steady = steady_position(history, mark, since, self._appended - found.valid_from)
+                offset, synchronous = steady or (found.offset, found.synchronous)
+                self._displaced[mark] = replace(found, offset=offset, synchronous=synchronous)
             self._valid_from[mark] = self._appended
             onsets.time[mark] = math.nan
             self.moved.append(mark)

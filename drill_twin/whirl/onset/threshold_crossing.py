@@ -204,6 +204,10 @@ def _crossing_time(time: Array, revolutions: Array, radius: Array, threshold: fl
     first = int(below[-1]) + 1 if below.size else 0
     if first in {0, n}:
         return float(time[min(first, n - 1)])
+    # The mean knows of a sudden start half a revolution before: the radius itself then crosses within that time.
+    later = first - 1 + int(np.argmax(radius[first - 1 :] >= threshold))
+    if later >= first and revolutions[later] - revolutions[first] <= 0.5 * MEAN:
+        power, first = radius**2, later
     low, high = math.log(max(float(power[first - 1]), TINY)), math.log(float(power[first]))
     share = (2.0 * math.log(threshold) - low) / (high - low)
     return math.fsum((float(time[first - 1]) * (1.0 - share), float(time[first]) * share))
