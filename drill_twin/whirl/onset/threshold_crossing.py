@@ -4,6 +4,7 @@
 The crossing is the last time at which the mean square of the radius over a revolution rose to the threshold squared, by
 interpolation of its logarithm, since orbits grow exponentially. Noise is taken out of the square, and averages out;
 two whirls at once, an ellipse, strikes and irregular motion, whose radius dips within a revolution, have one crossing.
+A sudden start is in the mean half a revolution before: where the radius itself crosses within that time, it tells.
 """
 
 from __future__ import annotations
@@ -195,8 +196,8 @@ def _crossing_time(time: Array, revolutions: Array, radius: Array, threshold: fl
     index, n = np.arange(time.size), time.size
     # As many bins before as after, so that growth moves the mean no further than its curvature does.
     reach = np.minimum(
-        index - np.searchsorted(revolutions, revolutions - 0.5 * MEAN),
-        np.searchsorted(revolutions, revolutions + 0.5 * MEAN, side="right") - 1 - index,
+        index - np.searchsorted(revolutions, revolutions - 0.5 * MEAN),  # half on either side, by definition
+        np.searchsorted(revolutions, revolutions + 0.5 * MEAN, side="right") - 1 - index,  # by the same definition
     )
     total = np.concatenate(([0.0], np.cumsum(radius**2)))
     power = (total[index + reach + 1] - total[index - reach]) / (2 * reach + 1)
@@ -206,7 +207,7 @@ def _crossing_time(time: Array, revolutions: Array, radius: Array, threshold: fl
         return float(time[min(first, n - 1)])
     # The mean knows of a sudden start half a revolution before: the radius itself then crosses within that time.
     later = first - 1 + int(np.argmax(radius[first - 1 :] >= threshold))
-    if later >= first and revolutions[later] - revolutions[first] <= 0.5 * MEAN:
+    if later >= first and revolutions[later] - revolutions[first] <= 0.5 * MEAN:  # half of it, by definition
         power, first = radius**2, later
     low, high = math.log(max(float(power[first - 1]), TINY)), math.log(float(power[first]))
     share = (2.0 * math.log(threshold) - low) / (high - low)
@@ -216,7 +217,8 @@ def _crossing_time(time: Array, revolutions: Array, radius: Array, threshold: fl
 def _significance(detection: Detection) -> float:
     """1 less the probability that the averaged noise alone is as large."""
     remaining = detection.noise / math.sqrt(detection.width)
-    return 1.0 - math.exp(-0.5 * (detection.radius / remaining) ** 2) if remaining > 0.0 else 1.0
+    exponent = -0.5 * (detection.radius / remaining) ** 2 if remaining > 0.0 else -math.inf  # formula of Rayleigh
+    return 1.0 - math.exp(exponent)
 
 
 def _rotation(history: Columns, bins: int) -> float:
