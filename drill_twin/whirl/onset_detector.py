@@ -22,6 +22,7 @@ from drill_twin.whirl.onset.threshold_crossing import (
     asynchronous_crossing,
     steady_position,
 )
+from drill_twin.whirl.orbit.orbit import mean_rate
 
 RUN_UP = 28.0
 """Duration over which the rotation, and a vibration that dies, are compared with their present values [rev]: with a
@@ -82,11 +83,10 @@ class OnsetDetector:
                 whirls[mark] = whirl
         if whirls or onsets.active.any():  # the string whirls as one: so do the other marks that are displaced
             for mark in np.flatnonzero(np.isnan(onsets.began) & ~onsets.plane).tolist():
-                lasting = self._revolutions - float(onsets.revolutions[mark]) >= criteria.SUSTAIN
-                if mark in self._displaced:
-                    whirls.setdefault(mark, self._displaced[mark])
-                elif not math.isnan(onsets.time[mark]) and lasting:
-                    whirls.setdefault(mark, self._candidate(mark))
+                lasts = self._revolutions - float(onsets.revolutions[mark]) >= criteria.SUSTAIN
+                whirl = self._candidate(mark) if lasts and not math.isnan(onsets.time[mark]) else None
+                if whirl := self._displaced.get(mark, whirl):
+                    whirls.setdefault(mark, whirl)
         crossings = [self._start_whirl(mark, whirl) for mark, whirl in whirls.items()]
         onsets.displaced[:] = False
         onsets.displaced[list(self._displaced)] = True
@@ -116,10 +116,9 @@ class OnsetDetector:
 
     def _land(self) -> None:
         """End the fall of the marks in an inclined hole: where they lie now is their steady position."""
-        marks = np.flatnonzero(self._onsets.falling).tolist()
-        for mark in marks:
+        for mark in np.flatnonzero(self._onsets.falling).tolist():
             self._valid_from[mark] = self._appended
-        self.moved += marks
+            self.moved.append(mark)
         self._onsets.falling[:] = False
 
     def _candidate(self, mark: int) -> _Displacement:
@@ -243,11 +242,11 @@ class OnsetDetector:
     def _synchronous(self, swept: SweptAngle, mark: int) -> bool:
         """Check, while the rotation changes, for a synchronous part that does too, or a vibration that dies away."""
         history = self._history
-        rotation = _rates(history, newest_in(history, criteria.ORBIT_WINDOW))
-        before = _rates(history, newest_in(history, RUN_UP))
+        spans = criteria.ORBIT_WINDOW, RUN_UP
+        rotation, before = (as_python(mean_rate)(history, newest_in(history, span)) for span in spans)
         if abs(rotation - before) < 0.5 * criteria.SPEED_CHANGE * abs(rotation) or rotation == 0.0:
             return False
-        near = abs(float(self._orbit.rate[0, mark]) / rotation - 1.0) < criteria.SYNCHRONOUS_BAND
+        near = abs(float(self._orbit.rate[0, mark]) / (math.tau * rotation) - 1.0) < criteria.SYNCHRONOUS_BAND
         if near and swept.in_string < criteria.SYNCHRONOUS_ANGLE:
             return True
         n, last = newest_in(history, RUN_UP), newest_in(history, 1.0)
@@ -276,10 +275,3 @@ class OnsetDetector:
         """Angle of the carrier of a mark's orbit [rad]; None without one."""
         rate, time = float(self._rate[mark]), self._history.time[window]
         return rate * (time - time[-1]) if rate else None
-
-
-def _rates(history: Columns, bins: int) -> float:
-    """Mean rotation over the newest bins [rad/s]."""
-    window = newest(history, bins)
-    angle, time = history.angle[window], history.time[window]
-    return float((angle[-1] - angle[0]) / (time[-1] - time[0])) if bins > 1 else 0.0
