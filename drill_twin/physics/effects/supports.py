@@ -57,6 +57,12 @@ class Support(EffectConfig):
             raise refuse("expected a stiffness or a damping above 0, found none")
         return self
 
+    @property
+    def is_isotropic(self) -> bool:
+        """True if it acts alike in all directions across."""
+        alike = self.stiffness_y in (None, self.stiffness) and self.damping_y in (None, self.damping)
+        return alike and self.stiffness_xy == -self.stiffness_yx and self.damping_xy == -self.damping_yx
+
 
 class Parameters(NamedTuple):
     """The s supports as the kernel takes them."""
