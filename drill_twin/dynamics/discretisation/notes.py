@@ -61,9 +61,13 @@ def notes_on(scene: Scene) -> list[str]:
         *_friction_below_the_string(scene),
         *_rolling(scene),
         *_stick_slip(scene),
-        *_short_thick(scene),
-        *_gyroscopic(scene),
+        *notes_on_rotors(scene),
     ]
+
+
+def notes_on_rotors(scene: Scene) -> list[str]:
+    """Sentences on sections that are discs, and on gyroscopic moments that a scene leaves out."""
+    return [*_short_thick(scene), *_gyroscopic(scene)]
 
 
 def _joint(scene: Scene) -> Iterator[str]:
