@@ -7,7 +7,7 @@ holds. Where an amplitude is larger than the clearance, or a side force changes 
 wall or lifts off it: the speed is right then, the amplitude is not.
 """
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from scipy.linalg import solve_banded
@@ -155,7 +155,8 @@ def unbalance_response(scene: Scene, speeds: Array, weight_on_bit: float = 0.0) 
         entries = stiffness - speed**2 * mass + 1j * speed * damping
         moved = _solve_entries(system.rows.row, system.rows.column, entries, speed**2 * loads)
         for k in range(loads.shape[1]):
-            nodal = element_unknowns(frame.local(equations.rows(moved[:, k])))[at.element]
+            column: Any = moved[:, k]
+            nodal = element_unknowns(frame.local(equations.rows(column)))[at.element]
             found[number, k] = np.einsum("pi,pic->pc", at.shape[:, 0], nodal)[:, :2]
     return found
 

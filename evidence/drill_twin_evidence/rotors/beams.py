@@ -72,7 +72,7 @@ def _nodes(rotor: Rotor) -> tuple[Array, list[Shaft]]:
     for shaft in rotor.shafts:
         places |= set((start + np.linspace(0.0, shaft.length, shaft.elements + 1)).tolist())
         start += shaft.length
-    places |= {part.place for part in (*rotor.wheels, *rotor.bearings)}
+    places |= {wheel.place for wheel in rotor.wheels} | {bearing.place for bearing in rotor.bearings}
     ordered = np.array(sorted(places))
     ordered = ordered[np.append(True, np.diff(ordered) > 1e-9 * start)]
     tops = np.cumsum([shaft.length for shaft in rotor.shafts])
@@ -139,7 +139,7 @@ def eigenvalues(found: System, speed: float, count: int) -> Array:
     values = scipy.linalg.eigvals(inverse)
     values = 1.0 / values[np.abs(values) > 0.0]
     values = values[values.imag > 1e-6 * np.abs(values)]
-    return values[np.argsort(np.abs(values))][:count]
+    return np.asarray(values[np.argsort(np.abs(values))][:count])
 
 
 def response(found: System, speed: float, place: float, unbalance: complex, probe: float) -> complex:
