@@ -40,7 +40,8 @@ class Disc(EffectConfig):
     mass: DiscMass | None = None
     """Mass [kg]; left out: from the dimensions."""
     polar_inertia: DiscInertia | None = None
-    """Moment of inertia about the string's axis [kg m^2]; left out: from the dimensions, else 0."""
+    """Moment of inertia about its own axis, along the string [kg m^2]; left out: from the dimensions, else 0. The
+    unbalance U adds U^2 over the mass."""
     diametral_inertia: DiscInertia | None = None
     """Moment of inertia about a diameter [kg m^2], for the effect `gyroscopic`; left out: as above."""
     outer_diameter: Annotated[Length, Within(above="0 m", at_most="100 m")] | None = None
@@ -71,6 +72,8 @@ class Disc(EffectConfig):
             raise refuse(f"expected a `bore` below the `outer_diameter`, found {self.bore:.6g} m")
         if (self.weight is None) != (self.radius is None) or (self.weight is not None and self.unbalance is not None):
             raise refuse("expected an `unbalance`, or `weight` and `radius`, or none of them, found another choice")
+        if self.mass == 0.0 and self.moment > 0.0:
+            raise refuse("expected a `mass` above 0 kg with an unbalance, found 0 kg")
         if self.angle != 0.0 and self.moment == 0.0:
             raise refuse("expected an `angle` with an unbalance only, found it without one")
         return self
@@ -120,8 +123,10 @@ def parameters(discs: tuple[Disc, ...], model: DiscreteModel) -> Parameters:
     bodies, down = model.bodies, np.array([np.sin(model.inclination), 0.0, -np.cos(model.inclination)])
     x, y = transverse_axes(model.directions[bodies.node])
     size = np.array([disc.moment * np.exp(1j * disc.angle) for disc in discs])[:, None]
+    # about the string's axis: the mass centre is off it by U / m (Steiner), or a light disc would gain energy
+    polar = bodies.polar + np.abs(size[:, 0]) ** 2 / np.maximum(bodies.mass, 1e-300)
     turned = np.stack([size.real * x + size.imag * y, size.real * y - size.imag * x], axis=1)
-    return Parameters(bodies.node, bodies.mass, bodies.polar, bodies.weight[:, None] * down, turned)
+    return Parameters(bodies.node, bodies.mass, polar, bodies.weight[:, None] * down, turned)
 
 
 @kernel
