@@ -36,6 +36,11 @@ class DiscreteModel(NamedTuple):
         return np.asarray(np.abs(self.rod.arc - distance[:, None]).argmin(axis=1), np.int64)
 
     @property
+    def shares(self) -> Array:
+        """Length of string that each node stands for, half of the elements beside it [m], shape (n + 1,)."""
+        return 0.5 * (np.append(self.rod.length, 0.0) + np.append(0.0, self.rod.length))
+
+    @property
     def directions(self) -> Array:
         """Direction of the hole at the nodes, shape (n + 1, 3)."""
         return np.tile([0.0, 0.0, 1.0], (self.rod.arc.size, 1)) if self.nodes is None else self.nodes.tangent
