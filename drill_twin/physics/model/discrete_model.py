@@ -38,7 +38,7 @@ class DiscreteModel(NamedTuple):
     @property
     def shares(self) -> Array:
         """Length of string that each node stands for, half of the elements beside it [m], shape (n + 1,)."""
-        return 0.5 * (np.append(self.rod.length, 0.0) + np.append(0.0, self.rod.length))
+        return np.asarray(0.5 * (np.append(self.rod.length, 0.0) + np.append(0.0, self.rod.length)))
 
     @property
     def directions(self) -> Array:
