@@ -175,3 +175,19 @@ def test_effects_above_the_joint_are_given_the_turn_of_the_string():
     assert cos == pytest.approx(np.cos(turn))
     assert sin == pytest.approx(np.sin(turn))
     assert np.ptp(turn) > 30.0
+
+
+@pytest.mark.long
+def test_a_jar_above_the_joint_hangs_on_the_hook_and_has_its_mass():
+    """The string above the joint carries a disc: weight along the hole, mass and polar inertia."""
+    jar = "[{name: jar, distance_from_bit: 600 m, mass: 900 kg, polar_inertia: 40 kg m^2}]"
+    cut = {"numerics.lateral_from": "2700 m", "numerics.audit": "energy"}
+    plain = Twin(load_scene("wells/vertical_3000", overrides=cut))
+    heavy = Twin(load_scene("wells/vertical_3000", overrides=cut | {"string.discs": jar}))
+    assert heavy.dynamics.form == "joined"
+    command = Command(*heavy.scene.rig.first)
+    frames = [[twin.advance(command, 0.02) for _ in range(10)][-1] for twin in (plain, heavy)]
+    more = frames[1].rig.hookload - frames[0].rig.hookload
+    gravity = heavy.scene.effects.gravity.magnitude
+    assert more == pytest.approx(900.0 * gravity, rel=0.02)
+    assert abs(frames[1].energy.residual - frames[1].energy.newton) < 1e-4 * frames[1].energy.scale
