@@ -83,6 +83,8 @@ def _joint(scene: Scene) -> Iterator[str]:
     )
     above = [mark.name for mark in scene.string.marks if mark.distance_from_bit > joint]
     stays = f"; marks that stay on the axis: {', '.join(above)}" if above else ""
+    idle = [support.name for support in scene.string.supports if support.distance_from_bit > joint]
+    stays += f"; supports that hold nothing, as nothing moves across the hole there: {', '.join(idle)}" if idle else ""
     coarse = f", in elements of up to {longest} (a period of stick-slip may be off by 2 %; more `elements` divide them)"
     coarse = coarse if scene.numerics.elements == "auto" else ""
     yield (

@@ -191,3 +191,11 @@ def test_a_jar_above_the_joint_hangs_on_the_hook_and_has_its_mass():
     gravity = heavy.scene.effects.gravity.magnitude
     assert more == pytest.approx(900.0 * gravity, rel=0.02)
     assert abs(frames[1].energy.residual - frames[1].energy.newton) < 1e-4 * frames[1].energy.scale
+
+
+def test_a_support_above_the_joint_holds_nothing_and_the_note_says_so():
+    places = {"upper": 600, "near": 100}
+    held = [{"name": name, "distance_from_bit": f"{at} m", "stiffness": "1e6 N/m"} for name, at in places.items()]
+    scene = load_scene("wells/vertical_3000", overrides={"numerics.lateral_from": "2700 m", "string.supports": held})
+    (note,) = [note for note in notes_on(scene) if "numerics.lateral_from" in note]
+    assert note.endswith("supports that hold nothing, as nothing moves across the hole there: upper")
