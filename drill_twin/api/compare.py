@@ -16,7 +16,7 @@ from drill_twin.api.scenes import load_scene
 from drill_twin.api.simulation import Simulation
 from drill_twin.api.torque_drag import statics
 from drill_twin.core.errors import ArgumentError, RunError, SceneError
-from drill_twin.core.table import Column, Table
+from drill_twin.core.table import Table
 from drill_twin.core.units.system import UnitSystem
 from drill_twin.dynamics.rotordynamics.modes import LATERAL
 from drill_twin.report.page import html_page, picture
@@ -145,8 +145,5 @@ def page(
 
 def table(cases: int, rows: Sequence[ComparedQuantity], units: UnitSystem) -> Table:
     """Quantities of the cases, a row each."""
-    cells = (
-        (Column(row.name, units.in_unit(row.unit)[1]).title, *(row.text(case, units) for case in range(cases)))
-        for row in rows
-    )
-    return Table(("", *(chr(ord("A") + case) for case in range(cases))), cells, right=range(1, 1 + cases))
+    heads = ("", *(chr(ord("A") + case) for case in range(cases)))
+    return Table(heads, (row.cells(units) for row in rows), right=range(1, 1 + cases))

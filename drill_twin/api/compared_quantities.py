@@ -13,6 +13,7 @@ import numpy as np
 from drill_twin.api.result import Result
 from drill_twin.core.arrays import Array, number_or_nan
 from drill_twin.core.severity import DEFAULT, UNITS, WORDS, Bounds
+from drill_twin.core.table import Column
 from drill_twin.core.units.system import UnitSystem
 from drill_twin.dynamics.torque_drag.analysis import OperationLoads
 from drill_twin.whirl.criteria import STANDSTILL
@@ -88,6 +89,11 @@ class ComparedQuantity(NamedTuple):
         """True if a case differs from the first by what matters and a share of the larger one; words: at all."""
         first, *others = (one if isinstance(one, str) else min(one, self.enough) for one in self.values)
         return any(_differ(first, other, tolerance, self.matters) for other in others)
+
+    def cells(self, units: UnitSystem) -> tuple[str, ...]:
+        """Name with unit, and the value of each case as text."""
+        title = Column(self.name, units.in_unit(self.unit)[1]).title
+        return (title, *(self.text(case, units) for case in range(len(self.values))))
 
     def text(self, case: int, units: UnitSystem) -> str:
         """Value as text in the units of the reader, with its difference from the first case."""
@@ -189,22 +195,20 @@ def _run(case: Case, places: list[tuple[str, str, float]]) -> Iterator[tuple[tup
     yield ("fatigue damage", "-"), max(damage, default=math.nan)
     yield ("rate of penetration", "m/s"), number_or_nan(summary["rate_of_penetration_m_s"])
     yield ("specific energy", "Pa"), number_or_nan(summary["specific_energy_pa"])
-    if late.any():
-        speed = rig.bit_speed[late]
-        yield ("speed of the bit, least", "rad/s"), _least(speed)
-        yield ("speed of the bit, largest", "rad/s"), -_least(-speed)
-        yield (
-            ("time of the bit at rest", "%"),
-            100.0 * float(np.mean(np.abs(speed) < STANDSTILL * abs(np.nanmean(speed)))),
-        )
-        for name, unit, values in (
-            ("torque of the top drive", "N m", rig.top_drive_torque[late]), ("weight on bit", "N", rig.bit_force[late]),
-            ("hookload", "N", rig.hookload[late]),
-        ):  # fmt: skip
-            yield (f"{name}, mean", unit), float(np.nanmean(values))
-            yield (f"{name}, swing", unit), -_least(-values) - _least(values)
+    speed = _known(rig.bit_speed[late])
+    if speed.size:
+        yield ("speed of the bit, least", "rad/s"), float(speed.min())
+        yield ("speed of the bit, largest", "rad/s"), float(speed.max())
+        at_rest = np.abs(speed) < STANDSTILL * abs(speed.mean())
+        yield ("time of the bit at rest", "%"), 100.0 * float(at_rest.mean())
+    for name, unit, values in (
+        ("torque of the top drive", "N m", rig.top_drive_torque), ("weight on bit", "N", rig.bit_force),
+        ("hookload", "N", rig.hookload),
+    ):  # fmt: skip
+        if (known := _known(values[late])).size:
+            yield (f"{name}, mean", unit), float(known.mean())
+            yield (f"{name}, swing", unit), float(np.ptp(known))
 
 
-def _least(values: Array) -> float:
-    known = values[np.isfinite(values)]
-    return float(known.min()) if known.size else math.nan
+def _known(values: Array) -> Array:
+    return values[np.isfinite(values)]

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from drill_twin.api.compared_quantities import Case, quantities
 from drill_twin.api.result import Result, read_bag
 from drill_twin.api.scenes import Overrides, as_scene
 from drill_twin.api.simulation import Simulation
@@ -75,11 +76,10 @@ class Rerun:
         """True for the record of a rig, whose set-points may have been replaced."""
         return isinstance(self.recorded.recording.bag, RecordBag)
 
-    def table(self) -> list[tuple[str, str, str]]:
-        """Quantity, recorded value and computed value, as text with units."""
-        from drill_twin.report.comparison import comparison
-
-        return comparison(self.recorded.summary, self.computed.summary)
+    def table(self) -> list[tuple[str, ...]]:
+        """Quantity with its unit, recorded value and computed value, as `drill-twin compare` shows them."""
+        found = quantities([Case("recorded", self.recorded, None), Case("computed again", self.computed, None)])
+        return [row.cells(self.computed.recording.units) for row in found]
 
     def plot(self) -> Figure:
         """Figure of both runs over time: distance of the marks from the axis, hookload, torque, speed of the bit."""

@@ -35,8 +35,8 @@ from drill_twin.dynamics.rotordynamics.steady.imperfections import Modulation, l
 from drill_twin.dynamics.rotordynamics.steady.refinement import refined_states
 from drill_twin.dynamics.rotordynamics.steady.steady_whirl import TurningEquations
 from drill_twin.dynamics.rotordynamics.steady.whirl_state import WhirlState
-from drill_twin.dynamics.torque_drag.operations import Operation
 from drill_twin.dynamics.torque_drag.sliding_balance import SlidingBalance
+from drill_twin.dynamics.torque_drag.soft_string import Operation
 from drill_twin.scene import Scene
 from drill_twin.scene.overrides import full_key
 from drill_twin.scene.schema import number_at

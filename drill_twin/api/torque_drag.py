@@ -10,8 +10,8 @@ from drill_twin.api.rotordynamics import final_command, steady_scene
 from drill_twin.api.scenes import Overrides
 from drill_twin.dynamics.torque_drag import analysis
 from drill_twin.dynamics.torque_drag.analysis import Statics
-from drill_twin.dynamics.torque_drag.operations import FEED, TRIP_SPEED, Operation, operations
 from drill_twin.dynamics.torque_drag.over_depth import OverDepth, over_depth
+from drill_twin.dynamics.torque_drag.soft_string import FEED, TRIP_SPEED, Operation, operations
 from drill_twin.report.quantities import string_weight
 from drill_twin.scene import Scene
 

@@ -98,9 +98,12 @@ def modes(
 
 
 def _shown(table: ModeTable, diagram: Campbell | None, scene: Scene) -> Iterator[Table | str]:
+    from drill_twin.dynamics.discretisation.notes import notes_on_rotors
+
     units = scene.unit_system
-    yield _table(table, scene.name, units)
+    yield _table(table, scene)
     yield from _sentences(table)
+    yield from notes_on_rotors(scene)
     if table.assembly is not None:
         yield from _assembly(table, table.assembly, units)
         if (mud := scene.effects.added_mass) and not mud.confined:
@@ -110,8 +113,8 @@ def _shown(table: ModeTable, diagram: Campbell | None, scene: Scene) -> Iterator
         yield f"critical speeds: {named or 'none up to the largest speed'}"
 
 
-def _table(table: ModeTable, name: str, units: UnitSystem) -> Table:
-    command, part = table.balance.command, table.assembly
+def _table(table: ModeTable, scene: Scene) -> Table:
+    command, part, units = table.balance.command, table.assembly, scene.unit_system
     rows = []
     for mode in table.modes:
         sense = ""
@@ -127,10 +130,12 @@ def _table(table: ModeTable, name: str, units: UnitSystem) -> Table:
             )  # fmt: skip
             shown = [shown[0], *(lateral if mode.kind == "lateral" else [""] * 4), *shown[2:4], f"{mode.growth:+.2g}"]
         rows.append((*shown, f"{mode.damping_ratio:.2g}"))
-    place = "on the axis" if table.on_axis else "on the wall"
+    off = "in balance" if scene.effects.wall is None else "on the wall"
+    place = "on the axis" if table.on_axis else off
     title = (
-        f"{name}: {units.set_point(command.weight_on_bit, command.rotation)}, string {place}. Frequency in Hz, growth "
-        "in 1/s (- decays, + grows), +- change between two meshes, one twice as fine as the other, damping ratio."
+        f"{scene.name}: {units.set_point(command.weight_on_bit, command.rotation)}, string {place}. "
+        "Frequency in Hz, growth in 1/s (- decays, + grows), +- change between two meshes, one twice as fine as the "
+        "other, or rounding where it is more, damping ratio."
     )
     if part is None:
         return Table(("mode", "whirl", "frequency", "+-", "growth", "+-", "damping"), rows, title=title,

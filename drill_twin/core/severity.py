@@ -91,10 +91,6 @@ class Severity(NamedTuple):
     place: str = ""
     """Mark or part with this value; empty where the quantity is of the whole string."""
 
-    def order(self, bounds: Bounds) -> tuple[int, float]:
-        """Key by which of two severities the worse decides: the grade, then the value over its severe bound."""
-        return self.grade, self.value / getattr(bounds, self.quantity)[-1]
-
     @property
     def entry(self) -> dict[str, Any]:
         """Entry of a summary: `grade`, `word`, `quantity`, `value` [SI] and `place`, in plain types."""
@@ -134,6 +130,11 @@ def grade(quantity: str, value: float, bounds: Bounds = DEFAULT) -> Grade | None
     return None if math.isnan(value) else Grade(bisect_right(getattr(bounds, quantity), value))
 
 
+def _top(known: Iterable[Severity], bounds: Bounds) -> Severity | None:
+    """Severity that decides: of the highest grade, then nearest to, or furthest beyond, its severe bound."""
+    return max(known, default=None, key=lambda one: (one.grade, one.value / getattr(bounds, one.quantity)[-1]))
+
+
 def worst_row(rows: Mapping[str, Mapping[str, Any]], bounds: Bounds) -> dict[str, Any] | None:
     """Entry of the row that decides, with its `why`, of rows of a summary by quantity; None where none is graded.
 
@@ -144,20 +145,15 @@ def worst_row(rows: Mapping[str, Mapping[str, Any]], bounds: Bounds) -> dict[str
         for quantity, row in rows.items()
         if row["grade"] is not None
     ]
-    top = max(known, default=None, key=lambda one: one.order(bounds))
+    top = _top(known, bounds)
     side = rows.get("lateral_rms", {"grade": 0})
     unknown = "" if side["grade"] is not None else f"{WORDS['lateral_rms'].partition(',')[0]} unknown ({side['why']})"
     return top and {**top.entry, "why": rows[top.quantity].get("why", ""), "unknown": unknown}
 
 
 def worst(found: Iterable[tuple[str, float, str]], bounds: Bounds = DEFAULT) -> Severity | None:
-    """Severity of a motion, from its quantities, values in SI and places; None where no value is known.
-
-    Of quantities with the same grade the quantity decides that is nearest to, or furthest beyond, its severe bound.
-    """
-    known = [
-        Severity(at, quantity, value, place)
-        for quantity, value, place in found
-        if (at := grade(quantity, value, bounds)) is not None
-    ]
-    return max(known, default=None, key=lambda one: one.order(bounds))
+    """Severity of a motion, from its quantities, values in SI and places; None where no value is known."""
+    known = ((grade(quantity, value, bounds), quantity, value, place) for quantity, value, place in found)
+    return _top(
+        (Severity(at, quantity, value, place) for at, quantity, value, place in known if at is not None), bounds
+    )

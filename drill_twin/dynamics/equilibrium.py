@@ -113,7 +113,7 @@ def _converge(string: Dynamics, first: float, tolerance: float, most: int) -> tu
             if failures > MAX_FAILED_STEPS:
                 break
             continue
-        force = _residual_force(string.rod, u - before, 0.5 * step)
+        force = _residual_force(string, u - before, 0.5 * step)
         if force < (2.0 * tolerance if step <= first else tolerance):
             if step <= first:
                 return force, count
@@ -130,10 +130,12 @@ def _converge(string: Dynamics, first: float, tolerance: float, most: int) -> tu
     )
 
 
-def _residual_force(rod: Rod, moved: Array, half: float) -> float:
+def _residual_force(string: Dynamics, moved: Array, half: float) -> float:
     """Largest residual force at a node [N], M moved / h^2 by backward Euler from rest."""
-    forces = np.einsum("eij,ejc->eic", rod.mass, element_unknowns(moved)) / half**2
+    forces = np.einsum("eij,ejc->eic", string.rod.mass, element_unknowns(moved)) / half**2
     nodal = np.pad(forces[:, 0], ((0, 1), (0, 0))) + np.pad(forces[:, 2], ((1, 0), (0, 0)))
+    if (discs := string.model.bodies) is not None:
+        np.add.at(nodal, discs.node, discs.mass[:, None] * moved[discs.node, :3] / half**2)
     return float(np.linalg.norm(nodal, axis=1).max())
 
 
@@ -238,4 +240,6 @@ def _static_twist(dynamics: Dynamics, u: Array, v: Array, command: Command) -> A
     body = dynamics.scene.effects.bit_mass
     if body is not None:
         torque[0] += body.inertia * acceleration[0]
+    if (discs := dynamics.model.bodies) is not None:
+        np.add.at(torque, discs.node, discs.polar * acceleration[discs.node])
     return twist_under(rod, torque)

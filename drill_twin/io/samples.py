@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from functools import lru_cache
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -115,12 +115,10 @@ class SamplePairing:
 
 
 class MarkReader:
-    """Reads positions, spin and wall force of given marks; the columns are kept while the layout is the same."""
+    """Reads positions, spin and wall force of given marks."""
 
-    def __init__(self, marks: Sequence[str]) -> None:
+    def __init__(self, marks: tuple[str, ...]) -> None:
         self._marks = marks
-        self._layout: tuple[str, ...] = ()
-        self._columns = np.zeros((0, len(MARK_AXES)), np.intp)
 
     def read(self, states: JointStates, rig: Array) -> SampleRows:
         """Samples of the states, one a row.
@@ -133,23 +131,23 @@ class MarkReader:
             MessageError: The messages have no positions, or positions of other marks.
         """
         self.check(states)
-        values, force = self._chosen(states.position), None
+        chosen = columns(states.names, self._marks)
+        values, force = _with_missing(states.position)[:, chosen], None
         if states.effort.size:
-            components = self._chosen(states.effort)
+            components = _with_missing(states.effort)[:, chosen]
             force = np.hypot(components[..., 0], components[..., 1])
         return SampleRows(states.stamps, values[..., :3], values[..., 3], force, rig, states.frame_id)
 
-    def _chosen(self, values: Array) -> Array:
-        """Values of the marks by axis, shape (n, m, 4); NaN for an axis that the messages lack."""
-        return np.concatenate((values, np.full((len(values), 1), np.nan)), axis=1)[:, self._columns]
-
     def check(self, states: JointStates) -> None:
         """Check that the marks are in a message; raises MessageError as `read`."""
-        if states.names != self._layout:
-            self._columns = columns(states.names, self._marks)
-            self._layout = states.names
+        columns(states.names, self._marks)
         if not states.position.size:
             raise MessageError(f"expected positions on {MARKS_STATE}, found none")
+
+
+def _with_missing(values: Array) -> Array:
+    """Values of the joints, and NaN for an axis that the messages lack, shape (n, j + 1)."""
+    return np.concatenate((values, np.full((len(values), 1), np.nan)), axis=1)
 
 
 def rig_of(states: JointStates) -> Array:
@@ -168,7 +166,8 @@ def rig_of(states: JointStates) -> Array:
     return found
 
 
-def columns(names: Sequence[str], marks: Sequence[str]) -> NDArray[np.intp]:
+@lru_cache(maxsize=8)
+def columns(names: tuple[str, ...], marks: tuple[str, ...]) -> NDArray[np.intp]:
     """Indices of x, y, z and spin of the marks among the joints of a `/marks/state`, shape (m, 4).
 
     A missing z or spin has the index after the last. Joints of other marks are ignored.

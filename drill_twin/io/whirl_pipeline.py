@@ -239,7 +239,7 @@ class WhirlPipeline:
             self.bit_only = BitOnlyAnalyzer() if self._without_marks or not self.marks else None
             self._analyzer = None if self.bit_only is not None else Analyzer(self.marks)
         self.encoder = FindingsEncoder(self.marks, scene.severity_bounds if scene else None)
-        self._mark_reader = MarkReader([mark.name for mark in self.marks])
+        self._mark_reader = MarkReader(tuple(mark.name for mark in self.marks))
         self._order = SampleOrder()
         self.scene, self.findings, self.trouble = scene, None, ""
         self.runs += 1

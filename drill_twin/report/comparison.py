@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -11,9 +11,7 @@ from matplotlib.figure import Figure
 
 from drill_twin.core.units.system import UnitSystem
 from drill_twin.report.figures.style import BLUE, GREEN, PURPLE, RIGHT, VERMILION, over_time, styled, unbridged
-from drill_twin.report.load_text import load_rows, number_text, units_of
 from drill_twin.report.recording import Recording
-from drill_twin.report.text import radius_text, rotation
 
 _RECORDED: dict[str, Any] = {"color": BLUE, "linewidth": 2.2, "alpha": 0.45}
 _COMPUTED: dict[str, Any] = {"color": VERMILION, "linewidth": 0.9}
@@ -22,27 +20,6 @@ _CHANNELS = (
     ("bit_speed", "speed of the bit", "rotation"),
 )  # fmt: skip
 _BESIDE = tuple({"color": colour, "linewidth": 1.2, "alpha": 0.85} for colour in (BLUE, VERMILION, GREEN, PURPLE))
-
-
-def comparison(recorded: Mapping[str, Any], computed: Mapping[str, Any]) -> list[tuple[str, str, str]]:
-    """Rows of quantity, recorded value and computed value, as text with units, from two summaries."""
-    units = units_of(computed)
-    first, second = dict(_values(recorded, units)), dict(_values(computed, units))
-    return [(name, first.get(name, "none"), second.get(name, "none")) for name in first | second]
-
-
-def _values(summary: Mapping[str, Any], units: UnitSystem) -> Iterator[tuple[str, str]]:
-    onset = summary["onset_s"]
-    yield "onset of whirl", "none" if onset is None else f"{onset:.2f} s, {summary['onset_mark']}"
-    yield "whirl frequency", number_text(summary["whirl_frequency_hz"], "{:+.3f} Hz", "none")
-    yield "whirl ratio", number_text(summary["whirl_ratio"], "{:+.3f}", "none")
-    yield "rotation", rotation(summary, units)
-    for mark, radius in summary["max_radius_m"].items():
-        yield f"largest radius, {mark}", radius_text(radius, None, units)
-    yield from load_rows(summary)
-    yield "motion at the end", summary["motion"][-1]["state"] if summary["motion"] else "unknown"
-    yield "bit at the end", summary["bit"]
-    yield "simulated time", f"{summary['duration_s']:.2f} s"
 
 
 def draw_comparison(recorded: Recording, computed: Recording) -> Figure:

@@ -87,7 +87,11 @@ def build_page(
         _scene(scene) if scene and not isinstance(recording.bag, RecordBag) else "",
         f"<footer>drawn by drill_twin {escape(__version__)} from {escape(recording.path.name)}</footer>",
     ]  # fmt: skip
-    return html_page(f"{name}: drill_twin report", "".join(body), _scripts(charts, recording))
+    plots = json.dumps(charts, allow_nan=False, separators=(",", ":")).replace("<", "\\u003c")
+    moves = len(recording.poses) > 0
+    data = {"chart-data": plots} | ({"view-data": view_data(recording)} if moves else {})
+    code = ("zoom.js", "charts.js", *(("view.js",) if moves else ()))
+    return html_page(f"{name}: drill_twin report", "".join(body), scripts(data, *map(asset, code)))
 
 
 def html_page(title: str, body: str, scripts: str = "") -> str:
@@ -101,7 +105,7 @@ def html_page(title: str, body: str, scripts: str = "") -> str:
     return (
         '<!DOCTYPE html>\n<html lang="en"><head><meta charset="utf-8">'
         '<meta name="viewport" content="width=device-width, initial-scale=1">'
-        f'<title>{escape(title)}</title><link rel="icon" href="data:,"><style>{_asset("page.css")}</style></head>\n'
+        f'<title>{escape(title)}</title><link rel="icon" href="data:,"><style>{asset("page.css")}</style></head>\n'
         f"<body><main>{body}</main>\n{scripts}</body></html>\n"
     )
 
@@ -228,20 +232,17 @@ def _view(scene: Scene) -> str:
     )
 
 
-def _scripts(charts: Mapping[str, Any], recording: Recording) -> str:
-    plots = json.dumps(charts, allow_nan=False, separators=(",", ":")).replace("<", "\\u003c")
-    data = [("application/json", "chart-data", plots), ("text/plain", "plotly-packed", plotly_packed())]
-    names = ["zoom.js", "plotly.js", "charts.js"]
-    if len(recording.poses):
-        data.append(("application/json", "view-data", view_data(recording)))
-        names.append("view.js")
+def scripts(data: Mapping[str, str], *code: str) -> str:
+    """Elements `script` of a page: JSON texts by their id, plotly, and code that uses both once `plotlyReady` is."""
+    named = {**data, "plotly-packed": plotly_packed()}
     return "\n".join(
         (
-            *(f'<script type="{kind}" id="{name}">{text}</script>' for kind, name, text in data),
-            *(f"<script>{_asset(name)}</script>" for name in names),
+            *(f'<script type="application/json" id="{name}">{text}</script>' for name, text in named.items()),
+            *(f"<script>{text}</script>" for text in (asset("plotly.js"), *code)),
         )
     )
 
 
-def _asset(name: str) -> str:
+def asset(name: str) -> str:
+    """Text of a file beside this module."""
     return files("drill_twin.report").joinpath("assets", name).read_text("utf-8")

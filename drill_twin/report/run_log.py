@@ -6,7 +6,6 @@ The findings of the analyzer that ran with the twin are compared with the findin
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -22,6 +21,7 @@ from drill_twin.io.messages.whirl_encode import OnsetMessage, decode_onset
 from drill_twin.runs.monitor import RecordedRejections, recorded_sentences
 
 _SIMULATORS = {"simulator", "twin"}
+_SPEEDS = ("realtime_factor", "physics_speed")
 
 
 class RunLog:
@@ -30,10 +30,8 @@ class RunLog:
     def __init__(self, info: dict[str, Any] | None = None) -> None:
         self.info = info or {}
         """Content of the `run` block: version, seed, elements, step, effects, pace, start."""
-        self.realtime_factor: float | None = None
-        """Simulated over wall time; None where the bag does not say."""
-        self.physics_speed: float | None = None
-        """Simulated time over the time spent computing the motion."""
+        self.speeds: dict[str, float | None] = dict.fromkeys(_SPEEDS)
+        """Simulated over wall time, and over the time spent computing the motion; None where the bag does not say."""
         self.steps: dict[str, int] = {}
         """Counts of time steps, by the names in `COUNTS`."""
         self.left_out: list[str] = []
@@ -60,19 +58,12 @@ class RunLog:
         for status in statuses:
             values = status.values
             if status.name.rpartition("/")[2] in _SIMULATORS and "realtime_factor" in values:
-                self._on_speed(values)
+                self.speeds |= {key: x for key in _SPEEDS if (x := number(values.get(key, ""))) is not None}
                 self.steps |= {key: n for key in COUNTS if (n := whole_number(values.get(key, ""))) is not None}
                 self.left_out = recorded_sentences(values)
                 self.guard.update(values)
                 if self.guard.energy:
                     self._energies[stamp] = {"time": seconds(stamp), **self.guard.energy}
-
-    def _on_speed(self, values: Mapping[str, str]) -> None:
-        """Read the two speeds; in old bags, without a name for each, the real-time factor is the physics' alone."""
-        if (speed := number(values.get("physics_speed", values["realtime_factor"]))) is not None:
-            self.physics_speed = speed
-        if "physics_speed" in values and (factor := number(values["realtime_factor"])) is not None:
-            self.realtime_factor = factor
 
     @property
     def energy(self) -> dict[str, Array]:

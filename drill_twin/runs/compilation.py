@@ -4,10 +4,9 @@
 numba and LLVM hold a process for seconds at a time, in which it answers no service and no signal. The child leaves the
 process free; loading the machine code from the cache afterwards takes a tenth of a second.
 
-The time that it takes depends on the machine and on the effects. The share done follows from the course of the last
-compilation of the same kind, which is kept with the compiled kernels. One function takes up to a hundred times as long
-as another, so the last course turns the number of compiled functions into a share of the time: it has the time at which
-each number was reached.
+The time that it takes depends on the machine and on the effects, so the progress names the last compilation of the same
+kind, which is kept with the compiled kernels. No share of the time is told: one function takes up to a hundred times as
+long as another.
 """
 
 import json
@@ -22,8 +21,6 @@ import time
 from collections.abc import Callable
 from contextlib import suppress
 from pathlib import Path
-
-import numpy as np
 
 from drill_twin.core.compile.kernel_cache import NotCachedError, fingerprint, from_cache_only
 from drill_twin.core.errors import RunStopped
@@ -41,64 +38,49 @@ from drill_twin.whirl import Analyzer
 
 _LOG = logging.getLogger(__name__)
 
-EMPTY, FURTHER = "empty", "further"
-"""Kinds: with an empty cache, which compiles what all scenes share too; with machine code of other effects."""
-FIRST_COURSE = ((0, 0.0), (46, 0.12), (114, 0.4), (160, 0.43), (185, 0.74), (231, 0.81), (285, 1.0))
-"""Functions and share of the time with an empty cache, scene pa6_bench."""
-_POINTS = 24
-_NAME = "compile_course_{}.json"
+_EMPTY, _FURTHER = "empty", "further"  # kinds: compiles what all scenes share too; beside machine code of other effects
+_NAME = "last_compilation_{}.json"
 
 
-class CompileShare:
-    """Text of the progress of a compilation; `save` keeps its course for the next."""
+class LastCompilation:
+    """Number of functions and wall-clock time of the last compilation of the same kind: what the next may take."""
+
+    functions, seconds = 0, 0.0
+    """Both 0 where none is known."""
 
     def __init__(self, folder: Path) -> None:
-        """Read the course of the last compilation of the same kind.
+        """Read them.
 
         Args:
             folder: Folder of compiled kernels.
         """
         module = observation.__name__
         shared = f"part_{module}.{observation.observe_nodes.__name__}_{fingerprint(f'import {module}')}.*"
-        kind = FURTHER if next(folder.glob(shared), None) else EMPTY
-        self._path = folder / _NAME.format(kind)
-        self._seen: list[tuple[int, float]] = []
-        self._seconds = 0.0
-        """Wall-clock time of the last compilation [s]; 0 where it is not known."""
-        self._course = np.array(FIRST_COURSE if kind == EMPTY else ())
+        self._kind = _FURTHER if next(folder.glob(shared), None) else _EMPTY
+        self._path = folder / _NAME.format(self._kind)
         try:
-            course = np.array(read_json(read_own(self._path) or b"[]"), float)
-            if course.ndim == 2 and course.shape[1] == 2 and np.all(np.isfinite(course)) and course[-1, 1] > 0.0:
-                self._seconds = float(course[-1, 1])
-                self._course = course / (1.0, self._seconds)
+            functions, seconds = read_json(read_own(self._path) or b"[0, 0]")
+            self.functions, self.seconds = int(functions), float(seconds)
         except (ValueError, TypeError, RecursionError):
-            pass  # a damaged file is no course; the next course is written over it
+            pass  # a damaged file tells nothing; the next is written over it
 
-    @property
-    def before(self) -> str:
-        """Time that the compilation is expected to take, in words, before it begins."""
-        if self._seconds:
-            return f"the last such took {self._seconds:.0f} s"
-        return f"{'one' if self._course.size else 'ten seconds'} to two minutes on most machines"
+    def __str__(self) -> str:
+        """Time that the compilation is expected to take."""
+        if self.seconds > 0.0:
+            return f"the last such took {self.seconds:.0f} s"
+        return f"{'one' if self._kind == _EMPTY else 'ten seconds'} to two minutes on most machines"
 
     def text(self, functions: int, seconds: float) -> str:
         """Progress after a number of functions and a wall-clock time [s]."""
-        if not self._seen or functions > self._seen[-1][0]:
-            self._seen.append((functions, seconds))
-        if not self._course.size or functions >= self._course[-1, 0]:
-            return f"{functions} functions, {seconds:.0f} s"
-        share = float(np.interp(functions, *self._course.T))
-        left = f", about {seconds * (1.0 - share) / share:.0f} s left" if share >= 0.1 else ""
-        return f"{functions} of about {self._course[-1, 0]:.0f} functions, {seconds:.0f} s; {share:.0%} done{left}"
+        of = f" of about {self.functions}" if functions < self.functions else ""
+        return f"{functions}{of} functions, {seconds:.0f} s; {self}"
 
-    def save(self, seconds: float) -> None:
-        """Keep the course of this compilation, which took a wall-clock time [s]."""
-        if self._seen:
-            chosen = self._seen[:: max(1, len(self._seen) // _POINTS)]
-            try:
-                write_whole(self._path, json.dumps([*chosen, (self._seen[-1][0], seconds)]), PRIVATE)
-            except OSError as error:
-                _LOG.warning("%s: not kept: %s", self._path, error.strerror or error)
+    def keep(self, functions: int, seconds: float) -> None:
+        """Keep functions and time [s] of this compilation for the next."""
+        try:
+            write_whole(self._path, json.dumps([functions, seconds]), PRIVATE)
+        except OSError as error:
+            _LOG.warning("%s: not kept: %s", self._path, error.strerror or error)
 
 
 COMPILING = "compiling the effects of the scene"
@@ -152,8 +134,8 @@ def _compile_in_child(scene: Scene, period: float, progress: Callable[[str], Non
     if folder is None:
         progress(f"{COMPILING} in this process: the folder of compiled kernels cannot be written to")
         return
-    share, began = CompileShare(folder), time.monotonic()
-    progress(f"{COMPILING}, once for this set of effects: {share.before}")
+    last, began = LastCompilation(folder), time.monotonic()
+    progress(f"{COMPILING}, once for this set of effects: {last}")
     with tempfile.TemporaryFile() as given:
         pickle.dump((scene, period), given)
         given.seek(0)
@@ -167,18 +149,18 @@ def _compile_in_child(scene: Scene, period: float, progress: Callable[[str], Non
             start_new_session=True,  # Ctrl-C reaches this process only
         )
     try:
-        _follow(child, lambda functions: progress(f"{COMPILING}: {share.text(functions, time.monotonic() - began)}"))
+        functions = _follow(child, lambda n: progress(f"{COMPILING}: {last.text(n, time.monotonic() - began)}"))
     finally:
         child.kill()
         child.communicate()
     if child.returncode == 0:
-        share.save(time.monotonic() - began)
+        last.keep(functions, time.monotonic() - began)
     else:
         progress(f"{COMPILING} in this process: the child process ended with code {child.returncode}")
 
 
-def _follow(child: subprocess.Popen[bytes], report: Callable[[int], None]) -> None:
-    """Report the number of functions that a child has compiled, until it ends: it writes a byte for each."""
+def _follow(child: subprocess.Popen[bytes], report: Callable[[int], None]) -> int:
+    """Report and return the number of functions that a child compiles, until it ends: it writes a byte for each."""
     functions, pipe = 0, child.stdout
     while pipe is not None:
         if select.select([pipe], [], [], _POLL)[0]:
@@ -187,3 +169,4 @@ def _follow(child: subprocess.Popen[bytes], report: Callable[[int], None]) -> No
             functions += len(read)
         report(functions)
     child.wait()
+    return functions

@@ -116,6 +116,11 @@ def _string_fits_the_hole(scene: Scene) -> Iterator[Problem]:
             if diameter >= narrow:
                 text = f"expected less than the diameter of the hole ({narrow:.6g} m), found {diameter:.6g} m"
                 yield ("string", "sections", index, *key), text
+    for index, disc in enumerate(scene.string.discs):
+        hole = 2.0 * scene.hole.radius_at(max(scene.string.length - disc.distance_from_bit, 0.0))
+        if disc.outer_diameter is not None and disc.outer_diameter >= hole:
+            text = f"expected less than the diameter of the hole ({hole:.6g} m), found {disc.outer_diameter:.6g} m"
+            yield ("string", "discs", index, "outer_diameter"), text
 
 
 def _hole_holds_the_string(scene: Scene) -> Iterator[Problem]:
@@ -173,6 +178,7 @@ def _bit_is_held(scene: Scene) -> Iterator[Problem]:
 def _string_carries_the_load(scene: Scene) -> Iterator[Problem]:
     string, gravity = scene.string, scene.effects.gravity.magnitude if scene.effects.gravity is not None else 0.0
     weight = gravity * sum(section.mass_per_length * section.length for section in string.sections)
+    weight += gravity * sum(string.body_of(disc)[0] for disc in string.discs)
     number, weakest = min(enumerate(string.sections), key=lambda item: item[1].youngs_modulus * item[1].area)
     stiffness = weakest.youngs_modulus * weakest.area
     for key in ("value", "initial"):

@@ -16,7 +16,7 @@ from drill_twin.core.units.system import UnitSystem
 from drill_twin.dynamics.rotordynamics.campbell import Campbell, GrowthMap
 from drill_twin.dynamics.rotordynamics.forced_response import BEND, JOINT, OFFSET, ForcedResponse
 from drill_twin.dynamics.rotordynamics.modes import LATERAL, ModeTable
-from drill_twin.report.figures.style import BLUE, GREY, INK, MARK_COLOURS, PURPLE, VERMILION, blank, styled
+from drill_twin.report.figures.style import BLUE, GREY, INK, MARK_COLOURS, PURPLE, VERMILION, laid_out, styled
 from drill_twin.scene import Scene
 
 
@@ -104,9 +104,8 @@ def shapes_figure(table: ModeTable, arc: Array, name: str, units: UnitSystem) ->
     end = table.assembly.extent.cut if table.assembly else arc[-1]
     with styled():
         at = units.set_point(command.weight_on_bit, command.rotation)
-        figure = blank(4.2, f"{name}: lateral modes at {at}")
+        figure = laid_out(4.2, f"{name}: lateral modes at {at}")
         panels = figure.subplots(1, max(len(lateral), 1), sharey=True, squeeze=False)[0]
-        figure.subplots_adjust(left=0.08, right=0.98, top=0.78, bottom=0.13, wspace=0.15)
         for panel, mode in zip(panels, lateral, strict=False):
             panel.plot(mode.shape.real, units.show(arc, "length"), color=BLUE)
             panel.plot(mode.shape.imag, units.show(arc, "length"), color=VERMILION, linestyle="--")
@@ -137,15 +136,13 @@ def response_figure(response: ForcedResponse, table: ModeTable, scene: Scene) ->
     touching = [f"{units.text(low, 'length')} to {units.text(high, 'length')}" for low, high in response.contacts]
     with styled():
         load, whole = units.text(command.weight_on_bit, "force"), "assembly" if table.assembly else "string"
-        figure = blank(
+        figure = laid_out(
             6.4 if touching else 4.0,
             f"{scene.name}: forced response at {load}; dotted: critical speeds, red: the rotation\n"
             f"linear; pale: {'of pipe above the collars, or ' * bool(table.assembly)}beyond the clearance, where the "
             "wall limits it",
         )
         panels = figure.subplots(2 if touching else 1, 2, sharex=True, sharey="row", squeeze=False)
-        top, bottom = (0.8, 0.1) if touching else (0.7, 0.16)
-        figure.subplots_adjust(left=0.085, right=0.98, top=top, bottom=bottom, wspace=0.06, hspace=0.42)
         for k, cause in enumerate(causes):
             for i, label in enumerate([*names, f"largest of the {whole}"]):
                 colour = INK if i == len(names) else MARK_COLOURS[i % len(MARK_COLOURS)]
@@ -183,9 +180,8 @@ def campbell_figure(diagram: Campbell, name: str, units: UnitSystem) -> Figure:
     """Frequency and growth of the lateral modes over the speed of rotation; critical speeds marked."""
     turns, hertz = units.show(diagram.speeds, "rotation"), diagram.eigenvalues.imag / math.tau
     with styled():
-        figure = blank(5.0, f"{name}: Campbell diagram at {units.text(diagram.weight_on_bit, 'force')}")
+        figure = laid_out(5.0, f"{name}: Campbell diagram at {units.text(diagram.weight_on_bit, 'force')}")
         left, right = figure.subplots(1, 2)
-        figure.subplots_adjust(left=0.075, right=0.97, top=0.79, bottom=0.12, wspace=0.24)
         for mode in range(hertz.shape[1]):
             colour = MARK_COLOURS[mode % len(MARK_COLOURS)]
             left.plot(turns, hertz[:, mode], color=colour, label=f"mode {mode + 1}")
@@ -206,9 +202,8 @@ def growth_figure(growth: GrowthMap, name: str, units: UnitSystem) -> Figure:
     if growth.torsional is not None:
         maps.append((growth.torsional, "torsion: onset of stick-slip"))
     with styled():
-        figure = blank(4.6, f"{name}: largest growth rate of the string on the axis")
+        figure = laid_out(4.6, f"{name}: largest growth rate of the string on the axis")
         panels = figure.subplots(1, len(maps), squeeze=False)[0]
-        figure.subplots_adjust(left=0.075, right=0.97, top=0.82, bottom=0.13, wspace=0.2)
         turns, loads = units.show(growth.speeds, "rotation"), units.show(growth.weights, "force")
         for panel, (rates, title) in zip(panels, maps, strict=True):
             size = max(float(np.abs(rates).max()), 1e-9)

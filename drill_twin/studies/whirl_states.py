@@ -15,7 +15,7 @@ from drill_twin.core.units.system import UnitSystem
 from drill_twin.dynamics.discretisation.resolution import mesh
 from drill_twin.dynamics.rotordynamics.steady.branches import Branch
 from drill_twin.dynamics.rotordynamics.steady.whirl_state import WhirlState
-from drill_twin.report.figures.style import BLUE, GREY, INK, MARK_COLOURS, VERMILION, blank, styled
+from drill_twin.report.figures.style import BLUE, GREY, INK, MARK_COLOURS, VERMILION, laid_out, styled
 from drill_twin.scene import Scene
 
 MOST_STATES = 5
@@ -38,9 +38,8 @@ def states_figure(states: Sequence[WhirlState], scene: Scene) -> Figure:
     clearance, turn = units.show(scene.least_clearance, "offset"), np.linspace(0.0, math.tau, 200)
     with styled():
         at = units.set_point(command.weight_on_bit, command.rotation)
-        figure = blank(6.4, f"{scene.name}: steady whirl at {at}")
+        figure = laid_out(6.4, f"{scene.name}: steady whirl at {at}")
         panels = figure.subplots(2, len(shown), squeeze=False, height_ratios=(1.5, 1.0))
-        figure.subplots_adjust(left=0.08, right=0.98, top=0.8, bottom=0.09, wspace=0.3, hspace=0.3)
         for column, state in enumerate(shown):
             x, y = (units.show(state.whirl.u[:, k], "offset") for k in (0, 1))
             arc = units.show(mesh(scene, state.elements).arc, "length")
@@ -70,9 +69,8 @@ def branches_figure(branches: Sequence[Branch], name: str, units: UnitSystem) ->
     """
     label, unit = shown_parameter(branches[0].parameter, units)
     with styled():
-        figure = blank(5.0, f"{name}: steady whirl over {label.split(' [')[0]}")
+        figure = laid_out(5.0, f"{name}: steady whirl over {label.split(' [')[0]}")
         panels = figure.subplots(1, 2)
-        figure.subplots_adjust(left=0.075, right=0.97, top=0.8, bottom=0.12, wspace=0.24)
         for number, one in enumerate(branches):
             colour = MARK_COLOURS[number % len(MARK_COLOURS)]
             stable = np.array([state.is_stable for state in one.states])
@@ -88,7 +86,7 @@ def branches_figure(branches: Sequence[Branch], name: str, units: UnitSystem) ->
                         panel.plot(values[end], seen[end], "x", color=INK, markersize=7, zorder=4)
         panels[0].set(xlabel=label, ylabel="whirl frequency [Hz]")
         panels[1].set(xlabel=label, ylabel="whirl over rotation [-]")
-        figure.legend(handles=_signs(branches), loc="upper left", bbox_to_anchor=(0.06, 0.925), ncol=7, fontsize=8.5)
+        figure.legend(handles=_signs(branches), loc="outside lower left", ncol=7, fontsize=8.5)
     return figure
 
 

@@ -15,7 +15,6 @@ from drill_twin.core.arrays import Array, Integers
 from drill_twin.core.compile.jit import strict_kernel
 from drill_twin.core.compile.kernel_cache import load_generated
 from drill_twin.core.compile.packed_arguments import field
-from drill_twin.whirl import criteria
 from drill_twin.whirl.analyzer_state import BIN_FULL, SKIPPED, add_sample, note_findings, take_sample
 from drill_twin.whirl.columns import Columns
 from drill_twin.whirl.history import append
@@ -47,16 +46,12 @@ NOT_DUE, ESTIMATE, DECIDE_FIRST = range(3)
 @strict_kernel
 def close_bin(
     full: Columns, bins: Columns, carrier: Columns, separation: Columns, history: Columns, averaged: Columns,
-    onsets: Columns, clearance: Array, rate: Array, samples: Columns,
+    onsets: Columns, rate: Array, samples: Columns,
 ) -> bool:  # fmt: skip
     """Separate the parts of the motion in the full bin; return whether a mark may begin to whirl."""
     close(bins, full)
     restore(carrier, full)
     separate(separation, full, carrier.left, carrier.shift)
-    if not full.forces[0]:
-        for k in range(clearance.size):
-            near = separation.distance[k] > criteria.CONTACT_RADIUS * clearance[k]
-            full.contact[k] = 1.0 if near else 0.0
     samples.gaps[0] += append(history, full, separation.vector, full.contact, carrier.carried)
     if history.length[0] < FEWEST:
         drop_candidates(onsets)
@@ -130,9 +125,7 @@ def analyse(words: Integers, kind: Any) -> int:
             flow.step[0] = NOTE if taken == SKIPPED else BIN if taken == BIN_FULL else ADD
         elif step == BIN:
             flow.step[0] = ONSET
-            if close_bin(
-                full, bins, carrier, separation, history, averaged, onsets, marks.clearance, orbit.rate, samples
-            ):
+            if close_bin(full, bins, carrier, separation, history, averaged, onsets, orbit.rate, samples):
                 return CHECK
         elif step == ONSET:
             flow.step[0] = ORBIT
@@ -158,7 +151,7 @@ def analyse(words: Integers, kind: Any) -> int:
             add_bin(statistics, orbit, onsets.active, full, history, motion)
             flow.step[0] = ADD
         elif step == ADD:
-            add_sample(block, samples, clock, bins, separation, carrier)
+            add_sample(block, samples, clock, bins, separation, carrier, marks)
             flow.step[0] = NOTE
         else:
             note_findings(block, samples, orbit, clock, bit)

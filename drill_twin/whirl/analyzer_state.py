@@ -9,6 +9,7 @@ import numpy as np
 
 from drill_twin.core.arrays import Array
 from drill_twin.core.compile.jit import strict_kernel
+from drill_twin.whirl import criteria
 from drill_twin.whirl.columns import Columns, columns
 from drill_twin.whirl.history import new_history
 from drill_twin.whirl.motion.classifier import new_motion
@@ -78,6 +79,7 @@ def new_samples(plausible: Array) -> Columns:
         largest=math.nan,  # largest radius so far [m]
         plausible=plausible,  # largest plausible distance of a marked point [m]
         seen=False,  # marks seen in the sample
+        touches=False,  # marks in contact with the wall in the sample
         distance=0.0,  # of the centre line from the hole's axis [m]
         position=0j,  # of the marked point [m]
         phasor=0j,  # unit vector of the spin
@@ -170,14 +172,18 @@ def _find_distance(samples: Columns, separation: Columns) -> None:
 
 @strict_kernel
 def add_sample(
-    block: Columns, samples: Columns, clock: Columns, bins: Columns, separation: Columns, carrier: Columns
-) -> None:
+    block: Columns, samples: Columns, clock: Columns, bins: Columns, separation: Columns, carrier: Columns,
+    marks: Columns,
+) -> None:  # fmt: skip
     """Add the sample to the present bin."""
     seen, distance, at, angle = samples.seen, samples.distance, block.next[0], clock.angle[0]
     if not block.has_spin[0]:
         samples.phasor[:] = complex(math.cos(angle), math.sin(angle))
         _find_distance(samples, separation)
-    add(bins, clock, samples.position, samples.phasor, seen, block.force[at], block.has_force[0])
+    for k in range(seen.size):
+        near = distance[k] > criteria.CONTACT_RADIUS * marks.clearance[k]
+        samples.touches[k] = seen[k] and (block.force[at, k] > 0.0 if block.has_force[0] else near)
+    add(bins, clock, samples.position, samples.phasor, seen, samples.touches)
     follow(carrier, separation, seconds_of(clock), samples.position, samples.phasor, seen)
     any_seen = seen.any()
     counted = samples.accepted if any_seen else samples.incomplete

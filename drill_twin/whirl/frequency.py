@@ -144,5 +144,5 @@ def _trend(means: Array) -> float:
     place = np.linspace(-1.0, 1.0, means.size)
     curve = np.polynomial.Polynomial.fit(place, means, 2)(place)
     shown, rest = float(np.sum((curve - means.mean()) ** 2)), float(np.sum((means - curve) ** 2))
-    sure = 0.5 * shown * (means.size - 3) > special.fdtri(2, means.size - 3, 1.0 - CHANCE) * rest
+    sure = 0.5 * shown * (means.size - 3) > special.fdtri(2, means.size - 3, 1.0 - CHANCE) * rest  # formula of the test
     return float(np.ptp(curve)) if sure else 0.0

@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -22,6 +22,7 @@ from drill_twin.whirl.onset.threshold_crossing import (
     asynchronous_crossing,
     steady_position,
 )
+from drill_twin.whirl.orbit.orbit import mean_rate
 
 RUN_UP = 28.0
 """Duration over which the rotation, and a vibration that dies, are compared with their present values [rev]: with a
@@ -81,8 +82,11 @@ class OnsetDetector:
             if whirl is not None:
                 whirls[mark] = whirl
         if whirls or onsets.active.any():  # the string whirls as one: so do the other marks that are displaced
-            others = (mark for mark in sorted(self._displaced) if mark not in whirls and not onsets.plane[mark])
-            whirls |= {mark: self._displaced[mark] for mark in others}
+            for mark in np.flatnonzero(np.isnan(onsets.began) & ~onsets.plane).tolist():
+                lasts = self._revolutions - float(onsets.revolutions[mark]) >= criteria.SUSTAIN
+                whirl = self._candidate(mark) if lasts and not math.isnan(onsets.time[mark]) else None
+                if whirl := self._displaced.get(mark, whirl):
+                    whirls.setdefault(mark, whirl)
         crossings = [self._start_whirl(mark, whirl) for mark, whirl in whirls.items()]
         onsets.displaced[:] = False
         onsets.displaced[list(self._displaced)] = True
@@ -112,41 +116,46 @@ class OnsetDetector:
 
     def _land(self) -> None:
         """End the fall of the marks in an inclined hole: where they lie now is their steady position."""
-        marks = np.flatnonzero(self._onsets.falling).tolist()
-        for mark in marks:
+        for mark in np.flatnonzero(self._onsets.falling).tolist():
             self._valid_from[mark] = self._appended
-        self.moved += marks
+            self.moved.append(mark)
         self._onsets.falling[:] = False
+
+    def _candidate(self, mark: int) -> _Displacement:
+        """Displacement of a mark by its candidate, from its present steady position."""
+        onsets, separation = self._onsets, self._separation
+        return _Displacement(
+            int(onsets.bin[mark]), float(onsets.revolutions[mark]), float(onsets.noise[mark]),
+            complex(separation.offset[mark]), complex(separation.synchronous[mark]), self._valid_from[mark],
+        )  # fmt: skip
 
     def _confirm(self, mark: int) -> _Displacement | None:
         """Start, drop or confirm the candidate of a mark; return it once it is confirmed as whirl."""
-        history, onsets, separation = self._history, self._onsets, self._separation
+        history, onsets = self._history, self._onsets
         if not as_python(update_candidate)(onsets, self._averaged, history, mark):
             return None
-        begun = float(onsets.revolutions[mark])
-        elapsed = self._revolutions - begun
+        found = self._candidate(mark)
+        elapsed = self._revolutions - found.revolutions
         if elapsed < criteria.SUSTAIN:
             return None
-        since = self._appended - int(onsets.bin[mark]) + 1
-        early = self._early(begun)
-        swept = self._swept(mark, since, complex(separation.arm[mark]) if early else None)
-        position = complex(separation.offset[mark]), complex(separation.synchronous[mark])
-        valid_from = self._valid_from[mark]
-        candidate = int(onsets.bin[mark]), begun, float(onsets.noise[mark])
+        since = self._appended - found.bin + 1
+        early = self._early(found.revolutions)
+        swept = self._swept(mark, since, complex(self._separation.arm[mark]) if early else None)
         if early and elapsed < criteria.SIDE_WINDOW and swept.in_hole < math.pi:
             return None  # a swing along the wall sweeps as much
         if self._whirls(swept, mark, since):
-            return _Displacement(*candidate, *position, valid_from)
+            return found
         if elapsed > criteria.SWEEP_WINDOW and onsets.plane[mark]:
             if not (self._inclined[mark] or early or mark in self._displaced):
-                self._displaced[mark] = _Displacement(*candidate, *position, valid_from)
+                self._displaced[mark] = found
             onsets.time[mark] = math.nan
             return None
         turns = swept.smallest >= criteria.LEAST_SWEPT_ANGLE  # as yet too slowly
         if elapsed > (criteria.LONGEST_SWEEP_WINDOW if turns else criteria.SWEEP_WINDOW):
             if not early and mark not in self._displaced:
-                position = steady_position(history, mark, since, self._appended - valid_from) or position
-                self._displaced[mark] = _Displacement(*candidate, *position, valid_from)
+                steady = steady_position(history, mark, since, self._appended - found.valid_from)
+                offset, synchronous = steady or (found.offset, found.synchronous)
+                self._displaced[mark] = replace(found, offset=offset, synchronous=synchronous)
             self._valid_from[mark] = self._appended
             onsets.time[mark] = math.nan
             self.moved.append(mark)
@@ -233,11 +242,11 @@ class OnsetDetector:
     def _synchronous(self, swept: SweptAngle, mark: int) -> bool:
         """Check, while the rotation changes, for a synchronous part that does too, or a vibration that dies away."""
         history = self._history
-        rotation = _rates(history, newest_in(history, criteria.ORBIT_WINDOW))
-        before = _rates(history, newest_in(history, RUN_UP))
+        spans = criteria.ORBIT_WINDOW, RUN_UP
+        rotation, before = (as_python(mean_rate)(history, newest_in(history, span)) for span in spans)
         if abs(rotation - before) < 0.5 * criteria.SPEED_CHANGE * abs(rotation) or rotation == 0.0:
             return False
-        near = abs(float(self._orbit.rate[0, mark]) / rotation - 1.0) < criteria.SYNCHRONOUS_BAND
+        near = abs(float(self._orbit.rate[0, mark]) / (math.tau * rotation) - 1.0) < criteria.SYNCHRONOUS_BAND
         if near and swept.in_string < criteria.SYNCHRONOUS_ANGLE:
             return True
         n, last = newest_in(history, RUN_UP), newest_in(history, 1.0)
@@ -266,10 +275,3 @@ class OnsetDetector:
         """Angle of the carrier of a mark's orbit [rad]; None without one."""
         rate, time = float(self._rate[mark]), self._history.time[window]
         return rate * (time - time[-1]) if rate else None
-
-
-def _rates(history: Columns, bins: int) -> float:
-    """Mean rotation over the newest bins [rad/s]."""
-    window = newest(history, bins)
-    angle, time = history.angle[window], history.time[window]
-    return float((angle[-1] - angle[0]) / (time[-1] - time[0])) if bins > 1 else 0.0

@@ -116,10 +116,9 @@ def new_bin(m: int) -> Columns:
         angle=np.zeros(1),  # of rotation [rad]
         revolutions=np.zeros(1),  # since the first sample [rev]
         samples=np.zeros(1, np.int64),
-        forces=np.zeros(1, np.int64),  # samples with wall forces
         position=0j,  # of the marked point x + i y [m]
         phasor=0j,  # unit vector of the spin, exp(i spin)
-        contact=0.0,  # share of the samples with a wall force, if forces are given
+        contact=0.0,  # share of the samples in contact with the wall
         valid=False,  # True for a mark with at least one valid sample
     )
 
@@ -134,12 +133,11 @@ def new_sums(m: int) -> Columns:
         revolutions=np.zeros(1),
         start=np.zeros(1),  # time at which the bin starts [s]
         samples=np.zeros(1, np.int64),
-        forces=np.zeros(1, np.int64),
         number=np.zeros(1, np.int64),  # of the bin since the first sample
         position=0j,
         phasor=0j,
         missed=0.0,  # samples without the mark
-        touching=0.0,  # samples with a wall force
+        touching=0.0,  # samples in contact with the wall
     )
 
 
@@ -157,8 +155,7 @@ def add(
     position: ComplexArray,
     phasor: ComplexArray,
     seen: Mask,
-    force: Array,
-    has_force: bool,
+    touches: Mask,
 ) -> None:
     """Add a sample.
 
@@ -168,8 +165,7 @@ def add(
         position: Position [m], shape (m,).
         phasor: Unit vector of the spin, shape (m,).
         seen: Marks with a valid position, shape (m,).
-        force: Wall force [N], shape (m,).
-        has_force: The force is known.
+        touches: Marks in contact with the wall, shape (m,).
     """
     time = seconds_of(clock)
     if bins.samples[0] == 0:
@@ -179,22 +175,20 @@ def add(
     bins.time[0] += time
     bins.angle[0] += clock.angle[0]
     bins.revolutions[0] += clock.revolutions[0]
-    bins.forces[0] += has_force
     for k in range(seen.size):
         if seen[k]:
             bins.position[k] += position[k]
             bins.phasor[k] += phasor[k]
         else:
             bins.missed[k] += 1.0
-        if has_force and force[k] > 0.0:
+        if touches[k]:
             bins.touching[k] += 1.0
 
 
 @strict_kernel
 def close(bins: Columns, full: Columns) -> None:
     """Write the means of the present bin to `full` and start a new one."""
-    n, forces = bins.samples[0], bins.forces[0]
-    full.samples[0], full.forces[0] = n, forces
+    n = full.samples[0] = bins.samples[0]
     full.time[0], full.angle[0], full.revolutions[0] = bins.time[0] / n, bins.angle[0] / n, bins.revolutions[0] / n
     bins.time[0] = bins.angle[0] = bins.revolutions[0] = 0.0
     for k in range(full.valid.size):
@@ -202,6 +196,6 @@ def close(bins: Columns, full: Columns) -> None:
         full.valid[k] = found > 0.0
         if found > 0.0:  # else the last is kept
             full.position[k], full.phasor[k] = bins.position[k] / found, bins.phasor[k] / found
-        full.contact[k] = bins.touching[k] / forces if forces else 0.0
+            full.contact[k] = bins.touching[k] / found
         bins.position[k] = bins.phasor[k] = bins.missed[k] = bins.touching[k] = 0.0
-    bins.samples[0] = bins.forces[0] = 0
+    bins.samples[0] = 0

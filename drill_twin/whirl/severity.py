@@ -38,7 +38,7 @@ def accelerations(time: Array, values: ArrayLike) -> tuple[float, Array]:
         10 samples.
     """
     positions = np.asarray(values)
-    if len(time) < 3:
+    if len(time) < 3:  # a second difference needs three samples: by its definition
         return math.nan, positions[:0]
     steps = np.diff(time)
     step = float(np.median(steps))

@@ -64,7 +64,8 @@ class Spectrum:
             left, middle, right = np.log(self.radius[at - 1 : at + 2]).tolist()
             bend = left - 2.0 * middle + right
             if bend < 0.0:
-                frequency += 0.5 * (left - right) / bend * float(self.frequency[1] - self.frequency[0])
+                share = 0.5 * (left - right) / bend  # formula of a parabola's top
+                frequency += share * float(self.frequency[1] - self.frequency[0])
         return Peak(frequency, float(self.radius[at]))
 
     def lines(self, count: int) -> list[Peak]:

@@ -25,7 +25,7 @@ def backward_whirl(time=TIME, frequency=-5.0):
 
 def test_onset_frequency_and_sense_are_found():
     whirl = dt.analyze(TIME, *backward_whirl(), SPEED, clearance=CLEARANCE, radius="10 mm")
-    assert whirl.onset_s == pytest.approx(BEGIN + 0.05 * CLEARANCE / 0.06, abs=0.25)  # half a revolution
+    assert whirl.onset_s == pytest.approx(BEGIN + 0.05 * CLEARANCE / 0.06, abs=0.05)
     assert whirl.frequency_hz == pytest.approx(-5.0, rel=1e-3)
     assert whirl.precession[-1] == pytest.approx(-5.0, rel=1e-3)
     assert whirl.ratio[-1] == pytest.approx(-2.5, rel=1e-3)
@@ -55,7 +55,7 @@ def test_columns_are_marks():
 
 def test_without_a_clearance_the_largest_radius_stands_in_and_a_note_says_so():
     whirl = dt.analyze(TIME, *backward_whirl(), SPEED)
-    assert whirl.onset_s == pytest.approx(BEGIN, abs=0.25)
+    assert whirl.onset_s == pytest.approx(BEGIN, abs=0.1)
     assert CLEARANCE_TAKEN in whirl.notes
 
 

@@ -14,6 +14,7 @@ SWITCHES: dict[str, dict[str, Any]] = {
     "stretch": {},
     "bow": {"amplitude": 2e-3},
     "eccentricity": {"offset": 1e-4},
+    "gyroscopic": {},
     "internal_damping": {"bending_time": 2e-3, "stretch_time": 1e-3, "torsion_time": 1e-3},
     "drag": {"linear": 0.1},
     "mud": {"density": 1000.0, "viscosity": 1e-3},

@@ -95,6 +95,17 @@ def test_the_tutorial_in_a_shell(tmp_path):
     assert (tmp_path / "own" / "report" / "report.html").exists()
 
 
+def test_whirl_that_a_camera_has_seen(tmp_path):
+    follow_python("howto/measure_whirl.md", tmp_path)
+
+
+@pytest.mark.long
+def test_a_lab_rig_and_its_fit(tmp_path):
+    follow_shell("howto/lab_rig.md", tmp_path)
+    assert {"modes.png", "response.png"} <= {path.name for path in (tmp_path / "modes").iterdir()}
+    follow_python("howto/lab_rig.md", tmp_path)
+
+
 @pytest.mark.long
 def test_a_scene_of_ones_own(tmp_path):
     follow_shell("howto/own_scene.md", tmp_path)

@@ -44,7 +44,7 @@ def shown(known_report, browse, tmp_path):
 
 @pytest.mark.parametrize("width", [320, 390, 768, 1400])
 def test_page_is_as_wide_as_the_screen_and_its_figures_legible(shown, width):
-    found = shown(width, r'<script type="text/plain".*?</script>').value(MEASURE)  # no plotly
+    found = shown(width, r'<script type="application/json" id="plotly-packed".*?</script>').value(MEASURE)  # no plotly
     assert found["width"] <= found["screen"]
     assert found["inside"], "a table or a figure leaves its card"
     assert found["image"] >= 700.0  # its text of 10.5 points has 10 pixels

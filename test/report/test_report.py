@@ -118,7 +118,7 @@ def test_interactive_view_holds_the_motion(page, recording):
     shapes = shapes.reshape(len(data["shapes"]["time"]), data["shapes"]["points"], 3) / data["full"]
     assert shapes[:, 0, 2] * data["length"] == pytest.approx(-5.0, abs=1e-3)
     assert np.abs(shapes[:, -1]).max() < 1e-3
-    assert 2.82 < data["onset"] < 3.4
+    assert 3.0 < data["onset"] < 3.4
 
 
 def test_text_of_a_scene_cannot_break_the_page(known_bag, files):

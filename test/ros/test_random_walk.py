@@ -54,7 +54,7 @@ class Walk:
         self.bench, self.node, self.given = bench, node, given
         self.rng = np.random.default_rng([SEED, list(node_names()).index(node)])
         self.odd = Oddities(self.rng)
-        self.clients, self.publishers, self.later = {}, {}, []
+        self.clients, self.publishers, self.later, self.ends = {}, {}, [], []
         self.state, self.parameters, self.taken = 1, [], Counter()
         self.scene = load_scene("pa6_bench").to_yaml()
         self.begin()
@@ -208,9 +208,9 @@ class Walk:
             request = ChangeState.Request()
             request.transition.id = SHUTDOWN[self.state]
             self.clients[f"/{self.node}/change_state"].call_async(request)  # it may end before it has answered
+            assert self.process.wait(60.0) == 0, self.process.text
         else:
-            self.process.send(self.odd.one_of([signal.SIGINT, signal.SIGTERM]))
-        assert self.process.wait(60.0) == 0, self.process.text
+            self.end_by_a_signal()
         self.check_log()
         for client in self.clients.values():
             self.bench.node.destroy_client(client)
@@ -234,9 +234,15 @@ class Walk:
             ways[k]()
             self.alive()
         self.compare_state()
+        self.end_by_a_signal()
+        self.check_log()
+
+    def end_by_a_signal(self):
+        """End it by SIGINT or SIGTERM in whatever it does, and keep the time that it took."""
+        begin = time.monotonic()
         self.process.send(self.odd.one_of([signal.SIGINT, signal.SIGTERM]))
         assert self.process.wait(60.0) == 0, self.process.text
-        self.check_log()
+        self.ends.append(time.monotonic() - begin)
 
 
 @pytest.mark.long
@@ -252,4 +258,4 @@ def test_a_random_walk_leaves_every_node_alive_and_true_to_its_state(bench, smal
     }
     walk = Walk(bench, node, given.get(node, {}))
     walk.run()
-    print(node, dict(walk.taken))
+    print(node, dict(walk.taken), f"ended by {len(walk.ends)} signals, the slowest within {max(walk.ends):.2f} s")

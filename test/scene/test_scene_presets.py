@@ -10,7 +10,10 @@ import pytest
 from drill_twin.core.errors import SceneError
 from drill_twin.scene import config_dir, load_scene, parse_scene, presets, scene_path
 
-NAMES = ("bha_full_size", "bha_stress", "pa6_bench", "pa6_calibrated", "two_mass", "ufrj_rig", "ufrj_torsion", "well_b")
+NAMES = (
+    "bha_full_size", "bha_stress", "pa6_bench", "pa6_calibrated", "rotor_kit", "two_mass", "ufrj_rig", "ufrj_torsion",
+    "well_b",
+)  # fmt: skip
 
 
 def test_all_scenes_are_installed_under_their_names():

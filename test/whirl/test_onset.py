@@ -5,7 +5,9 @@ import numpy as np
 import pytest
 from kinematics import BENCH, MARKS, TURN, clock, growth, motion, play
 from rotor import Rotor, whirl_of
+from scipy.integrate import solve_ivp
 
+from drill_twin import analyze
 from drill_twin.whirl import MarkInfo, MotionState
 
 
@@ -205,3 +207,46 @@ def test_whirl_after_a_critical_speed_is_not_dated_to_the_passage():
     moved = motion(clock(400, 36.0), speed=3.5, ramp=18.0, whirl=whirl).with_noise(0.005, 6)
     analyzer, _ = play(moved)
     assert analyzer.summary().onset.time_s == pytest.approx(31.0, abs=0.3)
+
+
+def test_whirl_is_told_though_a_mark_beyond_its_threshold_has_not_swept_its_angle():
+    """The upper mark leans over before the lower one begins to whirl, and turns with it too slowly to be a whirl."""
+
+    def whirl(time, angle):
+        lean = 0.3 * (1.0 - np.exp(-np.maximum(time - 7.8, 0.0) / 0.3)) * np.exp(0.004j * angle)
+        return np.stack([lean, growth(8.0, 0.05, 2.0, 0.5)(time, angle)], axis=1)
+
+    moved = motion(clock(100, 11), marks=(MARKS[0], MARKS[2]), bow=0.02, whirl=whirl)
+    analyzer, _ = play(moved.with_noise(0.002, 3))
+    found = analyzer.summary().onset
+    assert found.time_s == pytest.approx(7.9, abs=0.25)
+    assert found.detected_s < 10.0
+
+
+def test_a_sudden_start_is_dated_by_the_radius():
+    moved = motion(clock(100, 14), bow=0.02, whirl=growth(8.0, 0.5, 200.0, 0.5, limit=0.5)).with_noise(0.002, 3)
+    analyzer, _ = play(moved)
+    assert analyzer.summary().onset.time_s == pytest.approx(moved.true_onset(), abs=0.04)
+
+
+@pytest.mark.parametrize("damping", [0.01, 0.05])
+@pytest.mark.parametrize("end", [1.5, 2.5, 4.0])
+def test_response_in_a_critical_speed_is_synchronous(damping, end):
+    """A Jeffcott rotor with unbalance, run up in 20 s: z'' + 2 d w z' + w^2 z = e (Omega^2 - i Omega') exp(i phi)."""
+    own, pace, ramp = 2.0 * TURN, end * TURN / 20.0, 20.0
+    time = clock(100, 35)
+
+    def turned(at):
+        return np.where(at < ramp, 0.5 * pace * at**2, pace * ramp * (at - 0.5 * ramp))
+
+    def slope(at, state):
+        speed, gain = pace * min(at, ramp), pace * (at < ramp)
+        push = (speed**2 - 1j * gain) * np.exp(1j * turned(at))
+        return [state[1], push - 2.0 * damping * own * state[1] - own**2 * state[0]]
+
+    path = solve_ivp(slope, (0.0, 35.0), [0j, 0j], t_eval=time, rtol=1e-7, atol=1e-10).y[0]
+    x, y = (0.6 * part / np.abs(path).max() for part in (path.real, path.imag))
+    noise = 0.003 * np.random.default_rng(1).normal(size=(2, time.size))
+    found = analyze(time, x + noise[0], y + noise[1], pace * np.minimum(time, ramp), clearance=1.0, radius=0.1)
+    assert found.summary.onset.kind == "synchronous"
+    assert found.onset_s < min(ramp, ramp * 2.0 / end)

@@ -28,12 +28,13 @@ then both in the current step [W]. Load (4 columns), resultants (7) and end load
 velocity of the top after the step by the midpoint rule alone (7); stored energy at the start (5, see `STORED`); and the
 row `NOW`. All in one array, since each further array would cost seconds of compiling, and because checkpoints hold it.
 """
-OMEGA, SAMPLE, BEGUN, LARGEST, RESIDUE = range(5)
+OMEGA, SAMPLE, BEGUN, LARGEST, RESIDUE, AT_NODES = range(6)
 """Columns of the row `NOW`: the material's angular velocity about the tangent [rad/s], samples of stretch taken so far,
-1 once the start is known, largest energy in motion so far [J], residual so far [J]."""
+1 once the start is known, largest energy in motion so far [J], residual so far [J]; power of
+the loads on the nodes before the next effect [W]."""
 STORED = 5
 """Parts of the stored energy: kinetic, bending, stretch, torsion, wall."""
-AXIAL_VELOCITY, LENGTH, STRETCH_WEIGHTS = range(3)
+AXIAL_VELOCITY, LENGTH, STRETCH_WEIGHTS, NODE_VELOCITY = 0, 1, 2, 5
 """First rows of `EnergyLedger.gauss`."""
 
 
@@ -43,8 +44,8 @@ class EnergyLedger(NamedTuple):
     entries: Array
     """Rows of `WORK` and the next, shape (10, accounts or 14)."""
     gauss: Array
-    """By Gauss point, shape (5, 2 n): velocity along the hole, in the lateral form only [m/s]; length of the element
-    [m]; weights of the three samples of stretch in the element [m]."""
+    """By Gauss point, shape (6, 2 n): velocity along the hole, in the lateral form only [m/s]; length of the element
+    [m]; weights of the three samples of stretch in the element [m]; by node such a velocity."""
     constrained: Array
     """Unknowns that keep their constraint in the audit, shape (2, 7): none, or the bit along the hole."""
 
@@ -53,7 +54,8 @@ def make_energy_ledger(effects: int, rod: Rod, *, bit_held: bool) -> EnergyLedge
     """An empty ledger for a number of effects; `bit_held` where the bit is constrained along the hole."""
     constrained = np.zeros((2, 7))
     constrained[0, 2] = 1.0 if bit_held else 0.0
-    gauss = np.stack([np.zeros(2 * rod.length.size), *np.repeat([rod.length, *rod.samples.T], 2, axis=1)])
+    known = np.repeat([rod.length, *rod.samples.T], 2, axis=1)
+    gauss = np.stack([0.0 * known[0], *known, 0.0 * known[0]])
     return EnergyLedger(np.zeros((ROWS, max(FIRST_EFFECT + effects, MIN_COLUMNS))), gauss, constrained)
 
 
@@ -119,6 +121,31 @@ def record_axial_damping(entries: Array, gauss: Array, account: int, element: in
 def next_sample(entries: Array) -> None:
     """Advance to the next sample of stretch."""
     entries[NOW, SAMPLE] += 1.0
+
+
+@kernel
+def node_power(gauss: Array, v: Array, nodes: Array) -> float:
+    """Power that the loads on the nodes take from the string [W]; in the lateral form also by its axial velocity."""
+    power = 0.0
+    for i in range(nodes.shape[0]):
+        power += nodes[i, 2, RESIDUAL] * gauss[NODE_VELOCITY, i]
+        for c in range(7):
+            power += nodes[i, c, RESIDUAL] * v[i, c]
+    return power
+
+
+@kernel
+def start_nodes(entries: Array, gauss: Array, v: Array, nodes: Array) -> None:
+    """Set the power at the nodes that the next effect adds to."""
+    entries[NOW, AT_NODES] = node_power(gauss, v, nodes)
+
+
+@kernel
+def record_nodes(entries: Array, gauss: Array, account: int, v: Array, nodes: Array) -> None:
+    """Record what an effect has added to the loads on the nodes."""
+    power = node_power(gauss, v, nodes)
+    entries[POWER, account] -= power - entries[NOW, AT_NODES]
+    entries[NOW, AT_NODES] = power
 
 
 @kernel

@@ -23,6 +23,7 @@ from drill_twin.dynamics.audit.energy_ledger import (
     HEAT,
     LOST,
     NEWTON,
+    NODE_VELOCITY,
     NOW,
     POWER,
     SAMPLE,
@@ -141,7 +142,7 @@ def bind_lateral(build: Any) -> Callable[..., None]:
         reuse, last = scratch.reuse, state.u.shape[0] - 1
         start_step(entries)
         from_top = parameters.drive.from_top > 0.0
-        shortening = set_axial_velocity(rod, state, half_step, from_top, parameters.ledger.gauss[AXIAL_VELOCITY])
+        shortening = set_axial_velocity(rod, state, half_step, from_top, parameters.ledger.gauss)
         # the factors are left as they are, and the system is built exactly once
         half, renew, steps, added = reuse[HALF_STEP], reuse[RENEW], reuse[RENEW_STEPS], reuse[ADDED]
         reuse[HALF_STEP], reuse[RENEW], reuse[RENEW_STEPS], reuse[ADDED] = half_step, 0.0, 0.0, np.inf
@@ -163,13 +164,14 @@ def bind_lateral(build: Any) -> Callable[..., None]:
 
 
 @kernel
-def set_axial_velocity(rod: Rod, state: State, half_step: float, from_top: bool, out: Array) -> float:
-    """Fill in the velocity of the Gauss points along the hole, v_z(s) = int_s^top r'.r'_dot; return it at s = 0.
+def set_axial_velocity(rod: Rod, state: State, half_step: float, from_top: bool, gauss: Array) -> float:
+    """Fill in the velocity of Gauss points and nodes along the hole, v_z(s) = int_s^top r'.r'_dot; return it at s = 0.
 
     Summed as the axial force is (`drill_twin.dynamics.solver.lateral.assembly`), so that the work of both agrees. Where
     the weight is set at the top the bit is constrained, and the top moves instead.
     """
-    above = 0.0
+    above, out, at_nodes = 0.0, gauss[AXIAL_VELOCITY], gauss[NODE_VELOCITY]
+    at_nodes[rod.length.shape[0]] = 0.0
     for e in range(rod.length.shape[0] - 1, -1, -1):
         h, total = rod.length[e], 0.0
         for p in range(2):
@@ -187,7 +189,10 @@ def set_axial_velocity(rod: Rod, state: State, half_step: float, from_top: bool,
             out[2 * e + p] = above + rod.spin_shape[p, 1] * h * g
             total += 0.5 * h * g
         above += total
+        at_nodes[e] = above
     if from_top:
         for k in range(out.shape[0]):
             out[k] -= above
+        for i in range(rod.arc.shape[0]):
+            at_nodes[i] -= above
     return above

@@ -17,6 +17,7 @@ from drill_twin.core.arrays import Array, Mask
 from drill_twin.dynamics.audit.energy import element_unknowns
 from drill_twin.dynamics.solver.boundary import bit_frame
 from drill_twin.dynamics.solver.state import State
+from drill_twin.physics.effects.discs import Bodies
 from drill_twin.physics.effects.gravity import line_weight
 from drill_twin.physics.model import SPIN, Axis, DiscreteModel, Rod, Tube, Wellbore, places
 from drill_twin.physics.model.survey import Survey, survey
@@ -46,9 +47,29 @@ def kept(function: Callable[P, T]) -> Callable[P, T]:
     return call
 
 
+NO_LENGTH = 1e-9
+"""Length over the string's below which a piece of the mesh is none; chosen, far above rounding of arc lengths."""
+
+
 def tubes_of(scene: Scene) -> list[Tube]:
-    """Uniform pieces of the string from the bit up; tool joints are pieces of their own."""
-    return [_tube(piece) for piece in scene.string.pieces]
+    """Uniform pieces of the string from the bit up; tool joints are pieces of their own, discs and supports end one."""
+    tubes, least = [_tube(piece) for piece in scene.string.pieces], NO_LENGTH * scene.length
+    for place in scene.string.stations:
+        below, above = cut(tubes, place)
+        if min(sum(tube.length for tube in end) for end in (below, above)) > least:
+            tubes = below + above if min(below[-1].length, above[0].length) > least else tubes
+    return tubes
+
+
+def cut(tubes: list[Tube], at: float) -> tuple[list[Tube], list[Tube]]:
+    """Cut the pieces of a string at a distance from the bit [m]: pieces below the cut, and pieces above."""
+    below, above, start = [], [], 0.0
+    for tube in tubes:
+        inside = min(max(at - start, 0.0), tube.length)
+        start += tube.length
+        below += [tube._replace(length=inside)] if inside > 0.0 else []
+        above += [tube._replace(length=tube.length - inside)] if inside < tube.length else []
+    return below, above
 
 
 def sections_of(scene: Scene) -> list[Tube]:
@@ -70,11 +91,23 @@ def discretise(scene: Scene, rod: Rod) -> DiscreteModel:
     sections = scene.string.sections
     joints = np.array([0.0 if s.adjusted_mass is None else s.adjusted_mass / s.density - s.area for s in sections])
     fluid = (mud.density, mud.viscosity, mud.inside == "mud", joints[numbers]) if mud is not None else ()
-    return DiscreteModel(
+    model = DiscreteModel(
         rod, scene.hole.radius, scene.hole.top_inclination, bore_at(scene, at), contact_radius(scene, at), numbers,
         scene.numerics.seed, bit_frame(axis_at(scene, np.array([scene.length]))),
         tuple(section.yield_strength for section in sections), getattr(scene.effects, "bow", None), *fluid,
     )  # fmt: skip
+    if not scene.string.discs and not scene.string.supports:
+        return model
+    model = model._replace(nodes=axis_at(scene, scene.length - rod.arc))
+    return model._replace(bodies=_bodies(scene, model)) if scene.string.discs else model
+
+
+def _bodies(scene: Scene, model: DiscreteModel) -> Bodies:
+    discs, gravity = scene.string.discs, scene.effects.gravity
+    node = model.nodes_at(np.array([disc.distance_from_bit for disc in discs]))
+    mass, polar, diametral, volume = np.array([scene.string.body_of(disc) for disc in discs], float).T.copy()
+    weight = (0.0 if gravity is None else gravity.magnitude) * (mass - model.fluid_density * volume)
+    return Bodies(node, mass, polar, diametral, weight)
 
 
 def _section_numbers(scene: Scene, rod: Rod) -> NDArray[np.int64]:
@@ -139,8 +172,8 @@ class BoundaryConditions(NamedTuple):
     """True if a torque drives the top; otherwise its rotation is prescribed."""
     hoisted: bool = False
     """True if the top hangs in the travelling block, free axially."""
-    hinged: bool = False
-    """True if the top may tilt."""
+    top_end: str = "clamped"
+    """`string.top_end`."""
 
     @classmethod
     def of(cls, scene: Scene) -> BoundaryConditions:
@@ -153,7 +186,7 @@ class BoundaryConditions(NamedTuple):
             bit_on_rock,
             scene.rig.top_drive.model != "prescribed",
             hoisted,
-            scene.string.top_end == "hinged",
+            scene.string.top_end,
         )
 
     def constrained(self, bit_end: str) -> Mask:
@@ -163,31 +196,41 @@ class BoundaryConditions(NamedTuple):
             constrained[0, 2], constrained[1, 2] = not self.bit_on_rock, False
         if self.hoisted:
             constrained[1, 2] = False
-        if self.hinged:
+        if self.top_end != "clamped":
             constrained[1, 3:5] = False
+        if self.top_end == "free":
+            constrained[1, 0:2] = False
         constrained[1, 6] = not self.torque_driven
         return constrained
 
 
 def axial_weight(scene: Scene, model: DiscreteModel) -> Array:
-    """Weight of each element along the hole [N], shape (n,)."""
+    """Weight of each element along the hole [N], shape (n,); a disc's is in the element below it."""
+    return _axial_weight(scene, model, is_lumped=True)
+
+
+def _axial_weight(scene: Scene, model: DiscreteModel, *, is_lumped: bool) -> Array:
     rod, gravity = model.rod, scene.effects.gravity
     if gravity is None:
         return np.zeros(rod.length.size)
     axis = axis_at(scene, rod.arc[-1] - 0.5 * (rod.arc[1:] + rod.arc[:-1]))
     up = np.array([-np.sin(model.inclination), 0.0, np.cos(model.inclination)])
     share = up[2] if axis is None else axis.tangent @ up
-    return np.asarray(line_weight(gravity, model) * rod.length * share)
+    return np.asarray(line_weight(gravity, model, is_lumped=is_lumped) * rod.length * share)
 
 
 def set_initial_state(state: State, model: DiscreteModel, scene: Scene, weight_on_bit: float) -> None:
     """Set the string on the hole's axis, stretched by weight and load, so that no axial waves start at t = 0."""
-    rod, weight = model.rod, axial_weight(scene, model)
+    rod, weight = model.rod, _axial_weight(scene, model, is_lumped=False)
     below = np.concatenate([[0.0], np.cumsum(weight)])
-    tension = below - weight_on_bit
-    if scene.rig.weight_on_bit.at == "top":
-        tension = below - below[-1] - weight_on_bit
-    strain, elongation = _balanced(rod, tension, weight)
+    discs = np.zeros(rod.arc.size)  # weight of the discs at the nodes, along the hole
+    if model.bodies is not None:
+        down = np.array([np.sin(model.inclination), 0.0, -np.cos(model.inclination)])
+        np.add.at(discs, model.bodies.node, -model.bodies.weight * (model.directions @ down)[model.bodies.node])
+    above = below + np.cumsum(discs)
+    hanging = above[-1] if scene.rig.weight_on_bit.at == "top" else 0.0
+    tension, under = (each - hanging - weight_on_bit for each in (above, above - discs))
+    strain, elongation = _balanced(rod, tension[:-1], under[1:], weight)
     stretch = np.cumsum(elongation)
     along = rod.arc - rod.arc[-1] + np.concatenate([[0.0], stretch]) - stretch[-1]
     slope = 1.0 + strain
@@ -199,26 +242,29 @@ def set_initial_state(state: State, model: DiscreteModel, scene: Scene, weight_o
     state.u[:, SPIN] = untwisted(rod, state.u)
 
 
-def _balanced(rod: Rod, tension: Array, weight: Array) -> tuple[Array, Array]:
+def _balanced(rod: Rod, lower: Array, upper: Array, weight: Array) -> tuple[Array, Array]:
     """Strain at the nodes and elongation of the elements [m] for which the samples of stretch are in balance.
 
-    In the elements at a change of section both values differ from the continuous string's, whose strain jumps there.
+    In the elements at a change of section, and at a disc with weight, both values differ from the continuous string's,
+    whose strain jumps there.
 
     Args:
         rod: The string.
-        tension: At the nodes [N], shape (n + 1,).
+        lower: Tension at the lower end of each element [N], shape (n,).
+        upper: At its upper end.
         weight: Axial weight of the elements [N], shape (n,).
     """
-    middle = 0.5 * (tension[1:] + tension[:-1])
-    lower, upper, twelfth = rod.samples[:-1, 1], rod.samples[1:, 0], weight * rod.length / 12.0
-    shared = lower * middle[:-1] + upper * middle[1:] + twelfth[:-1] - twelfth[1:]
-    shared /= lower * rod.axial[:-1] + upper * rod.axial[1:]
-    strain = tension / np.append(rod.axial, rod.axial[-1])
-    strain[1:-1] = np.where(np.diff(rod.axial) != 0.0, shared, strain[1:-1])
+    middle = 0.5 * (upper + lower)
+    below, above, twelfth = rod.samples[:-1, 1], rod.samples[1:, 0], weight * rod.length / 12.0
+    shared = below * middle[:-1] + above * middle[1:] + twelfth[:-1] - twelfth[1:]
+    shared /= below * rod.axial[:-1] + above * rod.axial[1:]
+    strain = np.append(lower, upper[-1]) / np.append(rod.axial, rod.axial[-1])
+    jumps = (np.diff(rod.axial) != 0.0) | (lower[1:] != upper[:-1])
+    strain[1:-1] = np.where(jumps, shared, strain[1:-1])
     elongation = middle / rod.axial * rod.length
-    elongation -= 0.5 * np.diff(tension) / rod.axial * (rod.samples[:, 0] - rod.samples[:, 1])
-    for end, at in ((0, slice(None, -1)), (1, slice(1, None))):
-        elongation += rod.samples[:, end] * (strain[at] - tension[at] / rod.axial)
+    elongation -= 0.5 * (upper - lower) / rod.axial * (rod.samples[:, 0] - rod.samples[:, 1])
+    for end, tension, at in ((0, lower, slice(None, -1)), (1, upper, slice(1, None))):
+        elongation += rod.samples[:, end] * (strain[at] - tension / rod.axial)
     return strain, elongation
 
 

@@ -90,17 +90,6 @@ def buckled_up_to(scene: Scene) -> float:
     return float(rod.arc[buckled[-1] + 1]) if buckled.size else 0.0
 
 
-def cut(tubes: list[Tube], at: float) -> tuple[list[Tube], list[Tube]]:
-    """Cut the pieces of a string at a distance from the bit [m]: pieces below the cut, and pieces above."""
-    below, above, start = [], [], 0.0
-    for tube in tubes:
-        inside = min(max(at - start, 0.0), tube.length)
-        start += tube.length
-        below += [tube._replace(length=inside)] if inside > 0.0 else []
-        above += [tube._replace(length=tube.length - inside)] if inside < tube.length else []
-    return below, above
-
-
 def counts_above(above: list[Tube], finer: float = 1.0) -> list[int]:
     """Elements of each piece above the joint; `finer` times the number of elements as long as `LONGEST_ABOVE`."""
     return [math.ceil(finer * tube.length / LONGEST_ABOVE - 1e-9) for tube in above]
@@ -119,13 +108,14 @@ def _mean_curvature(scene: Scene, above: Rod, points: Axis) -> Axis:
     return points._replace(normal=normal, curvature=curvature)
 
 
-def joined_workspace(scene: Scene, model: DiscreteModel, constrained: Mask) -> Workspace:
+def joined_workspace(scene: Scene, model: DiscreteModel, constrained: Mask, loaded: int = 0) -> Workspace:
     """Workspace of the joined form.
 
     Args:
         scene: A scene with a joint.
         model: Its discrete model.
         constrained: Constrained unknowns of bit and top, shape (2, 7).
+        loaded: Nodes that an effect may load: all or none.
     """
     rod, joint = model.rod, joint_of(scene) or 0.0
     first = int(np.searchsorted(rod.arc, joint - 1e-6))
@@ -135,7 +125,7 @@ def joined_workspace(scene: Scene, model: DiscreteModel, constrained: Mask) -> W
         part = part_of(rod, first, rod.length.size)
         twist = np.diff(untwisted(part, np.column_stack((nodes.centre, nodes.tangent, np.zeros(m + 1))))) / part.length
         points = _mean_curvature(scene, part, Axis(*(field[2 * first :].copy() for field in points)))
-    return make_workspace(rod, m, constrained, nodes, points, twist)
+    return make_workspace(rod, m, constrained, nodes, points, twist, loaded)
 
 
 class JointMotion:

@@ -13,7 +13,7 @@ from drill_twin.dynamics.solver.boundary import PLACE, Drive
 from drill_twin.dynamics.solver.lateral.linear_solver import make_workspace as make_lateral_workspace
 from drill_twin.dynamics.solver.spatial.linear_solver import make_workspace
 from drill_twin.dynamics.solver.state import make_state
-from drill_twin.physics.effects import Effect, effect_module, parameters_of
+from drill_twin.physics.effects import PARTS, Effect, effect_module, parameters_of
 from drill_twin.physics.model import Rod
 from drill_twin.physics.model.bit import make_bit
 from drill_twin.scene import Scene
@@ -78,9 +78,12 @@ def form_of(scene: Scene) -> str:
 
 
 def effects_of(scene: Scene) -> tuple[Effect, ...]:
-    """The effects with compiled functions, each with the variant that its block asks for, in the registry's order."""
+    """The effects with compiled functions, each with the variant that its block asks for, in the registry's order;
+    discs and supports of the string after them.
+    """
     kernels = (name for name in scene.effect_names if hasattr(effect_module(name), "Parameters"))
-    return tuple(Effect.of(name, getattr(scene.effects, name)) for name in kernels)
+    parts = tuple(Effect(key) for key in PARTS if getattr(scene.string, key))
+    return tuple(Effect.of(name, getattr(scene.effects, name)) for name in kernels) + parts
 
 
 class KernelArguments:
@@ -114,9 +117,10 @@ class KernelArguments:
         self.boundary_conditions = BoundaryConditions.of(scene)
         self.constrained = self.boundary_conditions.constrained(scene.string.bit_end)
         count = self.rod.length.size
-        self._work: Any = make_lateral_workspace(count) if self.form == LATERAL else make_workspace(count)
+        loaded = count + 1 if any(effect.function("node_load") for effect in self.effects) else 0
+        self._work: Any = make_lateral_workspace(count, loaded) if self.form == LATERAL else make_workspace(count)
         if self.form == JOINED:
-            self._work = joined_workspace(scene, self.model, self.constrained)
+            self._work = joined_workspace(scene, self.model, self.constrained, loaded)
         self._state = make_state(count)
         self._state.bit_frame[:] = self.model.bit_frame
 
@@ -129,6 +133,9 @@ class KernelArguments:
         """Parameters of drive and effects of a scene as a generated module takes them, and `more` after them."""
         return kernel.Parameters(
             make_drive(scene, float(axial_weight(scene, self.model).sum())),
-            *(parameters_of(each.key, getattr(scene.effects, each.key), self.model) for each in self.effects),
+            *(
+                parameters_of(key, getattr(scene.string if key in PARTS else scene.effects, key), self.model)
+                for key, _ in self.effects
+            ),
             *more,
         )

@@ -5,8 +5,15 @@ import math
 from collections.abc import Iterator
 
 import numpy as np
+import scipy.linalg
 
-from drill_twin.dynamics.discretisation.discretise import sections_of
+from drill_twin.dynamics.discretisation.discretise import (
+    BIT_ENDS,
+    BoundaryConditions,
+    discretise,
+    sections_of,
+    tubes_of,
+)
 from drill_twin.dynamics.discretisation.joint import LONGEST_ABOVE, buckled_up_to, joint_of
 from drill_twin.dynamics.discretisation.resolution import (
     ELEMENTS_PER_PITCH,
@@ -19,7 +26,8 @@ from drill_twin.dynamics.discretisation.resolution import (
     stick_slip_step,
     wanted_elements,
 )
-from drill_twin.physics.model import tube_constants
+from drill_twin.physics.effects import gyroscopic
+from drill_twin.physics.model import build_rod, tube_constants
 from drill_twin.scene import Scene
 from drill_twin.scene.blocks.numerics import MOST_ELEMENTS
 from drill_twin.scene.set_points import extremes
@@ -32,6 +40,12 @@ TOLD = 1.05
 FRAMES_IN_ORBIT, STEPS_IN_ORBIT = 2.5, 20.0
 """Frames in an orbit that whirl needs to be seen (`whirl.criteria.NEEDED_IN_ORBIT`), and time steps in which the
 midpoint rule turns it by 0.8 % too little."""
+
+
+LEAST_GYROSCOPIC, TILT_ELEMENTS, TILT_MODES = 5e-3, 60, 8
+"""Change of a lateral frequency from which a note is given, elements and lowest modes of its estimate; chosen."""
+THICKER = 2.0
+"""Diameter over a neighbour's from which a section shorter than its diameter is a disc; chosen."""
 
 
 def notes_on(scene: Scene) -> list[str]:
@@ -47,7 +61,13 @@ def notes_on(scene: Scene) -> list[str]:
         *_friction_below_the_string(scene),
         *_rolling(scene),
         *_stick_slip(scene),
+        *notes_on_rotors(scene),
     ]
+
+
+def notes_on_rotors(scene: Scene) -> list[str]:
+    """Sentences on sections that are discs, and on gyroscopic moments that a scene leaves out."""
+    return [*_short_thick(scene), *_gyroscopic(scene)]
 
 
 def _joint(scene: Scene) -> Iterator[str]:
@@ -63,6 +83,8 @@ def _joint(scene: Scene) -> Iterator[str]:
     )
     above = [mark.name for mark in scene.string.marks if mark.distance_from_bit > joint]
     stays = f"; marks that stay on the axis: {', '.join(above)}" if above else ""
+    idle = [support.name for support in scene.string.supports if support.distance_from_bit > joint]
+    stays += f"; supports that hold nothing, as nothing moves across the hole there: {', '.join(idle)}" if idle else ""
     coarse = f", in elements of up to {longest} (a period of stick-slip may be off by 2 %; more `elements` divide them)"
     coarse = coarse if scene.numerics.elements == "auto" else ""
     yield (
@@ -170,3 +192,74 @@ def _rolling(scene: Scene) -> Iterator[str]:
         f"(radius over clearance), {worst:.3g} Hz; {'; '.join(lacks)}; so for "
         f"{units.text(length, 'length')} of the string"
     )
+
+
+def _short_thick(scene: Scene) -> Iterator[str]:
+    """Sections that are discs: no beam theory holds where a piece is shorter than thick."""
+    sections = scene.string.sections
+    start = np.cumsum([0.0, *(section.length for section in sections)])
+    for index, own in enumerate(sections):
+        beside = [
+            other.outer_diameter for other in (*sections[max(index - 1, 0) : index], *sections[index + 1 : index + 2])
+        ]
+        if own.length >= own.outer_diameter or own.outer_diameter < THICKER * min(beside, default=math.inf):
+            continue
+        mass, squares = own.mass_per_length * own.length, own.outer_diameter**2 + own.inner_diameter**2
+        yield (
+            f"`string.sections[{index}]` is {1e3 * own.length:.4g} mm long and {1e3 * own.outer_diameter:.4g} mm "
+            "thick: a disc, no beam. Its stiff short elements make the frequencies of `drill-twin modes` uncertain by "
+            "rounding, and without `effects.gyroscopic` its rotary inertia is missing; write it in `string.discs`: "
+            f"distance_from_bit: {start[index] + 0.5 * own.length:.6g} m, mass: {mass:.4g} kg, polar_inertia: "
+            f"{mass * squares / 8.0:.4g} kg m^2, diametral_inertia: "
+            f"{mass * (squares / 16.0 + own.length**2 / 12.0):.4g} kg m^2, and lengthen a neighbour by its length"
+        )
+
+
+def _gyroscopic(scene: Scene) -> Iterator[str]:
+    if scene.effects.gyroscopic is not None:
+        return
+    speed = abs(extremes(scene).rotation)
+    if any(sum(scene.string.body_of(disc)[1:3]) > 0.0 for disc in scene.string.discs):
+        change, basis = tilt_share(scene, speed), "by the tilt of its lowest modes without tension and wall"
+    else:  # of a bending wave at the rotation, (k r)^2 / 2 and twice as much of its gyroscopic split
+        radius = max(math.sqrt(tube_constants(tube)[1] / tube_constants(tube)[0]) for tube in sections_of(scene))
+        slowest = min(math.sqrt(tube.youngs_modulus / tube.density) for tube in sections_of(scene))
+        change, basis = 1.5 * radius * speed / slowest, "of a bending wave at the rotation"
+    if change >= LEAST_GYROSCOPIC:
+        yield (
+            f"`effects.gyroscopic` is not listed: at {speed * 30.0 / math.pi:.4g} rpm rotary inertia and gyroscopic "
+            f"moments change a lateral frequency by about {100.0 * change:.2g} % (first order, {basis}); list it"
+        )
+
+
+def tilt_share(scene: Scene, speed: float) -> float:
+    """Largest relative change of the lowest lateral frequencies by rotary inertia and gyroscopic moments, first order.
+
+    With a mode of unit modal mass, tilt t and frequency w: (sum Id t^2 + (speed / w) sum Ip t^2) / 2 (Rayleigh).
+    """
+    rod = build_rod(tubes_of(scene), TILT_ELEMENTS)
+    model, nodes = discretise(scene, rod), rod.arc.size
+    mass, stiffness = np.zeros((2, 2 * nodes, 2 * nodes))
+    bend = rod.shape[:, :, 2]
+    elements = np.einsum("epi,epj,e->eij", bend, bend, 0.5 * rod.length * rod.bending)
+    for e in range(rod.length.size):
+        part = slice(2 * e, 2 * e + 4)
+        mass[part, part] += rod.mass[e]
+        stiffness[part, part] += elements[e]
+    (polar, diametral), bodies = gyroscopic.parameters(gyroscopic.Gyroscopic(), model), model.bodies
+    np.add.at(mass, (2 * bodies.node, 2 * bodies.node), bodies.mass)
+    for support in scene.string.supports:
+        node = 2 * int(model.nodes_at(np.array([support.distance_from_bit]))[0])
+        stiffness[node, node] += support.stiffness
+        stiffness[node + 1, node + 1] += support.tilt_stiffness
+    free = np.ones(2 * nodes, bool)
+    free[:2] = ~np.array(BIT_ENDS[scene.string.bit_end])[[0, 3]]
+    free[-2:] = ~BoundaryConditions.of(scene).constrained(scene.string.bit_end)[1, [0, 3]]
+    kept, last = np.ix_(free, free), min(TILT_MODES, int(free.sum())) - 1
+    squares, shapes = scipy.linalg.eigh(stiffness[kept], mass[kept], subset_by_index=[0, last])
+    whole = np.zeros((2 * nodes, last + 1))
+    whole[free] = shapes
+    frequency = np.sqrt(np.maximum(squares, (0.05 * speed) ** 2 + 1e-12))
+    tilt = whole[1::2] ** 2
+    near = frequency <= max(2.0 * speed, float(frequency[0]))
+    return float((0.5 * (diametral @ tilt + speed / frequency * (polar @ tilt)))[near].max())

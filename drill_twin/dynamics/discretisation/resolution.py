@@ -10,8 +10,8 @@ import numpy as np
 
 from drill_twin.core.arrays import Array
 from drill_twin.core.errors import SceneError
-from drill_twin.dynamics.discretisation.discretise import axial_weight, discretise, sections_of, tubes_of
-from drill_twin.dynamics.discretisation.joint import counts_above, cut, joint_of
+from drill_twin.dynamics.discretisation.discretise import axial_weight, cut, discretise, sections_of, tubes_of
+from drill_twin.dynamics.discretisation.joint import counts_above, joint_of
 from drill_twin.physics.effects.wall import Parameters as Wall
 from drill_twin.physics.model import Rod, Tube, build_rod, elements_per_section, rod_of, tube_constants
 from drill_twin.scene import Scene

@@ -187,4 +187,10 @@ def _frame_on_axis(equations: EquationsOfMotion, found: str) -> TurningFrame:
             f"{equations.scene.name}: expected a straight vertical hole, in which the string can turn on the axis, "
             f"{found}"
         )
-    return TurningFrame(equations)
+    frame = TurningFrame(equations)
+    if not frame.is_round:
+        raise RunError(
+            f"{equations.scene.name}: expected supports that act alike in all directions, found string.supports with "
+            "two stiffnesses or dampings; `drill-twin modes` gives its modes at one speed"
+        )
+    return frame

@@ -34,8 +34,8 @@ TIME_DEPENDENT = {
     "bit_side_force": "a force of fixed direction at the bit",
 }
 """Effects without a place in a steady state, and what they are."""
-TURNING_ARRAYS = {"bow": ("moment",), "eccentricity": ("imbalance", "inertia")}
-"""Effects that turn with the string and break the symmetry, and the arrays of their parameters."""
+TURNING_ARRAYS = {"bow": ("moment",), "eccentricity": ("imbalance", "inertia"), "discs": ("unbalance",)}
+"""Effects and discs that turn with the string and break the symmetry, and the arrays of their parameters."""
 COLUMNS = {"lateral": np.array([0, 1, 3, 4]), "spatial": np.arange(7)}
 """Columns of the unknowns in a node's row of seven."""
 

@@ -23,8 +23,11 @@ from drill_twin.dynamics.rotordynamics.eigenvalues import (
     Delay,
     Numbers,
     Pencil,
+    at_least,
     damped_modes,
     delayed_modes,
+    normed,
+    rounding,
 )
 from drill_twin.dynamics.rotordynamics.equations import EquationsOfMotion, Linearised
 from drill_twin.dynamics.rotordynamics.turning_frame import HoleFrame, TurningFrame
@@ -62,9 +65,11 @@ class Mode(NamedTuple):
     number: int = 0
     """Among the modes of its kind, by the size of the eigenvalue, from 1."""
     change: complex = complex(math.nan, math.nan)
-    """Change of the eigenvalue on a mesh twice as fine; NaN: not known."""
+    """Change of the eigenvalue on a mesh twice as fine, not less than `rounding`; NaN: not known."""
     cut_change: complex = complex(math.nan, math.nan)
     """Change of the eigenvalue of a mode of the assembly where more pipe is added above it; NaN for other modes."""
+    rounding: float = 0.0
+    """Bound of the error of the eigenvalue by rounding [1/s]."""
     share: float = 1.0
     """Share of the kinetic energy of a mode of the assembly in its collars; 1 for other modes."""
 
@@ -202,9 +207,8 @@ def modes(
         RunError: There is no balance.
     """
     found = balance(equations, command, resting)
-    frame, system = TurningFrame(equations), found.system
+    frame, system, delay = TurningFrame(equations), found.system, equations.delay(command)
     pencil = Pencil(*(system.matrices if is_vertical(equations) else system.sparse))
-    delay = equations.delay(command)
     on_axis = is_vertical(equations) and all(frame.is_isotropic(matrix) for matrix in pencil)
     if on_axis:
         all_modes = _lateral(equations, frame, pencil)
@@ -244,7 +248,7 @@ def compared(table: ModeTable, finer: ModeTable) -> ModeTable:
         own, others = table.of(kind), finer.of(kind)
         apart = np.array([[other.eigenvalue - mode.eigenvalue for other in others] for mode in own])
         pairs = zip(*linear_sum_assignment(np.abs(apart)), strict=True) if apart.size else ()
-        change = {row: complex(apart[row, column]) for row, column in pairs}
+        change = {row: at_least(apart[row, at], own[row].rounding, others[at].rounding) for row, at in pairs}
         kept += [mode._replace(change=change.get(row, mode.change)) for row, mode in enumerate(own)]
     return table._replace(modes=tuple(kept))
 
@@ -256,23 +260,24 @@ def _reach(found: list[Mode], size: int) -> float:
 
 def _lateral(equations: EquationsOfMotion, frame: TurningFrame, pencil: Pencil) -> list[Mode]:
     """Modes on z = x + i y."""
-    values, vectors = damped_modes(Pencil(*(frame.as_complex(matrix) for matrix in pencil)))
-    shapes = np.zeros((equations.free.shape[0], values.size), dtype=complex)
+    whole = Pencil(*(frame.as_complex(matrix) for matrix in pencil))
+    values, vectors = damped_modes(whole)
+    shapes, off = np.zeros((equations.free.shape[0], values.size), complex), rounding(whole, values, vectors)
     shapes[equations.free[:, 0]] = vectors[frame.at_node]
-    return [Mode(LATERAL, complex(value), normed(shapes[:, k])) for k, value in enumerate(values)]
+    return [Mode(LATERAL, complex(value), normed(shapes[:, k]), rounding=off[k]) for k, value in enumerate(values)]
 
 
 def coupled_modes(equations: EquationsOfMotion, part: Numbers, pencil: Pencil, delay: Delay | None) -> list[Mode]:
     """Modes of real equations, one of each conjugate pair, classed by the modes' kinetic energy."""
     values, vectors = damped_modes(pencil) if delay is None else delayed_modes(pencil, delay)
-    keep = np.flatnonzero(values.imag >= 0.0)
+    keep, off = np.flatnonzero(values.imag >= 0.0), rounding(pencil, values, vectors)
     frame = HoleFrame.of(equations)
-    return [classed(equations, frame, part, pencil.mass, complex(values[k]), vectors[:, k]) for k in keep]
+    return [classed(equations, frame, part, pencil.mass, values[k], vectors[:, k], off=off[k]) for k in keep]
 
 
 def classed(
     equations: EquationsOfMotion, frame: HoleFrame, part: Numbers, mass: Any, value: complex, vector: ComplexArray,
-    collars: float = math.inf,
+    collars: float = math.inf, off: float = 0.0,
 ) -> Mode:  # fmt: skip
     """Mode of some of the unknowns: lateral, or of the kind along the hole that has more of its kinetic energy.
 
@@ -291,10 +296,5 @@ def classed(
     at = (rows * np.exp(-0.5j * np.angle(largest))).real
     shape = {LATERAL: at[:, 0] + 1j * at[:, 1], AXIAL: rows[:, 2], TORSIONAL: rows[:, 6]}[kind]
     share = float(energy[equations.model.rod.arc <= collars].sum() / energy.sum())
-    return Mode(kind, value, shape / np.abs(shape).max() if kind == LATERAL else normed(shape), share=share)
-
-
-def normed(shape: ComplexArray) -> ComplexArray:
-    """Shape whose largest entry is 1."""
-    largest = shape[int(np.argmax(np.abs(shape)))]
-    return shape / largest if largest != 0.0 else shape
+    shape = shape / np.abs(shape).max() if kind == LATERAL else normed(shape)
+    return Mode(kind, complex(value), shape, share=share, rounding=off)

@@ -34,6 +34,7 @@ class TurningFrame:
         y: Numbers of y and y', in the same order.
         rest: Numbers of the others: along and about the axis.
         at_node: Of each entry of `x` whether it is a position, not a slope.
+        is_round: True if every support of the string acts alike in all directions.
     """
 
     def __init__(self, equations: EquationsOfMotion) -> None:
@@ -47,6 +48,7 @@ class TurningFrame:
         self.rest: NDArray[np.int64] = np.setdiff1d(np.arange(equations.unknowns), np.concatenate([self.x, self.y]))
         self.at_node = column[self.x] == 0
         self._free, self._columns = free, equations.columns
+        self.is_round: bool = all(support.is_isotropic for support in equations.scene.string.supports)
 
     def values(self, rows: Array) -> Array:
         """Values of the free unknowns in rows of seven, shape (m,)."""
@@ -77,7 +79,7 @@ class TurningFrame:
             matrix[np.ix_(x, y)] + matrix[np.ix_(y, x)],
             *(matrix[np.ix_(one, other)] for way in (x, y) for one, other in ((way, rest), (rest, way))),
         ]
-        return all(np.abs(part).max(initial=0.0) <= ISOTROPIC * size for part in differences)
+        return self.is_round and all(np.abs(part).max(initial=0.0) <= ISOTROPIC * size for part in differences)
 
     def as_complex(self, matrix: Array) -> ComplexArray:
         """Isotropic matrix on x + i y."""

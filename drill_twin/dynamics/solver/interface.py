@@ -15,6 +15,7 @@ class Effects(NamedTuple):
     section_stress: Any
     distributed_load: Any
     end_load: Any
+    node_load: Any
     prescribed_motion: Any
     after_step: Any
     missed: Any

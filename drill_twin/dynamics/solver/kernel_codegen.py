@@ -21,6 +21,8 @@ In the loop:
 * ``axial_damping(parameters, element, axial, rate)``: viscous axial force and its slope;
 * ``end_load(parameters, rod, command, time, half_step, u, v, v_old, ends)``: forces at bit and top, as tangent and
   residual, shape (2, 7, 8);
+* ``node_load(parameters, rod, time, half_step, u, v, v_old, nodes)``: forces at the nodes, as tangent and residual,
+  shape (n + 1, 7, 8); rows and velocities are in space, in the lateral form with r'_z = 1;
 * ``prescribed_motion(parameters, rod, time, trial)``: velocities of constrained unknowns at mid-step, where they are
   not zero;
 * ``after_step(parameters, rod, command, time, step, u, v)``: update of an effect's own memory after a step;
@@ -51,6 +53,7 @@ _RIG = {
 _BEGIN = {
     "section_stress": "energy_ledger.start_section(parameters.ledger.entries, strain, resultants)",
     "distributed_load": "energy_ledger.start_load(parameters.ledger.entries, load)",
+    "node_load": "energy_ledger.start_nodes(parameters.ledger.entries, parameters.ledger.gauss, v, nodes)",
     "end_load": (
         "energy_ledger.record_ends("
         "parameters.ledger.entries, energy_ledger.WEIGHT_ON_BIT, energy_ledger.TOP_DRIVE, v, ends)"
@@ -60,6 +63,7 @@ _RECORD = {
     "axial_damping": "record_axial_damping({ledger}, {account}, element, added[0], rate)",
     "section_stress": "record_section({ledger}, {account}, strain, resultants)",
     "distributed_load": "record_load({ledger}, {account}, here, load)",
+    "node_load": "record_nodes({ledger}, {account}, v, nodes)",
     "end_load": "record_ends(parameters.ledger.entries, {account}, {account}, v, ends)",
 }
 _LEDGER = "parameters.ledger.entries, parameters.ledger.gauss"
@@ -193,7 +197,8 @@ loop = midpoint.bind(form, effects, audit_step, {close})"""
 def _function(hook: str, effects: Sequence[Effect], *, audit: bool = False, above: bool = False) -> str:
     """A function that calls the effects' functions in turn; above a joint, none of an effect across the hole."""
     lines = [_RIG[hook]] if hook in _RIG else []
-    lines += [_BEGIN[hook]] if audit and hook in _BEGIN else []
+    called = hook != "node_load" or any(effect.function(hook) for effect in effects)
+    lines += [_BEGIN[hook]] if audit and hook in _BEGIN and called else []
     damping = hook == "axial_damping"
     for number, effect in sorted(enumerate(effects), key=lambda pair: _comes_later(hook, pair[1])):
         if above and (effect.config.across or effect.function("side_friction")):

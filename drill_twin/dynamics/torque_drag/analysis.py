@@ -14,12 +14,12 @@ from drill_twin.dynamics.discretisation.discretise import axis_at, contact_radiu
 from drill_twin.dynamics.discretisation.resolution import MOST, resolution_of
 from drill_twin.dynamics.rotordynamics.equations import TIME_DEPENDENT, EquationsOfMotion
 from drill_twin.dynamics.torque_drag.along_string import AlongString, along_string
-from drill_twin.dynamics.torque_drag.operations import Operation
 from drill_twin.dynamics.torque_drag.sliding_balance import BalancedString, SlidingBalance
 from drill_twin.dynamics.torque_drag.soft_string import (
     BucklingLoads,
     BucklingState,
     HoleAndString,
+    Operation,
     SoftString,
     lock_up_weight,
     soft_string,

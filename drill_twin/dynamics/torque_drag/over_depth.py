@@ -10,8 +10,7 @@ import numpy as np
 from drill_twin.core.arrays import Array
 from drill_twin.dynamics.rotordynamics.equations import EquationsOfMotion
 from drill_twin.dynamics.torque_drag.analysis import hole_and_string, steady
-from drill_twin.dynamics.torque_drag.operations import Operation, operations
-from drill_twin.dynamics.torque_drag.soft_string import soft_string
+from drill_twin.dynamics.torque_drag.soft_string import Operation, operations, soft_string
 from drill_twin.scene import Scene
 
 OWN = 1e-12

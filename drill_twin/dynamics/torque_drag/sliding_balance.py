@@ -22,7 +22,7 @@ from drill_twin.dynamics.discretisation.discretise import BIT_ENDS, axial_weight
 from drill_twin.dynamics.rotordynamics.block_rows import BlockRows
 from drill_twin.dynamics.rotordynamics.equations import EquationsOfMotion
 from drill_twin.dynamics.solver.linearisation import MASS, STIFFNESS
-from drill_twin.dynamics.torque_drag.operations import Operation
+from drill_twin.dynamics.torque_drag.soft_string import Operation
 from drill_twin.physics.model.mesh import SPIN
 from drill_twin.scene.set_points.command import Command
 

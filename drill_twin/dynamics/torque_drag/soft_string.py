@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Soft string, without bending stiffness, on the wall of the hole (Johancsik and others 1984); buckling of pipe there.
+"""Soft string, without bending stiffness, on the wall of the hole (Johancsik and others 1984); buckling of pipe there;
+the steady operations of the rig whose loads are wanted.
 
 The force that presses an element to the wall is N = |w + T k n|, with the weight across the hole w, tension T,
 curvature k of the hole and its normal n. Friction mu N acts against the motion of the surface, split between the
@@ -22,12 +23,55 @@ from typing import NamedTuple
 import numpy as np
 
 from drill_twin.core.arrays import Array
-from drill_twin.dynamics.torque_drag.operations import Operation
 
 CHEN, MITCHELL = np.sqrt(2.0), 2.0 * np.sqrt(2.0)
 """Helical load over sinusoidal load: the least at which a helix persists, and the least at which only a helix does."""
 LUBINSKI, WU = 1.94, 5.55
 """Factors of (EI q^2)^(1/3) in a vertical hole: sinusoidal and helical."""
+
+TRIP_SPEED = 0.3
+"""Speed along the hole when tripping [m/s], about 60 ft/min; the friction of a Coulomb law does not depend on it."""
+FEED = 5e-3
+"""Rate of penetration in sliding and drilling [m/s], 18 m/h: beside the speed of the rotating surface it is small."""
+
+
+class Operation(NamedTuple):
+    """Steady operation of the rig."""
+
+    name: str
+    """As in the tables."""
+    weight_on_bit: float
+    """[N]."""
+    axial_speed: float
+    """Speed of the string along the hole [m/s]; upwards is positive."""
+    rotation: float
+    """Speed of rotation [rad/s]."""
+
+    @property
+    def is_on_bottom(self) -> bool:
+        """True if the bit carries weight."""
+        return self.weight_on_bit != 0.0
+
+
+def operations(
+    weight_on_bit: float, rotation: float, trip_speed: float = TRIP_SPEED, feed: float = FEED
+) -> tuple[Operation, ...]:
+    """The five operations of a well plan; without a rotation or a weight on bit only the operations that need none.
+
+    Args:
+        weight_on_bit: When sliding and drilling [N].
+        rotation: When rotating and drilling [rad/s].
+        trip_speed: When tripping [m/s].
+        feed: Rate of penetration when sliding and drilling [m/s].
+    """
+    possible = {
+        Operation("trip out", 0.0, trip_speed, 0.0): True,
+        Operation("trip in", 0.0, -trip_speed, 0.0): True,
+        Operation("off bottom", 0.0, 0.0, rotation): bool(rotation),
+        Operation("slide", weight_on_bit, -feed, 0.0): bool(weight_on_bit),
+        Operation("drill", weight_on_bit, -feed, rotation): bool(rotation and weight_on_bit),
+    }
+    return tuple(operation for operation, is_wanted in possible.items() if is_wanted)
 
 
 class BucklingState(IntEnum):

@@ -96,6 +96,7 @@ def bounds_of(scene: Scene, model: DiscreteModel, wall: Wall | None, *, lateral:
     gravity = 0.0 if scene.effects.gravity is None else scene.effects.gravity.magnitude
     random = 0.0 if scene.effects.random_force is None else scene.effects.random_force.rms
     mud = model.fluid_density * 4.0 * np.pi * model.contact_radius.max() ** 2
+    discs = 0.0 if model.bodies is None else float((model.bodies.mass / model.shares[model.bodies.node]).max())
     clearance = bore.clearance.reshape(-1, 2).max(axis=1)
     return Bounds(
         speed=max(LEAST_SPEED, *(float(np.sqrt(tube.youngs_modulus / tube.density)) for tube in sections_of(scene))),
@@ -105,9 +106,9 @@ def bounds_of(scene: Scene, model: DiscreteModel, wall: Wall | None, *, lateral:
         walled=wall is not None,
         stiffness=1.0 if wall is None else float(wall.stiffness),
         power=1.0 if wall is None or wall.linear else 1.5,
-        line_mass=float(rod.line_mass.max() + mud),
+        line_mass=float(rod.line_mass.max() + mud) + discs,
         flexibility=float(np.max(clearance / (4.0 * rod.bending))),
         weight=float(weight.sum()),
-        line_load=float(gravity * rod.line_mass.max()) + 6.0 * random,
+        line_load=float(gravity * (rod.line_mass.max() + discs)) + 6.0 * random,
         curvature=0.0 if bore.axis is None else float(bore.axis.curvature.max()),
     )

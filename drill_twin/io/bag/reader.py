@@ -17,7 +17,7 @@ from drill_twin.io.bag.reading.files import open_files
 from drill_twin.io.bag.skipped import stray_stamps
 from drill_twin.io.messages.decode import read_string
 from drill_twin.io.messages.stamps import DATED, counted_from, raw_header_stamp
-from drill_twin.io.messages.topic_row import DIAGNOSTIC_ARRAY, IMU, JOINT_STATE, POSE_ARRAY
+from drill_twin.io.messages.topic_row import IMU, JOINT_STATE, POSE_ARRAY
 from drill_twin.io.messages.topics import (
     DIAGNOSTICS,
     GENERIC,
@@ -26,11 +26,9 @@ from drill_twin.io.messages.topics import (
     RIG_STATE,
     TOPICS,
     TWIN_SCENE,
-    WHIRL_ONSET,
 )
 
 _HARDWARE = "drill_twin"
-_OLD_JOINT = b"bit_torque\0"
 _NAMED = 8  # namespaces in an error
 _STAMPED = frozenset({JOINT_STATE, POSE_ARRAY, IMU})
 _FIRST = 64  # messages that tell whether stamps are dates
@@ -150,7 +148,6 @@ class Bag:
 
     namespace = ""
     origin = 0  # ns
-    _unchecked = ""  # name of the rig states whose first message has not been seen
 
     def __init__(
         self,
@@ -171,7 +168,7 @@ class Bag:
 
         Raises:
             BagError: The path leads to no bag; the bag has no messages, or none on a topic of the contract; the bag
-                holds several twins and none was chosen, does not fit `names`, or is of before release 0.1.0.
+                holds several twins and none was chosen, or does not fit `names`.
         """
         self.path = Path(path)
         self._files, empty_files = open_files(self.path, window)
@@ -201,9 +198,6 @@ class Bag:
 
         Args:
             topics: Names of topics to read; by default all.
-
-        Raises:
-            BagError: Its rig states are of before release 0.1.0.
         """
         origin, stamped = self.origin, self._stamped if self.origin else ()
         for topic, stamp, raw in self.recorded_messages(topics):
@@ -224,10 +218,6 @@ class Bag:
         ours = {recorded: name for name, recorded in self._recorded.items()}
         for file in self._files:
             for recorded, stamp, raw in file.messages(wanted):
-                if recorded == self._unchecked:
-                    self._unchecked = ""
-                    if _OLD_JOINT in raw:
-                        raise self._too_old(f"no joint bit_torque on {RIG_STATE}, found this joint")
                 if recorded != DIAGNOSTICS or not is_of_another_twin(raw, self.namespace):
                     yield ours[recorded], stamp, raw
 
@@ -258,15 +248,6 @@ class Bag:
         self._recorded = recorded_names(found, names, self.namespace, where)
         ours = {recorded: name for name, recorded in self._recorded.items()}
         self.topics: dict[str, RecordedTopic] = {ours[name]: topic for name, topic in found.items() if name in ours}
-        self._unchecked = self._recorded.get(RIG_STATE, "")
-        if (onset := self.topics.get(WHIRL_ONSET)) is not None and onset.type_name == DIAGNOSTIC_ARRAY:
-            raise self._too_old(f"{WHIRL_ONSET} as {TOPICS[WHIRL_ONSET].type_name}, found {DIAGNOSTIC_ARRAY}")
-
-    def _too_old(self, mismatch: str) -> BagError:
-        return BagError(
-            f"{self.path}: expected {mismatch}: it was recorded before the topics of release 0.1.0; record the run "
-            "again, or read the bag with the version of drill_twin that its scene names"
-        )
 
     def _check_topics(self) -> None:
         others = {

@@ -15,7 +15,6 @@ from drill_twin.dynamics.twin.frame import RigState
 from drill_twin.io.bag.time_series import Column, Rows, Series, checked
 from drill_twin.io.messages.decode import JointArrays, JointStateReader, JointStates, poses_by_rosbags, read_pose_rows
 from drill_twin.io.messages.drawing.transforms import spin_of, tangent_of
-from drill_twin.io.messages.encode import MARK_AXES
 from drill_twin.io.messages.rig_messages import read_commands, read_rig_states
 from drill_twin.io.messages.whirl_encode import read_whirl_state
 from drill_twin.io.samples import RIG_FIELDS, columns, rig_of
@@ -84,7 +83,6 @@ class MarkSeries(JointSeries):
         self._marks: list[tuple[str, ...]] = []
         self._layout: tuple[str, ...] = ()
         self._layout_marks: tuple[str, ...] = ()
-        self._columns = np.zeros((0, len(MARK_AXES)), np.intp)
 
     def _values(self, states: JointStates) -> tuple[Array, tuple[str, ...]]:
         if states.names != self._layout or not states.position.size:
@@ -92,16 +90,16 @@ class MarkSeries(JointSeries):
         values = np.full((len(states.stamps), 3, len(states.names) + 1), np.nan)
         for k, part in enumerate((states.position, states.velocity, states.effort)):
             values[:, k, : part.shape[1]] = part
-        return values[:, :, self._columns], self._layout_marks
+        return values[:, :, columns(states.names, self._layout_marks)], self._layout_marks
 
     def _set_layout(self, state: JointArrays) -> None:
-        """Find the columns of its joints: of the marks of an earlier message, if all are there, else of all marks."""
+        """Choose the marks of a layout: the marks of an earlier message, if all are there, else all marks."""
         names = state.names
         found = {name.removesuffix("/x"): None for name in names if name.endswith("/x")}
         marks = next((known for known in self._marks if found.keys() >= set(known)), tuple(found))
         if not (marks and state.position.size):
             raise MessageError(f"expected x, y, z and spin of marks, found {', '.join(names) or 'nothing'}")
-        self._columns = columns(names, marks)
+        columns(names, marks)  # raises where one is not whole
         self._layout, self._layout_marks = names, marks
         if marks not in self._marks:
             self._marks.append(marks)

@@ -14,6 +14,7 @@ from typing import Any, NamedTuple, Self
 
 from drill_twin.core.companions import entries
 from drill_twin.core.errors import RunError
+from drill_twin.physics.effects import discs, supports
 from drill_twin.physics.effects.config import HOOKS, EffectConfig, uncalled
 
 GROUP = "drill_twin.effects"
@@ -58,6 +59,8 @@ def _find() -> dict[str, tuple[ModuleType, type[EffectConfig]]]:
 _FOUND = _find()
 EFFECTS: dict[str, type[EffectConfig]] = {key: config for key, (_, config) in _FOUND.items()}
 """Key in a scene file -> its config: effects of this package by name, then effects of other packages."""
+PARTS: dict[str, ModuleType] = {"discs": discs, "supports": supports}
+"""Key in `string:` -> module of parts of the string whose functions a kernel calls as it calls an effect's."""
 
 
 class Effect(NamedTuple):
@@ -85,7 +88,7 @@ class Effect(NamedTuple):
     @property
     def config(self) -> type[EffectConfig]:
         """Class of its block."""
-        return _FOUND[self.key][1]
+        return EffectConfig if self.key in PARTS else _FOUND[self.key][1]
 
     def function(self, hook: str) -> str:
         """Name of its function for a hook, the variant's function where there is one; "" for no function."""
@@ -98,11 +101,11 @@ class Effect(NamedTuple):
 
 
 def effect_module(key: str) -> ModuleType:
-    """The module of an effect, by its key in the scene."""
-    return _FOUND[key][0]
+    """The module of an effect, or of a part of the string, by its key in the scene."""
+    return PARTS[key] if key in PARTS else _FOUND[key][0]
 
 
-def parameters_of(key: str, block: EffectConfig, model: Any) -> Any:
+def parameters_of(key: str, block: Any, model: Any) -> Any:
     """Parameters of an effect's functions, by its `parameters`; without one they are the fields of its block."""
     module = effect_module(key)
     if hasattr(module, "parameters"):
@@ -110,4 +113,4 @@ def parameters_of(key: str, block: EffectConfig, model: Any) -> Any:
     return module.Parameters(*(getattr(block, name) for name in module.Parameters._fields))
 
 
-__all__ = ["EFFECTS", "GROUP", "LEFT_OUT", "Effect", "EffectConfig", "effect_module", "parameters_of"]
+__all__ = ["EFFECTS", "GROUP", "LEFT_OUT", "PARTS", "Effect", "EffectConfig", "effect_module", "parameters_of"]

@@ -17,6 +17,7 @@ HOOKS = {
     "section_stress": "parameters, rod, strain, half_step, resultants",
     "distributed_load": "parameters, rod, here, half_step, load, stiff",
     "end_load": "parameters, rod, command, time, half_step, u, v, v_old, ends",
+    "node_load": "parameters, rod, time, half_step, u, v, v_old, nodes",
     "prescribed_motion": "parameters, rod, time, trial",
     "after_step": "parameters, rod, command, time, step, u, v",
     "missed": "parameters, v",

@@ -33,15 +33,22 @@ class Parameters(NamedTuple):
     weight: Array
 
 
-def line_weight(block: Gravity, model: DiscreteModel) -> Array:
-    """Weight per length less buoyancy (m - rho A) g, by element [N/m], shape (n,); negative if the string floats."""
-    return np.asarray(block.magnitude * (model.rod.line_mass - model.fluid_density * displaced_area(model)))
+def line_weight(block: Gravity, model: DiscreteModel, *, is_lumped: bool = True) -> Array:
+    """Weight per length less buoyancy (m - rho A) g, by element [N/m], shape (n,); negative if the string floats.
+
+    `is_lumped` adds the weight of a disc to the element below it, for the tension above it.
+    """
+    line = np.asarray(block.magnitude * (model.rod.line_mass - model.fluid_density * displaced_area(model)))
+    if is_lumped and model.bodies is not None:
+        below = np.maximum(model.bodies.node - 1, 0)
+        np.add.at(line, below, model.bodies.weight / model.rod.length[below])
+    return line
 
 
 def parameters(block: Gravity, model: DiscreteModel) -> Parameters:
     """Compute the weight at the Gauss points; the low side of an inclined hole is +x."""
     direction = np.array([np.sin(model.inclination), 0.0, -np.cos(model.inclination)])
-    return Parameters(model.at_places(line_weight(block, model))[:, None] * direction)
+    return Parameters(model.at_places(line_weight(block, model, is_lumped=False))[:, None] * direction)
 
 
 @kernel

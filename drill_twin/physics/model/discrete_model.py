@@ -6,9 +6,9 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from drill_twin.core.arrays import Array
+from drill_twin.core.arrays import Array, Integers
 from drill_twin.physics.model.mesh import Rod, gauss_places
-from drill_twin.physics.model.wellbore import Wellbore
+from drill_twin.physics.model.wellbore import Axis, Wellbore
 
 
 class DiscreteModel(NamedTuple):
@@ -28,6 +28,28 @@ class DiscreteModel(NamedTuple):
     fluid_viscosity: float = 0.0  # [Pa s]
     fluid_inside: bool = True  # whether the pipe is filled with it
     joint_area: Array | float = 0.0  # area of upsets and tool joints spread along the pipe [m2], shape (n,)
+    bodies: Any = None  # the discs of the string (drill_twin.physics.effects.discs.Bodies); None: none
+    nodes: Axis | None = None  # the hole at the nodes, where the string has discs or supports in a curved one
+
+    def nodes_at(self, distance: Array) -> Integers:
+        """Numbers of the nodes nearest to distances from the bit [m], shape (p,)."""
+        return np.asarray(np.abs(self.rod.arc - distance[:, None]).argmin(axis=1), np.int64)
+
+    @property
+    def shares(self) -> Array:
+        """Length of string that each node stands for, half of the elements beside it [m], shape (n + 1,)."""
+        return np.asarray(0.5 * (np.append(self.rod.length, 0.0) + np.append(0.0, self.rod.length)))
+
+    @property
+    def directions(self) -> Array:
+        """Direction of the hole at the nodes, shape (n + 1, 3)."""
+        return np.tile([0.0, 0.0, 1.0], (self.rod.arc.size, 1)) if self.nodes is None else self.nodes.tangent
+
+    @property
+    def centres(self) -> Array:
+        """Axis of the hole at the nodes [m], shape (n + 1, 3)."""
+        along = self.rod.arc - self.rod.arc[-1]
+        return along[:, None] * self.directions if self.nodes is None else self.nodes.centre
 
     @property
     def places(self) -> Array:

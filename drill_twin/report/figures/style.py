@@ -171,7 +171,7 @@ def draw_onset(onset: Onset | None, duration: float, panels: Sequence[Axes]) -> 
 def laid_out(height: float, title: str) -> Figure:
     """Empty figure with a title; its panels are laid out below it so that no label overlaps another."""
     figure = blank(height, title)
-    figure.set_layout_engine("constrained", rect=(0.0, 0.0, 1.0, 1.0 - 0.4 / height))
+    figure.set_layout_engine("constrained", rect=(0.0, 0.0, 1.0, 1.0 - (0.4 + 0.2 * title.count("\n")) / height))
     return figure
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Checks of this machine: Python, packages, ROS, cache of compiled kernels, clock, browser; works without ROS."""
+"""Checks of this machine: Python, packages, ROS, cache of compiled kernels, clock; works without ROS."""
 
 import ctypes
 import importlib
@@ -9,7 +9,6 @@ import re
 import shutil
 import subprocess
 import sys
-import webbrowser
 from collections.abc import Iterator
 from dataclasses import dataclass
 from enum import StrEnum
@@ -63,7 +62,6 @@ def installation() -> Iterator[Check]:
     for name in ("numpy", "numba", "scipy", "rosbags", "mcap", "matplotlib"):
         yield _package(name)
     yield from _kernel_cache()
-    yield _browser()
     yield _clock()
     yield _shared_memory()
 
@@ -144,14 +142,6 @@ def _kernel_cache() -> Iterator[Check]:
     free = shutil.disk_usage(folder).free
     if free < 1e9:
         yield Check(INSTALLED, "disk", f"{free / 1e6:.0f} MB free at {folder}", Verdict.PROBLEM, "free a gigabyte")
-
-
-def _browser() -> Check:
-    try:
-        return Check(MACHINE, "browser", getattr(webbrowser.get(), "name", "") or "found")
-    except webbrowser.Error:
-        remedy = "open the address that drill-twin watch prints in a browser elsewhere"
-        return Check(MACHINE, "browser", "none", Verdict.NOTE, remedy)
 
 
 def _clock() -> Check:

@@ -10,7 +10,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from drill_twin.core.arrays import Array, number_or_nan
-from drill_twin.core.rig_channels import INSTANT
+from drill_twin.core.rig_channels import INSTANT, channel_of
 from drill_twin.dynamics.twin.frame_record import FrameSeries, RigSeries
 from drill_twin.io.messages.encode import wall_push
 from drill_twin.io.messages.stamps import stamp_ns
@@ -30,9 +30,6 @@ from drill_twin.runs.ensemble.run_outputs import (
 from drill_twin.whirl import Analyzer, BitOnlyAnalyzer, Summary
 
 __all__ = ["OUTPUTS", "Collector", "Request", "Variable"]
-
-_CHANNEL_UNITS = {"torque": "N m", "motor_torque": "N m", "bit_torque": "N m", "top_drive_speed": "rad/s",
-                  "bit_speed": "rad/s"}  # fmt: skip
 
 
 class Marks(Collector):
@@ -94,7 +91,7 @@ class Channels(Collector):
         time, *values = table
         names = [name.replace("top_drive_torque", "torque") for name in (*RigSeries._fields, "motor_torque")]
         return {"time": Variable(np.round(time, 9), ("sample",), "s")} | {
-            f"{name}{self.suffix}": Variable(value, ("sample",), _CHANNEL_UNITS.get(name, "N"))
+            f"{name}{self.suffix}": Variable(value, ("sample",), channel_of(name).dimension.unit)
             for name, value in zip(names, values, strict=True)
         }
 

@@ -28,8 +28,6 @@ class Chunk(NamedTuple):
     rig: RigSeries
     seconds: float
     """Processor time of the compiled loop [s]."""
-    repeated: int
-    """Frames that the step guard repeated with a smaller step."""
 
     def first(self, count: int) -> Chunk:
         """The first frames of the chunk, with the effort of the whole chunk."""
@@ -53,13 +51,12 @@ def parts_of(twin: Twin, commands: Array, period: float, size: int | None = None
     rows, rig = record.frames, RigSeries.of(record.frames)
     twin.load()  # outside the timed part
     for first in range(0, len(commands), record.size):
-        began, repeated = time.thread_time(), 0
-        error: DrillTwinError | None = None
+        began, error = time.thread_time(), None
         try:
-            repeated = twin.advance_frames(commands[first : first + record.size], period, record)
+            twin.advance_frames(commands[first : first + record.size], period, record)
         except DrillTwinError as ended:
             error = ended
-        part = Chunk(rows, rig, time.thread_time() - began, repeated)
+        part = Chunk(rows, rig, time.thread_time() - began)
         if count := round(twin.time / period) - first:
             yield part.first(count)
         if error is not None:

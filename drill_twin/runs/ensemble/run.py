@@ -31,16 +31,12 @@ class MemberRun:
         values: Outputs by name; of a member that failed, the outputs of the frames before.
         failure: The reason why the member could not be followed to the end; empty if it was.
         simulated: Simulated time [s].
-        repeated: Frames that the step guard repeated with a smaller step.
-        kernel_seconds: Processor time in the compiled loop [s].
         processor_seconds: Processor time in all [s].
     """
 
     values: Mapping[str, Variable] = field(default_factory=dict)
     failure: str = ""
     simulated: float = 0.0
-    repeated: int = 0
-    kernel_seconds: float = 0.0
     processor_seconds: float = 0.0
 
 
@@ -115,7 +111,7 @@ def on_threads(
 def run_member(base: Scene, request: Request, member: Member) -> MemberRun:
     """Run one member of a base scene; its failure is part of the outcome."""
     began = time.thread_time()
-    kernel, repeated, failure, simulated = 0.0, 0, "", 0.0
+    failure, simulated = "", 0.0
     values: dict[str, Variable] = {}
     try:
         scene = scene_of(base, member)
@@ -124,7 +120,7 @@ def run_member(base: Scene, request: Request, member: Member) -> MemberRun:
         collectors = [OUTPUTS[name](twin, request) for name in request.names]
         try:
             for part in parts_of(twin, commands, request.period):
-                kernel, repeated, simulated = kernel + part.seconds, repeated + part.repeated, twin.time
+                simulated = twin.time
                 for collector in collectors:
                     collector.add(part.rows, part.rig)
         except DrillTwinError as error:
@@ -138,4 +134,4 @@ def run_member(base: Scene, request: Request, member: Member) -> MemberRun:
         failure = (
             f"{member}: expected room for its arrays, found no memory left; take fewer workers or a lower mark_rate"
         )
-    return MemberRun(values, failure, simulated, repeated, kernel, time.thread_time() - began)
+    return MemberRun(values, failure, simulated, time.thread_time() - began)

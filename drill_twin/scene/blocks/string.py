@@ -15,6 +15,8 @@ from pydantic import Field
 
 from drill_twin.core.units import Density, Dimensionless, Length, LinearMass, Pressure, Torque, Within
 from drill_twin.physics.effects.config import Incompatibility
+from drill_twin.physics.effects.discs import Disc
+from drill_twin.physics.effects.supports import Support
 from drill_twin.scene.blocks.part import Label, Part, Problem
 
 Name = Annotated[str, Field(pattern=r"^[A-Za-z][A-Za-z0-9_]*$", max_length=60)]
@@ -184,21 +186,36 @@ class String(Part):
     """Sections FROM THE BIT UP."""
     marks: Annotated[tuple[Mark, ...], Field(max_length=100)] = ()
     """Marks, in any order."""
+    discs: Annotated[tuple[Disc, ...], Field(max_length=100)] = ()
+    """Rigid discs, tools and point masses, in any order."""
+    supports: Annotated[tuple[Support, ...], Field(max_length=100)] = ()
+    """Elastic supports, bearings and elastic roots, in any order."""
     bit_end: BitEnd = "sliding"
     """Constraint of the bit. `guided`: on the axis, no tilt, free axially and in spin; `pinned`: on the axis, tilt
     free; `sliding`: free laterally, no tilt; `free`: none; `stabilised`: `free` inside `effects.bit_stabiliser`."""
 
-    top_end: Literal["clamped", "hinged"] = "clamped"
-    """Constraint of the top across the hole. `clamped`: on the axis, no tilt; `hinged`: on the axis, tilt free."""
+    top_end: Literal["clamped", "hinged", "free"] = "clamped"
+    """Constraint of the top across the hole. `clamped`: on the axis, no tilt; `hinged`: on the axis, tilt free; `free`:
+    none, supports hold it."""
 
     def problems(self) -> Iterator[Problem]:
-        """A string that is too long, marks beyond its end, and names that two marks have."""
+        """A string that is too long, parts beyond its end, names that two parts have, and a top that nothing holds."""
         length = self.length
         if length > LONGEST_STRING:
             text = f"expected at most {LONGEST_STRING / 1000.0:g} km in all, found {length / 1000.0:.6g} km"
             yield ("sections",), text
-        yield from places_off_string("marks", self.marks, length)
-        yield from repeated_names("marks", self.marks)
+        for key in ("marks", "discs", "supports"):
+            yield from places_off_string(key, getattr(self, key), length)
+            yield from repeated_names(key, getattr(self, key))
+        held = {part.distance_from_bit for part in self.supports if part.stiffness > 0.0}
+        if self.top_end == "free" and len(held) < (1 if self.bit_end in ("guided", "pinned") else 2):
+            text = "expected supports with a stiffness at two places, a bit on the axis counted as one, found fewer"
+            yield ("top_end",), text
+
+    @property
+    def stations(self) -> list[float]:
+        """Distances from the bit of discs and supports [m]; the mesh has nodes there."""
+        return [disc.distance_from_bit for disc in self.discs] + [one.distance_from_bit for one in self.supports]
 
     @property
     def length(self) -> float:
@@ -210,6 +227,10 @@ class String(Part):
         end.
         """
         return self._piece_at(distance_from_bit).section
+
+    def body_of(self, disc: Disc) -> tuple[float, float, float, float]:
+        """Mass [kg], polar and diametral inertia [kg m^2] and volume [m^3] of a disc on this string."""
+        return disc.body(self.section_at(disc.distance_from_bit).outer_diameter)
 
     def radius_at(self, distance_from_bit: float) -> float:
         """Radius in contact with the wall [m], blades and tool joints included, as for `section_at`."""

@@ -138,7 +138,7 @@ def run_motion(
     for whole in parts_of(twin, commands, period, TIMED):
         spent = np.full_like(whole.rows.time, whole.seconds / whole.rows.time.size)
         count = int(np.count_nonzero(np.concatenate(([now], whole.rows.time[:-1])) < end))  # frames begun before `end`
-        rows, rig, _, _ = whole.first(count)
+        rows, rig, _ = whole.first(count)
         counted = rows.counted[:, ITERATIONS]
         part = (rows.time, rows.centre[..., :2], rows.string[:, 2], rig.hookload, rig.top_drive_torque, counted)
         columns.append((*(column.copy() for column in part), spent[:count]))

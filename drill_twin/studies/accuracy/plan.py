@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Choice of elements, time step and tolerance for `numerics.accuracy` from the error model, and check of the run.
 
-The check measures the error before the onset, and gives confidence intervals of the statistics after it.
+The check measures the error before the onset.
 """
 
 from __future__ import annotations
@@ -12,7 +12,6 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.stats import t as student
 
 from drill_twin.core.arrays import Array, ComplexArray
 from drill_twin.core.errors import SceneError
@@ -23,7 +22,7 @@ from drill_twin.runs import compile_kernel
 from drill_twin.runs.ensemble.parts import planned
 from drill_twin.scene import Scene
 from drill_twin.studies.accuracy.error_model import MARGIN, ErrorModel, MeasuredPoint, load_model, save_model
-from drill_twin.studies.accuracy.errors import CONFIDENCE, largest_distance
+from drill_twin.studies.accuracy.errors import largest_distance
 from drill_twin.studies.accuracy.measure import AFTER_ONSET, Measurement, Report, at
 from drill_twin.studies.accuracy.motion_run import run_motion
 
@@ -173,22 +172,10 @@ def expected_seconds(scene: Scene, iterations: float, duration: float) -> float:
 
 RICHARDSON = 4.0 / 3.0
 """Error over the difference from a run of half the step and twice the elements, for second order."""
-BATCHES = 10
-SETTLING = 2.0
-"""Simulated time after the onset that the statistics leave out [s]."""
 METHOD = (
     "part before the onset rerun with twice the elements, half the step and a tenth of the tolerance: largest distance "
     "of the marks' paths over the largest deflection, and difference of the onset times, each times 4/3"
 )
-
-
-@dataclass(frozen=True)
-class ErrorInterval:
-    """Mean over time and its 95 % confidence interval, by the method of batch means (Law 2007, section 9.5.3)."""
-
-    mean: float
-    low: float
-    high: float
 
 
 @dataclass(frozen=True)
@@ -209,10 +196,6 @@ class AccuracyResult:
     """Processor time of the measurement of the error model; 0 where there was one [s]."""
     check_seconds: float
     """Processor time of this check [s]."""
-    orbit_radius: ErrorInterval | None
-    """Orbit radius over the clearance, mean of the marks [-]; None without whirl."""
-    precession_hz: ErrorInterval | None
-    """Precession frequency of the mark with the largest orbit [Hz], positive = forward."""
 
 
 def check(
@@ -236,19 +219,15 @@ def check(
         RunError: The finer run fails.
     """
     began, onset = time.thread_time(), recording.summary.onset_s
-    line, times = recording.centre_lines(), recording.marks.time
-    clearance = np.array([place.clearance for place in recording.scene.mark_table])
     return AccuracyResult(
         asked=plan.asked,
         expected=plan.expected,
-        actual=_actual(plan, times, line, onset, progress) if rerun else None,
+        actual=_actual(plan, recording.marks.time, recording.centre_lines(), onset, progress) if rerun else None,
         how=METHOD if rerun else "not checked",
         expected_seconds=plan.seconds,
         actual_seconds=motion_seconds,
         measuring_seconds=plan.measuring,
         check_seconds=time.thread_time() - began,
-        orbit_radius=interval(times, (np.abs(line) / clearance).mean(axis=1), onset),
-        precession_hz=interval(times, _precession(times, line), onset),
     )
 
 
@@ -265,28 +244,3 @@ def _actual(
     if onset is None or not math.isfinite(motion.onset):
         return RICHARDSON * path if (onset is None) == (not math.isfinite(motion.onset)) else 1.0
     return RICHARDSON * max(path, abs(onset - motion.onset) / motion.onset)
-
-
-def _precession(time: Array, line: ComplexArray) -> Array:
-    mark = int(np.argmax(np.abs(line).mean(axis=0)))
-    turns: Array = np.gradient(np.unwrap(np.angle(line[:, mark])), time) / math.tau
-    return turns
-
-
-def interval(time: Array, values: Array, onset: float | None) -> ErrorInterval | None:
-    """Confidence interval of the mean after the onset; None where the record after it is too short.
-
-    Args:
-        time: [s], shape (T,).
-        values: Shape (T,).
-        onset: Onset [s]; None: no onset.
-    """
-    if onset is None:
-        return None
-    late = values[time > onset + SETTLING]
-    size = late.size // BATCHES
-    if size < 2:
-        return None
-    means = late[: size * BATCHES].reshape(BATCHES, size).mean(axis=1)
-    half = float(student.ppf(0.5 + 0.5 * CONFIDENCE, BATCHES - 1) * means.std(ddof=1) / math.sqrt(BATCHES))
-    return ErrorInterval(float(means.mean()), float(means.mean()) - half, float(means.mean()) + half)

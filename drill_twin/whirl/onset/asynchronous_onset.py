@@ -66,8 +66,8 @@ def update_noise(averaged: Columns, vector: ComplexArray, whirling: Mask) -> Non
     averaged.noise_bins[0] = min(averaged.noise_bins[0] + 1, MEMORY)
     for k in range(whirling.size):
         first, second, third, last = vector[0, k], vector[1, k], vector[2, k], vector[3, k]
-        across = last.real - 3.0 * third.real + 3.0 * second.real - first.real
-        up = last.imag - 3.0 * third.imag + 3.0 * second.imag - first.imag
+        across = last.real - 3.0 * third.real + 3.0 * second.real - first.real  # coefficients of a third difference
+        up = last.imag - 3.0 * third.imag + 3.0 * second.imag - first.imag  # coefficients of the same
         power = (across * across + up * up) / (2.0 * GAIN)
         if converged:
             power = np.minimum(power, OUTLIER * averaged.power[k] + 1e-300)
@@ -102,7 +102,7 @@ def average_radius(averaged: Columns, history: Columns, rate: Array, carrier: Ar
     """Average with the newest bin; `rate` of the asynchronous part, and of its `carrier` or 0 [rad/s], shape (m,)."""
     m, end = whirling.size, end_of(history)
     longest = min(MOST_AVERAGED, max(1, bins_in(history, 0.5)))
-    bins = max(4, longest)
+    bins = max(4, longest)  # a third difference needs four bins
     for i in range(bins):
         at = end - bins + i
         since = history.time[at] - history.time[end - 1]

@@ -172,7 +172,7 @@ def _rotary_coefficient(rest: ComplexArray, power: float) -> float:
         area = 0.0
         for i in range(lag, bins):
             area += rest[i].imag * rest[i - lag].real - rest[i].real * rest[i - lag].imag
-        difference += 4.0 * area / math.tan(math.pi * lag / bins)
+        difference += 4.0 * area / math.tan(math.pi * lag / bins)  # formula of the discrete Hilbert transform
     return abs(difference) / (bins * power + 1e-300)
 
 

@@ -4,6 +4,7 @@
 The crossing is the last time at which the mean square of the radius over a revolution rose to the threshold squared, by
 interpolation of its logarithm, since orbits grow exponentially. Noise is taken out of the square, and averages out;
 two whirls at once, an ellipse, strikes and irregular motion, whose radius dips within a revolution, have one crossing.
+A sudden start is in the mean half a revolution before: where the radius first crosses within that time, it tells.
 """
 
 from __future__ import annotations
@@ -14,8 +15,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from drill_twin.core.arrays import Array, ComplexArray
+from drill_twin.core.compile.jit import as_python
 from drill_twin.whirl.columns import Columns
 from drill_twin.whirl.history import ASYNCHRONOUS, CAPACITY, SYNCHRONOUS, newest, newest_in
+from drill_twin.whirl.orbit.orbit import mean_rate
 from drill_twin.whirl.orbit.runout_separation import (
     REFIT_BINS,
     REFIT_REVOLUTIONS,
@@ -96,7 +99,8 @@ def asynchronous_crossing(history: Columns, detection: Detection, rate: float, s
     window = newest(history, n)
     time, orbit = history.time[window], history.vector[window, ASYNCHRONOUS, mark]
     position, phasor = history.position[window, mark], history.phasor[window, mark]
-    ratio = rate / (math.tau * rotation) if (rotation := _rotation(history, since)) else math.nan
+    rotation = as_python(mean_rate)(history, max(2, min(since, history.length.item())))
+    ratio = rate / (math.tau * rotation) if rotation else math.nan
     # A fast orbit leaks into nothing, and seen once a bin it may pass for an offset or a synchronous part.
     fast = abs(ratio) > FAST
     refit = None if fast else refit_orbit(time, position, phasor, orbit, min(n, since), rate, half)
@@ -195,8 +199,8 @@ def _crossing_time(time: Array, revolutions: Array, radius: Array, threshold: fl
     index, n = np.arange(time.size), time.size
     # As many bins before as after, so that growth moves the mean no further than its curvature does.
     reach = np.minimum(
-        index - np.searchsorted(revolutions, revolutions - 0.5 * MEAN),
-        np.searchsorted(revolutions, revolutions + 0.5 * MEAN, side="right") - 1 - index,
+        index - np.searchsorted(revolutions, revolutions - 0.5 * MEAN),  # half on either side, by definition
+        np.searchsorted(revolutions, revolutions + 0.5 * MEAN, side="right") - 1 - index,  # by the same definition
     )
     total = np.concatenate(([0.0], np.cumsum(radius**2)))
     power = (total[index + reach + 1] - total[index - reach]) / (2 * reach + 1)
@@ -204,6 +208,10 @@ def _crossing_time(time: Array, revolutions: Array, radius: Array, threshold: fl
     first = int(below[-1]) + 1 if below.size else 0
     if first in {0, n}:
         return float(time[min(first, n - 1)])
+    # The mean knows of a sudden start half a revolution before: the radius itself then first crosses within that time.
+    later, half = first - 1 + int(np.argmax(radius[first - 1 :] >= threshold)), int(reach[first])
+    if first <= later <= first + half and radius[max(0, first - 1 - half) : later].max() < threshold:
+        power, first = radius**2, later
     low, high = math.log(max(float(power[first - 1]), TINY)), math.log(float(power[first]))
     share = (2.0 * math.log(threshold) - low) / (high - low)
     return math.fsum((float(time[first - 1]) * (1.0 - share), float(time[first]) * share))
@@ -212,11 +220,4 @@ def _crossing_time(time: Array, revolutions: Array, radius: Array, threshold: fl
 def _significance(detection: Detection) -> float:
     """1 less the probability that the averaged noise alone is as large."""
     remaining = detection.noise / math.sqrt(detection.width)
-    return 1.0 - math.exp(-0.5 * (detection.radius / remaining) ** 2) if remaining > 0.0 else 1.0
-
-
-def _rotation(history: Columns, bins: int) -> float:
-    """Mean rotation over the newest bins [rev/s]."""
-    window = newest(history, max(2, min(bins, history.length[0])))
-    angle, time = history.angle[window], history.time[window]
-    return float((angle[-1] - angle[0]) / (math.tau * (time[-1] - time[0])))
+    return 1.0 - math.exp(-0.5 * (detection.radius / remaining) ** 2) if remaining > 0.0 else 1.0  # formula of Rayleigh

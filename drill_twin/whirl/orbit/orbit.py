@@ -103,7 +103,7 @@ def fit_orbit(orbit: Columns, history: Columns, noise: Array, arm: ComplexArray)
         contact, seen, synchronous, strikes, away = 0.0, 0, 0j, 0, False
         for i in range(first, end):
             contact += history.contact[i, k]
-            strikes += away and history.contact[i, k] > 0.0
+            strikes += away and history.contact[i, k] >= criteria.STRUCK
             away = history.contact[i, k] == 0.0 and (
                 away or abs(history.position[i, k] - arm[k] * history.phasor[i, k]) < criteria.AWAY * clearance
             )

@@ -125,4 +125,4 @@ def _refined(rest: ComplexArray, time: Array, middle: float, rate: float, step: 
     bend = low - 2.0 * here + high
     if bend >= 0.0:
         return rate
-    return rate + step * min(max(0.5 * (low - high) / bend, -1.0), 1.0)
+    return rate + step * min(max(0.5 * (low - high) / bend, -1.0), 1.0)  # formula of a parabola's top

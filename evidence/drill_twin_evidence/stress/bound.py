@@ -35,9 +35,11 @@ def allowed_depth(twin: Twin, speed: float) -> float:
         return np.inf
     power = 1.5 if wall.stiffness is not None else 1.0
     stiffness = float(wall.stiffness or wall.linear_stiffness)
-    mass = max(float(twin.rod.line_mass.max()), line_mass_at_the_bit(twin))
+    mass = max(float(twin.rod.line_mass.max()), line_mass_at_the_bit(twin)) + _of_discs(twin)[0]
     helix = extremes(twin.scene).weight_on_bit ** 2 / (4.0 * float(twin.rod.bending.min()))
-    pressed = PEAK_FACTOR * (pressing_force(twin) + helix * float(twin.model.wellbore.clearance.max()))
+    pressed = PEAK_FACTOR * (
+        pressing_force(twin) + _of_discs(twin)[1] + helix * float(twin.model.wellbore.clearance.max())
+    )
 
     def sinks_further(depth: float) -> bool:
         pushed = 0.5 * mass * speed**2 + pressed * depth + 0.5 * PEAK_FACTOR * helix * depth**2
@@ -58,6 +60,17 @@ def line_mass_at_the_bit(twin: Twin) -> float:
     """Mass per length of the last half element, with that of a body at the bit [kg/m]."""
     body = twin.scene.effects.bit_mass
     return float(twin.rod.line_mass[0]) + (body.mass / (0.5 * float(twin.rod.length[0])) if body is not None else 0.0)
+
+
+def _of_discs(twin: Twin) -> tuple[float, float]:
+    """Mass per length of the heaviest disc over half the elements beside it [kg/m], force of unbalance [N/m]."""
+    arc, fastest = twin.rod.arc, extremes(twin.scene).rotation
+    found = [(0.0, 0.0)]
+    for disc in twin.scene.string.discs:
+        node = int(np.abs(arc - disc.distance_from_bit).argmin())
+        length = 0.5 * float(arc[min(node + 1, arc.size - 1)] - arc[max(node - 1, 0)])
+        found.append((twin.scene.string.body_of(disc)[0] / length, disc.moment * fastest**2 / length))
+    return max(mass for mass, _ in found), max(force for _, force in found)
 
 
 def pressing_force(twin: Twin) -> float:

@@ -31,8 +31,8 @@ Statics and critical speeds of a full bottom-hole assembly: the published table 
 Rods that are curved at rest in space (45 degree bend, twisted ring): a string starts along its hole; its stress-free
 curvature is that of a bow.
 
-Rotary inertia and gyroscopic moments of the cross-section: left out of the model: of the order of (radius / wave
-length)^2.
+Rotary inertia and gyroscopic moments of the cross-section: exact checks only (test/dynamics/rotors); without the effect
+gyroscopic left out: of the order of (radius / wave length)^2.
 """
 
 NOT_VALIDATED: tuple[tuple[str, str], ...] = tuple(

@@ -11,7 +11,7 @@ from drill_twin_evidence.detection.constants.literals import CHOICES, Use, liter
 from drill_twin_evidence.detection.constants.outcome import Outcome
 from drill_twin_evidence.detection.constants.variation import Row, edited
 
-MOST_CONSTANTS, MOST_FACTORS = 14, 85
+MOST_CONSTANTS, MOST_FACTORS = 14, 71
 """Named constants and factors of `whirl/` without a stated ground: may fall, not grow."""
 
 TRICKY = '''\

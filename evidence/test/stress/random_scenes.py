@@ -142,6 +142,7 @@ FIELDS: dict[str, dict[str, Strategy | Callable[[Scale], Strategy]]] = {
         "correlation_length": lambda s: log(0.3 * s.length, 3.0 * s.length),
         "seed": SEED,
     },
+    "gyroscopic": {},
     "eccentricity": {
         "offset": lambda s: or_zero(1e-5 * s.radius, 0.4 * s.radius),
         "angle": ANGLE,

@@ -7,8 +7,8 @@ import pytest
 from drill_twin.api import rotordynamics
 from drill_twin.dynamics.rotordynamics.assembly import assembly_of
 from drill_twin.dynamics.rotordynamics.assembly_modes import LIGHT, lateral_modes
-from drill_twin.dynamics.torque_drag.operations import Operation
 from drill_twin.dynamics.torque_drag.sliding_balance import SlidingBalance
+from drill_twin.dynamics.torque_drag.soft_string import Operation
 from drill_twin.scene import load_scene
 from drill_twin.scene.set_points.command import Command
 from drill_twin_evidence.verify.dynamics.modes import SET

@@ -17,9 +17,15 @@ from drill_twin.cli.app import app
 from drill_twin.core.errors import RunError
 from drill_twin.dynamics.rotordynamics.equations import EquationsOfMotion
 from drill_twin.dynamics.torque_drag.analysis import Statics, hole_and_string, steady
-from drill_twin.dynamics.torque_drag.operations import Operation, operations
 from drill_twin.dynamics.torque_drag.sliding_balance import SlidingBalance
-from drill_twin.dynamics.torque_drag.soft_string import BucklingState, buckling_loads, lock_up_weight, soft_string
+from drill_twin.dynamics.torque_drag.soft_string import (
+    BucklingState,
+    Operation,
+    buckling_loads,
+    lock_up_weight,
+    operations,
+    soft_string,
+)
 from drill_twin.physics.effects.wall_friction import WallFriction
 from drill_twin.scene import Scene, well_scenes
 

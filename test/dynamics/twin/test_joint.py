@@ -175,3 +175,27 @@ def test_effects_above_the_joint_are_given_the_turn_of_the_string():
     assert cos == pytest.approx(np.cos(turn))
     assert sin == pytest.approx(np.sin(turn))
     assert np.ptp(turn) > 30.0
+
+
+@pytest.mark.long
+def test_a_jar_above_the_joint_hangs_on_the_hook_and_has_its_mass():
+    """The string above the joint carries a disc: weight along the hole, mass and polar inertia."""
+    jar = "[{name: jar, distance_from_bit: 600 m, mass: 900 kg, polar_inertia: 40 kg m^2}]"
+    cut = {"numerics.lateral_from": "2700 m", "numerics.audit": "energy"}
+    plain = Twin(load_scene("wells/vertical_3000", overrides=cut))
+    heavy = Twin(load_scene("wells/vertical_3000", overrides=cut | {"string.discs": jar}))
+    assert heavy.dynamics.form == "joined"
+    command = Command(*heavy.scene.rig.first)
+    frames = [[twin.advance(command, 0.02) for _ in range(10)][-1] for twin in (plain, heavy)]
+    more = frames[1].rig.hookload - frames[0].rig.hookload
+    gravity = heavy.scene.effects.gravity.magnitude
+    assert more == pytest.approx(900.0 * gravity, rel=0.02)
+    assert abs(frames[1].energy.residual - frames[1].energy.newton) < 1e-4 * frames[1].energy.scale
+
+
+def test_a_support_above_the_joint_holds_nothing_and_the_note_says_so():
+    places = {"upper": 600, "near": 100}
+    held = [{"name": name, "distance_from_bit": f"{at} m", "stiffness": "1e6 N/m"} for name, at in places.items()]
+    scene = load_scene("wells/vertical_3000", overrides={"numerics.lateral_from": "2700 m", "string.supports": held})
+    (note,) = [note for note in notes_on(scene) if "numerics.lateral_from" in note]
+    assert note.endswith("supports that hold nothing, as nothing moves across the hole there: upper")

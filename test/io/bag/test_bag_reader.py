@@ -3,7 +3,6 @@
 
 import shutil
 
-import numpy as np
 import pytest
 from mcap.writer import CompressionType
 from mcap.writer import Writer as McapWriter
@@ -12,11 +11,8 @@ from rosbags.rosbag2 import CompressionFormat, CompressionMode, StoragePlugin, W
 from drill_twin.core.errors import BagError
 from drill_twin.io.bag.reader import Bag
 from drill_twin.io.bag.writer import BagWriter
-from drill_twin.io.messages.cdr import JointStateTemplate
-from drill_twin.io.messages.diagnostics import Level, Status, encode_diagnostics
 from drill_twin.io.messages.encode import encode_string
-from drill_twin.io.messages.topic_row import DIAGNOSTIC_ARRAY
-from drill_twin.io.messages.topics import MARKS_STATE, RIG_STATE, STRING_POSES, TOPICS, TWIN_SCENE, WHIRL_ONSET
+from drill_twin.io.messages.topics import MARKS_STATE, STRING_POSES, TOPICS, TWIN_SCENE
 from drill_twin.io.messages.type_store import definition, typestore
 
 
@@ -223,15 +219,3 @@ def test_metadata_that_names_missing_files(tmp_path, messages):
     bag = Bag(folder)
     assert bag.damage == ["theirs.db3 is missing"]
     assert len(list(bag.messages())) == len(messages)
-
-
-@pytest.mark.parametrize("kept", [{RIG_STATE}, {WHIRL_ONSET, RIG_STATE}])
-def test_a_bag_of_before_the_release_is_refused_with_a_sentence(tmp_path, kept):
-    rows = [
-        (WHIRL_ONSET, 0, encode_diagnostics(0, [Status("whirl onset", Level.OK, "no onset so far")])),
-        (RIG_STATE, 0, JointStateTemplate(["top_drive", "bit", "block", "bit_torque"]).fill(0, *np.ones((3, 4)))),
-    ]
-    types = {WHIRL_ONSET: DIAGNOSTIC_ARRAY}
-    by_rosbags(tmp_path / "old_0", [row for row in rows if row[0] in kept], types=types)
-    with pytest.raises(BagError, match=r"was recorded before the topics of release 0\.1\.0; record the run again"):
-        list(Bag(tmp_path / "old_0").messages())

@@ -11,11 +11,13 @@ from drill_twin.core.arrays import Array
 from drill_twin.scene import Scene
 from drill_twin.scene.blocks.sensors import Sub
 from drill_twin.scene.set_points import Command, Schedule
+from drill_twin_studies.estimation.drive_speed import DriveSpeed
 from drill_twin_studies.estimation.estimate import REACH, FilterWindow, WindowTiming
 from drill_twin_studies.estimation.subs import SubIntake
 
 SET_POINTS = Command._fields
 """Names of the set-points among the values of a sample [N], [rad/s], [m/s]: the fields of `Command`."""
+_ROTATION = SET_POINTS.index("rotation")
 _GAP = 5.0
 """Time without a sample [s] that is followed without measurement; a longer time is a jump of the clock; not
 measured."""
@@ -53,6 +55,7 @@ class Intake:
     Attributes:
         troubles: Number of samples, windows or jumps by kind of trouble.
         frozen: Channels that are frozen.
+        drive: Measured speed of the top drive beside its set-point.
     """
 
     def __init__(
@@ -65,6 +68,7 @@ class Intake:
     ) -> None:
         self.troubles: Counter[str] = Counter()
         self.frozen: set[str] = set()
+        self.drive = DriveSpeed()
         self._pace, self._channels, self._instant = pace, list(channels), instant
         self._schedule = Schedule.from_scene(scene)
         self._origin: float | None = None  # stamp of time zero
@@ -149,6 +153,7 @@ class Intake:
         self._open = []
         ends: Array = self._start + self._pace.period * np.arange(1.0, self._pace.frames + 1.0)
         commands = np.stack([self._set_points(name, samples, following, ends) for name in SET_POINTS], axis=1)
+        self.drive.take(self._start + self._pace.window, commands[:, _ROTATION], samples)
         parts = {name: self._compared(name, samples) for name in self._channels}
         readings = np.array([sub.close(self._start) for sub in self._subs])
         usual = {name: time for name in self._channels if math.isfinite(time := self._usual(name))}

@@ -166,8 +166,12 @@ def build_page(found: OperatingMap, scene: str) -> str:
         found: The map.
         scene: The scene with its options as on the command line, `pa6_bench --set hole.radius=80mm`, for the commands.
     """
+    from drill_twin.report.page import html_page, scripts
+
     text = json.dumps(page_data(found, scene), allow_nan=False).replace("<", "\\u003c")
-    return (files("drill_twin_studies.maps") / "page.html").read_text("utf-8").replace("/*DATA*/", text)
+    here = files("drill_twin_studies.maps")
+    body, code = ((here / name).read_text("utf-8") for name in ("page.html", "page.js"))
+    return html_page(f"{found.name}: operating map", body, scripts({"map-data": text}, code))
 
 
 def page_data(found: OperatingMap, scene: str) -> dict[str, Any]:

@@ -176,3 +176,27 @@ def test_frozen_channel_is_told_and_left_out_until_it_changes(intake):
 def test_channel_that_never_changed_is_not_frozen(intake):
     windows = feed(intake, np.arange(0, 601) * 0.01, lambda _: {"torque": 0.0})
     assert np.isfinite(windows[4].measured["torque"]).all()
+
+
+@pytest.mark.parametrize(
+    ("factor", "told"), [(1.0, ""), (1.04, ""), (0.9, "turns at 108 rpm"), (1.1, "turns at 132 rpm")]
+)
+def test_a_drive_that_does_not_turn_at_its_set_point_is_told(intake, factor, told):
+    at_work = 120.0 * math.pi / 30.0
+
+    def values(time):
+        swing = 1.0 + 0.5 * np.sin(2.0 * np.pi * time / 5.0)  # of a soft drive in stick-slip
+        return wave(time) | {"rotation": at_work, "top_drive_speed": factor * at_work * swing}
+
+    feed(intake, np.arange(0, 1501) * 0.01, values)
+    assert intake.drive.told == ""  # it may still run up
+    feed(intake, np.arange(1501, 2502) * 0.01, values)
+    assert told in intake.drive.told
+    assert bool(told) == bool(intake.drive.told)
+    feed(intake, np.arange(2502, 2703) * 0.01, lambda time: values(time) | {"rotation": 0.5 * at_work})
+    assert intake.drive.told == ""  # the set-point has changed
+
+
+def test_a_drive_whose_speed_is_not_measured_is_not_judged(intake):
+    feed(intake, np.arange(0, 2502) * 0.01, lambda time: wave(time) | {"rotation": 12.0})
+    assert intake.drive.told == ""

@@ -69,6 +69,11 @@ def check_whirls(equations: EquationsOfMotion, command: Command) -> None:
             f"{name}: expected at most {MOST_UNKNOWNS} unknowns, since stability needs eigenvalues of full matrices, "
             f"found {equations.unknowns}; take fewer elements (--set numerics.elements=100)"
         )
+    if not all(support.is_isotropic for support in equations.scene.string.supports):
+        raise SceneError(
+            f"{name}: expected supports that act alike in all directions, found two stiffnesses or dampings: no whirl "
+            "is steady then; see drill-twin modes, or run it"
+        )
     if command.rotation == 0.0:
         raise SceneError(f"{name}: expected a rotation other than 0, found none; give one, such as --rpm 120")
 

@@ -131,6 +131,48 @@ def move_to_middle(scratch: Workspace, state: State, half_step: float) -> None:
 
 
 @kernel
+def set_rows(scratch: Workspace, state: State) -> None:
+    """Set rows and velocities of the nodes, above the joint on the axis of the hole, and clear their loads."""
+    rows, first = scratch.rows, scratch.rod.length.shape[0]
+    scratch.loads[:] = 0.0
+    for i in range(first + 1):
+        for c in range(NODE):
+            rows[0, i, c], rows[1, i, c], rows[2, i, c] = state.place[i, c], state.trial[i, c], state.v[i, c]
+    for j in range(1, scratch.start.shape[0]):
+        at, i = along(scratch.nodes, j, scratch.here[j, 0]), first + j
+        for n in range(3):
+            slope = scratch.here[j, 1] if n == 0 else scratch.rate[j, 1] if n == 1 else scratch.old[j, 1]
+            way = 0.0 if n == 0 else scratch.rate[j, 0] if n == 1 else scratch.old[j, 0]
+            spin = scratch.here[j, 2] if n == 0 else scratch.rate[j, 2] if n == 1 else scratch.old[j, 2]
+            rows[n, i, 0], rows[n, i, 1], rows[n, i, 2] = way * at.tx, way * at.ty, way * at.tz
+            rows[n, i, 3], rows[n, i, 4], rows[n, i, 5] = slope * at.tx, slope * at.ty, slope * at.tz
+            rows[n, i, SPIN] = spin
+
+
+@kernel
+def add_nodes(scratch: Workspace) -> None:
+    """Add the loads on the nodes to the system; above the joint by their part along the hole, unless it is kept."""
+    first, below = scratch.rod.length.shape[0], scratch.below.diagonal
+    for i in range(first + 1):
+        for r in range(NODE):
+            for c in range(NODE + 1):
+                below[i, r, c] += scratch.loads[i, r, c]
+    if scratch.size[KEPT] > 0.0:
+        return
+    for j in range(1, scratch.start.shape[0]):
+        at, out = along(scratch.nodes, j, scratch.here[j, 0]), scratch.loads[first + j]
+        t = (at.tx, at.ty, at.tz)
+        for k in range(3):
+            scratch.right[j, 0] += t[k] * out[k, NODE]
+            scratch.right[j, 1] += t[k] * out[3 + k, NODE]
+            for c in range(3):
+                scratch.diagonal[j, 0, 0] += t[k] * t[c] * out[k, c]
+                scratch.diagonal[j, 1, 1] += t[k] * t[c] * out[3 + k, 3 + c]
+        scratch.right[j, 2] += out[SPIN, NODE]
+        scratch.diagonal[j, 2, 2] += out[SPIN, SPIN]
+
+
+@kernel
 def close_top(scratch: Workspace, constrained: Array) -> None:
     """Add the loads on the top, and remove its constrained unknowns; save its rows for the reactions."""
     m = scratch.solved.shape[0]
@@ -209,7 +251,7 @@ def accept(scratch: Workspace, constrained: Array, state: State, counters: Array
 
 def bind(effects: Effects, section_stress: Any, distributed_load: Any, friction: Any) -> Formulation:
     """The formulation for a set of effects, and for their functions that the string above the joint needs."""
-    assemble, load_ends = assembly.bind(effects), lower.bind_ends(effects.end_load)
+    assemble, load_ends, node_load = assembly.bind(effects), lower.bind_ends(effects.end_load), effects.node_load
     assemble_above = elements.bind(effects, section_stress, distributed_load, friction)
 
     @kernel
@@ -229,6 +271,11 @@ def bind(effects: Effects, section_stress: Any, distributed_load: Any, friction:
         )
         if size[KEPT] == 0.0:
             assemble_above(parameters, rod, scratch, time, half_step, first_iteration, number)
+        if scratch.loads.shape[0] > 0:
+            set_rows(scratch, state)
+            rows = scratch.rows
+            node_load(parameters, rod, time, half_step, rows[0], rows[1], rows[2], scratch.loads)
+            add_nodes(scratch)
         load_ends(parameters, rod, below, state, time, half_step)
         if size[KEPT] == 0.0:
             close_top(scratch, constrained)

@@ -48,10 +48,12 @@ class Workspace(NamedTuple):
     element: Array  # (6, 6) tangent of an element: z_0, z'_0, z_1, z'_1, psi_0, psi_1
     forces: Array  # (6,) its residual
     size: Array  # (2,) of the last Newton step there in tolerances; 1 where the system of the iteration before is kept
+    rows: Array  # (3, nodes, 7) rows at mid-step, velocities then and at the start, in space; (3, 0, 7): no loads
+    loads: Array  # (nodes, 7, 8) loads on the nodes of the whole string, in space; (0, 7, 8): none
 
 
 def make_workspace(
-    rod: Rod, above: int, constrained: Mask, nodes: Axis | None, points: Axis | None, twist: Array
+    rod: Rod, above: int, constrained: Mask, nodes: Axis | None, points: Axis | None, twist: Array, loaded: int = 0
 ) -> Workspace:
     """Arrays of zeros for a string whose last elements, `above` of them, follow the hole."""
     m, n = above, rod.length.size - above
@@ -70,7 +72,8 @@ def make_workspace(
         np.zeros(2),
     )
     right = np.zeros((m + 1, ALONG))
-    return Workspace._make((below.command, below, part, held, nodes, points, *arrays, right, *blocks, *rest))
+    loads = np.zeros((3, loaded, 7)), np.zeros((loaded, 7, 8))
+    return Workspace._make((below.command, below, part, held, nodes, points, *arrays, right, *blocks, *rest, *loads))
 
 
 @kernel

@@ -186,6 +186,9 @@ def bind(effects: Effects) -> Callable[..., float]:
             start_residual(rod, scratch, e, rate)
             if full:
                 start_tangent(rod, scratch, e, rate)
+            if e < scratch.nodes.shape[0]:
+                along -= scratch.nodes[e, 2, 7]
+                torque += scratch.nodes[e, 6, 7]
             below = along
             for point in range(2):
                 shape = rod.shape[e, point]
@@ -222,6 +225,9 @@ def bind(effects: Effects) -> Callable[..., float]:
             scatter_residual(scratch, e)
             if full:
                 scatter_tangent(scratch, e)
+        if n < scratch.nodes.shape[0]:
+            along -= scratch.nodes[n, 2, 7]
+            torque += scratch.nodes[n, 6, 7]
         scratch.axial[WEIGHT] = along
         scratch.axial[TORQUE] = torque
         return added

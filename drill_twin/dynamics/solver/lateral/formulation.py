@@ -87,6 +87,19 @@ def add_ends(constrained: Array, scratch: Workspace, full: bool) -> None:
 
 
 @kernel
+def set_rows(scratch: Workspace, state: State) -> None:
+    """Set rows and velocities as in space, with r'_z = 1 and the spin of the top, and clear the loads on the nodes."""
+    rows, last = scratch.rows, state.u.shape[0] - 1
+    scratch.nodes[:] = 0.0
+    for i in range(last + 1):
+        for k in range(NODE):
+            c = column(k)
+            rows[0, i, c], rows[1, i, c], rows[2, i, c] = state.place[i, c], state.trial[i, c], state.v[i, c]
+        rows[0, i, 5], rows[0, i, SPIN] = 1.0, state.place[last, SPIN]
+        rows[1, i, SPIN], rows[2, i, SPIN] = state.trial[last, SPIN], state.v[last, SPIN]
+
+
+@kernel
 def solve(scratch: Workspace) -> bool:
     """Solve the block system in place, with new factors where `build` has made a new tangent."""
     if scratch.reuse[HALF_STEP] < 0.0:
@@ -156,7 +169,7 @@ def finish(rod: Rod, state: State) -> None:
 
 def bind(effects: Effects) -> Formulation:
     """The formulation for a set of effects."""
-    assemble, end_load = assembly.bind(effects), effects.end_load
+    assemble, end_load, node_load = assembly.bind(effects), effects.end_load, effects.node_load
 
     @kernel
     def build(
@@ -183,6 +196,10 @@ def bind(effects: Effects) -> Formulation:
         tension = scratch.ends[BIT, 2, RESIDUAL]
         if scratch.ends[TOP, 2, RESIDUAL] != 0.0 or constrained[0, 2]:
             tension = scratch.axial[WEIGHT] - scratch.ends[TOP, 2, RESIDUAL]
+        if scratch.nodes.shape[0] > 0:
+            set_rows(scratch, state)
+            rows = scratch.rows
+            node_load(parameters, rod, time, half_step, rows[0], rows[1], rows[2], scratch.nodes)
         full = outdated(scratch.reuse, half_step, first_iteration)
         for _ in range(2):
             added = at_bit + assemble(
@@ -199,6 +216,12 @@ def bind(effects: Effects) -> Formulation:
         if full:
             scratch.reuse[HALF_STEP], scratch.reuse[ADDED] = -half_step, added
         scratch.axial[AT_BIT], scratch.axial[AT_TOP] = tension, tension - scratch.axial[WEIGHT]
+        for i in range(scratch.nodes.shape[0]):
+            for k in range(NODE):
+                scratch.right[i, k] += scratch.nodes[i, column(k), RESIDUAL]
+                scratch.lever[i, k] += scratch.nodes[i, SPIN, column(k)]
+                for c in range(NODE if full else 0):
+                    scratch.diagonal[i, k, c] += scratch.nodes[i, column(k), column(c)]
         add_ends(constrained, scratch, full)
 
     return Formulation(begin, predict, build, solve, correct, accept, finish, order=1)

@@ -192,10 +192,12 @@ class Workspace(NamedTuple):
     ue: Array  # (2, 4) element unknowns: component, shape
     ve: Array  # (2, 4) velocities
     dv: Array  # (2, 4) velocity changes
+    rows: Array  # (3, n + 1, 7) rows at mid-step, velocities then and at the start, as in space; (3, 0, 7): no loads
+    nodes: Array  # (n + 1, 7, 8) loads on the nodes, as in space; (0, 7, 8): none
 
 
-def make_workspace(elements: int) -> Workspace:
-    """Arrays of zeros for a string of so many elements."""
+def make_workspace(elements: int, loaded: int = 0) -> Workspace:
+    """Arrays of zeros for a string of so many elements; `loaded` nodes with loads, all or none."""
     n = elements
     return Workspace(
         lower=np.zeros((n, 4, 4)),
@@ -216,4 +218,6 @@ def make_workspace(elements: int) -> Workspace:
         ue=np.zeros((2, 4)),
         ve=np.zeros((2, 4)),
         dv=np.zeros((2, 4)),
+        rows=np.zeros((3, loaded, 7)),
+        nodes=np.zeros((loaded, 7, 8)),
     )

@@ -151,7 +151,7 @@ def bind_ends(end_load: Any) -> Callable[..., None]:
 
 def bind(effects: Effects) -> Formulation:
     """The formulation for a set of effects."""
-    assemble, load_ends = assembly.bind(effects), bind_ends(effects.end_load)
+    assemble, load_ends, node_load = assembly.bind(effects), bind_ends(effects.end_load), effects.node_load
 
     @kernel
     def build(
@@ -165,9 +165,10 @@ def bind(effects: Effects) -> Formulation:
         first_iteration: bool,
         number: float,
     ) -> None:
-        """Fill the block system: elements, loads at the ends, constraints."""
+        """Fill the block system: elements, loads at nodes and ends, constraints."""
         move_to_middle(state, half_step)
         assemble(parameters, rod, scratch, time, half_step, first_iteration, number, state.place, state.trial, state.v)
+        node_load(parameters, rod, time, half_step, state.place, state.trial, state.v, scratch.diagonal)
         load_ends(parameters, rod, scratch, state, time, half_step)
         add_ends(scratch)
         constrain(constrained, scratch)

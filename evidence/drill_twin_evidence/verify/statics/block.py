@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from typing import Any
 
 from drill_twin.dynamics.torque_drag.analysis import analyse
-from drill_twin.dynamics.torque_drag.operations import Operation
+from drill_twin.dynamics.torque_drag.soft_string import Operation
 from drill_twin.dynamics.twin.twin import Twin
 from drill_twin.scene import Scene
 from drill_twin.scene.set_points import Schedule

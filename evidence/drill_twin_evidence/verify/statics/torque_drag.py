@@ -11,8 +11,8 @@ from scipy.sparse.linalg import eigsh
 
 from drill_twin.dynamics.rotordynamics.equations import EquationsOfMotion
 from drill_twin.dynamics.torque_drag.analysis import OperationLoads, analyse
-from drill_twin.dynamics.torque_drag.operations import Operation
 from drill_twin.dynamics.torque_drag.sliding_balance import BalancedString, SlidingBalance
+from drill_twin.dynamics.torque_drag.soft_string import Operation
 from drill_twin.physics.model.mesh import SPIN
 from drill_twin.scene import Scene
 from drill_twin_evidence.verify.case import case

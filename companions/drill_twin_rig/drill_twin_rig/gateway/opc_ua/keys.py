@@ -32,7 +32,6 @@ LEAST_LENGTH: Final = 8
 """Characters of a password at least: NIST SP 800-63B where it is one factor of two; the certificate is the other."""
 _MOST, _NAME_LENGTH = 1000, 60  # characters of a password and of a name
 _COST = (17, 8, 1)  # log2 n, r, p: the least that OWASP's password storage cheat sheet names for scrypt; 128 MiB
-_COST_BEFORE = (13, 8, 1)  # of hashes that do not name theirs
 _HARDEST = (20, 16, 8)
 _REMEDY = "make it with drill-twin ros keys"
 
@@ -70,16 +69,16 @@ class PasswordHash:
 
     @classmethod
     def parsed(cls, text: str) -> PasswordHash:
-        """Hash from a line of the file: `LOG2N-R-P:SALT:HASH`, or `SALT:HASH` as earlier versions wrote it.
+        """Hash from a line of the file: `LOG2N-R-P:SALT:HASH`.
 
         Raises:
             ValueError: The text is no hash, or the hash would cost more than `_HARDEST`.
         """
-        found = re.fullmatch(r"(?:(\d{1,2})-(\d{1,2})-(\d{1,2}):)?([0-9a-f]{8,128}):([0-9a-f]{32,256})", text)
+        found = re.fullmatch(r"(\d{1,2})-(\d{1,2})-(\d{1,2}):([0-9a-f]{8,128}):([0-9a-f]{32,256})", text)
         if found is None:
             raise ValueError(text)
         n, r, p, salt, digest = found.groups()
-        cost = (int(n), int(r), int(p)) if n else _COST_BEFORE
+        cost = (int(n), int(r), int(p))
         if not all(1 <= one <= most for one, most in zip(cost, _HARDEST, strict=True)):
             raise ValueError(text)
         return cls(bytes.fromhex(salt), bytes.fromhex(digest), cost)

@@ -272,7 +272,7 @@ class Estimator(TwinNode):
             values,
             (level, silence if level is not Level.OK else ""),
             trust_in(self._found) if self._found is not None else (Level.OK, ""),
-            (Level.WARN, lacks or self.topics.loss or frozen),
+            (Level.WARN, lacks or self.topics.loss or frozen or intake.drive.told),
             (Level.WARN, slow if intake.troubles["skipped window"] else ""),
             verdict_of(self._found) if self._found is not None else (Level.OK, silence),
             (Level.OK, "waiting for the end of the first window"),
