@@ -276,6 +276,15 @@ def test_what_cannot_be_is_refused():
         rotor(supports=[{"name": "s", "distance_from_bit": 0.1}])
     with pytest.raises(ValueError, match="expected supports with a stiffness at two places"):
         rotor(ends=("free", "free"))
+    one_way = [
+        {"name": n, "distance_from_bit": at, "stiffness": 1.0, "stiffness_y": 0.0} for n, at in (("a", 0.1), ("b", 0.2))
+    ]
+    with pytest.raises(ValueError, match="expected supports with a stiffness at two places"):
+        rotor(ends=("free", "free"), supports=one_way)
+    with pytest.raises(ValueError, match="expected more than the string's"):
+        rotor(discs=[{"name": "d", "distance_from_bit": 0.1, "outer_diameter": 0.5 * DIAMETER, "width": 0.1}])
+    with pytest.raises(ValueError, match="expected a `weight` that is part of the `mass`"):
+        rotor(discs=[{"name": "d", "distance_from_bit": 0.1, "mass": 0.1, "weight": 0.2, "radius": 0.1}])
     with pytest.raises(ValueError, match='expected "d" on the string'):
         rotor(discs=[{"name": "d", "distance_from_bit": 2.0, "mass": 1.0}])
     with pytest.raises(SceneError, match=r"expected a disc in string\.discs"):
