@@ -14,7 +14,13 @@ from numpy.typing import NDArray
 
 from drill_twin.core.arrays import Array
 from drill_twin.core.errors import TableError
-from drill_twin.dynamics.discretisation.discretise import axial_weight, discretise, tubes_of, untwisted
+from drill_twin.dynamics.discretisation.discretise import (
+    axial_weight,
+    axial_weight_of_discs,
+    discretise,
+    tubes_of,
+    untwisted,
+)
 from drill_twin.dynamics.discretisation.joint import joint_of
 from drill_twin.dynamics.discretisation.resolution import mesh
 from drill_twin.dynamics.torque_drag.analysis import hole_and_string
@@ -52,7 +58,8 @@ def string_forces(recording: Recording, poses: slice | NDArray[np.int64] = slice
     position, spin = recording.poses.position[poses], recording.poses.spin[poses]
     strain, slopes = _strain(rod, position, recording.poses.tangent[poses])
     if scene.effects.torsion is None:
-        below = np.cumsum(axial_weight(scene, model)) - 0.5 * axial_weight(scene, model)
+        own = axial_weight(scene, model, is_lumped=False)
+        below = np.cumsum(own) - 0.5 * own + np.cumsum(axial_weight_of_discs(model)[:-1])
         tension = below - _bit_force(recording)[poses, None]
         torque = np.full_like(tension, np.nan)
     else:

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Forces along the string are those of the solver, found from its recorded poses alone."""
 
+from collections import namedtuple
 from types import SimpleNamespace
 
 import numpy as np
@@ -54,6 +55,18 @@ def test_tension_and_torque_reach_what_is_recorded_at_the_ends(bench_run):
     assert found.tension[0, -1] == pytest.approx(rig.hookload[-1] - 0.5 * element, abs=0.01 * abs(rig.hookload[-1]))
     assert found.tension[0, 0] == pytest.approx(-rig.bit_force[-1] + 0.5 * element, abs=0.01 * abs(rig.hookload[-1]))
     assert found.torque[0, -1] == pytest.approx(rig.top_drive_torque[-1], rel=0.1)
+
+
+def test_tension_jumps_by_the_weight_of_a_disc_at_the_disc():
+    """Without `stretch` it follows from the weights; an element below a disc does not carry half of it."""
+    scene = load_scene("rotor_kit", overrides={"hole.inclination": "0 deg", "rig.start": "axis"})
+    frame = Twin(scene).advance(Schedule.from_scene(scene).at(0.01), 0.01)
+    rig = namedtuple("Rig", "time bit_force")([0.0, 1.0], [0.0, 0.0])  # noqa: PYI024
+    found = string_forces(SimpleNamespace(**vars(seen(frame, scene)) | {"rig": rig}))
+    middle, disc = 0.5 * (found.depth[1:] + found.depth[:-1]), scene.string.body_of(scene.string.discs[0])[0]
+    shaft = sum(s.mass_per_length for s in scene.string.sections) * (scene.length - middle)
+    hung = sum((middle < scene.length - each.distance_from_bit) * disc for each in scene.string.discs)
+    assert found.tension[0] == pytest.approx(9.80665 * (shaft + hung), rel=1e-3)
 
 
 def test_twist_of_half_a_turn_an_element_is_counted(frame_and_scene):

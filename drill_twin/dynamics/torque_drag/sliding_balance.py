@@ -18,11 +18,12 @@ from scipy.interpolate import CubicSpline
 
 from drill_twin.core.arrays import Array
 from drill_twin.core.errors import RunError
-from drill_twin.dynamics.discretisation.discretise import BIT_ENDS, axial_weight, axis_at
+from drill_twin.dynamics.discretisation.discretise import BIT_ENDS, axis_at
 from drill_twin.dynamics.rotordynamics.block_rows import BlockRows
 from drill_twin.dynamics.rotordynamics.equations import EquationsOfMotion
 from drill_twin.dynamics.solver.linearisation import MASS, STIFFNESS
 from drill_twin.dynamics.torque_drag.soft_string import Operation
+from drill_twin.physics.effects.gravity import line_weight
 from drill_twin.physics.model.mesh import SPIN
 from drill_twin.scene.set_points.command import Command
 
@@ -95,7 +96,9 @@ class SlidingBalance:
         self.bend = np.zeros(3) if axis is None else axis.curvature[:, None] * axis.normal
         """Curvature of the hole times its normal [1/m], of the same shape."""
         self.room = float(model.wellbore.clearance.max())
-        self.hanging = float(np.abs(axial_weight(scene, model)).sum())
+        gravity = scene.effects.gravity
+        self.weight = 0.0 if gravity is None else float(np.abs(line_weight(gravity, model) * model.rod.length).sum())
+        """Weight of the string, discs included and less buoyancy, whatever the direction of the hole [N]."""
 
     def velocity(self, operation: Operation) -> Array:
         """Velocities of the rows (r, r', psi) in an operation, along the hole; shape (n + 1, 7)."""
@@ -119,7 +122,7 @@ class SlidingBalance:
         command, v = Command(operation.weight_on_bit, operation.rotation), self.velocity(operation)
         u = (self._soft_shape(command) if guess is None else guess).copy()
         still = np.zeros_like(u)
-        load = max(self.hanging, abs(operation.weight_on_bit), SMALLEST_LOAD)
+        load = max(self.weight, abs(operation.weight_on_bit), SMALLEST_LOAD)
         lever = float(equations.model.rod.outer_radius.max())
         step, last = FIRST_STEP, np.inf
         for count in range(MOST_STEPS):

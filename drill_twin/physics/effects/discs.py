@@ -72,6 +72,10 @@ class Disc(EffectConfig):
             raise refuse(f"expected a `bore` below the `outer_diameter`, found {self.bore:.6g} m")
         if (self.weight is None) != (self.radius is None) or (self.weight is not None and self.unbalance is not None):
             raise refuse("expected an `unbalance`, or `weight` and `radius`, or none of them, found another choice")
+        if self.mass is not None and (self.weight or 0.0) > self.mass:
+            raise refuse(
+                f"expected a `weight` that is part of the `mass` ({self.mass:.6g} kg), found {self.weight:.6g} kg"
+            )
         if self.mass == 0.0 and self.moment > 0.0:
             raise refuse("expected a `mass` above 0 kg with an unbalance, found 0 kg")
         if self.angle != 0.0 and self.moment == 0.0:

@@ -207,7 +207,12 @@ class String(Part):
         for key in ("marks", "discs", "supports"):
             yield from places_off_string(key, getattr(self, key), length)
             yield from repeated_names(key, getattr(self, key))
-        held = {part.distance_from_bit for part in self.supports if part.stiffness > 0.0}
+        for index, disc in enumerate(self.discs):
+            shaft = self.section_at(disc.distance_from_bit).outer_diameter
+            if disc.mass is None and disc.body(shaft)[0] <= 0.0:
+                text = f"expected more than the string's ({shaft:.6g} m), found {disc.outer_diameter:.6g} m"
+                yield Incompatibility(("discs", index, "outer_diameter"), text)
+        held = {part.distance_from_bit for part in self.supports if part.stiffness > 0.0 and part.stiffness_y != 0.0}
         if self.top_end == "free" and len(held) < (1 if self.bit_end in ("guided", "pinned") else 2):
             text = "expected supports with a stiffness at two places, a bit on the axis counted as one, found fewer"
             yield ("top_end",), text

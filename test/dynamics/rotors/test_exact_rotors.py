@@ -77,6 +77,21 @@ def test_a_point_mass_on_a_hinged_beam_has_its_frequency(form):
     assert np.abs(frequencies(own, 2)) == pytest.approx(math.sqrt(stiffness / MASS), rel=1e-4)
 
 
+@pytest.mark.parametrize("off", [1e-7, 1e-5])
+def test_a_disc_next_to_a_joint_of_two_sections_moves_no_frequency(off):
+    """Places in inches miss a joint in millimetres by micrometres; an element so short leaves rounding only."""
+
+    def stepped(at: float) -> Scene:
+        own = rotor(discs=[{"name": "mass", "distance_from_bit": at, "mass": MASS}], density=7850.0)
+        first = own.string.sections[0]
+        ends = (first.model_copy(update={"length": share * LENGTH}) for share in (0.4, 0.6))
+        string = own.string.model_copy(update={"sections": tuple(ends)})
+        return own.model_copy(update={"string": string})
+
+    there, beside = (frequencies(stepped(0.4 * LENGTH + each), 6) for each in (0.0, off))
+    assert beside == pytest.approx(there, rel=1e-4)
+
+
 def test_jeffcotts_rotor_answers_unbalance_through_its_critical_speed():
     """Jeffcott 1919: X = U W^2 / (k - m W^2 + i c W)."""
     stiffness, damping = 48.0 * EI / LENGTH**3, 8.0
@@ -261,6 +276,15 @@ def test_what_cannot_be_is_refused():
         rotor(supports=[{"name": "s", "distance_from_bit": 0.1}])
     with pytest.raises(ValueError, match="expected supports with a stiffness at two places"):
         rotor(ends=("free", "free"))
+    one_way = [
+        {"name": n, "distance_from_bit": at, "stiffness": 1.0, "stiffness_y": 0.0} for n, at in (("a", 0.1), ("b", 0.2))
+    ]
+    with pytest.raises(ValueError, match="expected supports with a stiffness at two places"):
+        rotor(ends=("free", "free"), supports=one_way)
+    with pytest.raises(ValueError, match="expected more than the string's"):
+        rotor(discs=[{"name": "d", "distance_from_bit": 0.1, "outer_diameter": 0.5 * DIAMETER, "width": 0.1}])
+    with pytest.raises(ValueError, match="expected a `weight` that is part of the `mass`"):
+        rotor(discs=[{"name": "d", "distance_from_bit": 0.1, "mass": 0.1, "weight": 0.2, "radius": 0.1}])
     with pytest.raises(ValueError, match='expected "d" on the string'):
         rotor(discs=[{"name": "d", "distance_from_bit": 2.0, "mass": 1.0}])
     with pytest.raises(SceneError, match=r"expected a disc in string\.discs"):

@@ -195,6 +195,13 @@ def test_shipped_wells_have_a_balance_in_each_operation(name: str) -> None:
         )
 
 
+def test_a_level_rotor_is_balanced_by_its_weight_across() -> None:
+    """None of its weight is along the hole."""
+    loads = dt.statics("rotor_kit")["trip out"]
+    assert abs(loads.hookload) < 1e-4
+    assert loads.balance.u[:, 0].max() == pytest.approx(3.12e-4, rel=0.01)  # Euler and Bernoulli's beam of 56 elements
+
+
 def test_a_balance_on_the_axis_past_a_buckling_load_is_told() -> None:
     said = CliRunner().invoke(app, ["statics", "wells/vertical_3000", "--wob", "400 kN"]).stdout
     assert "slide, drill: past a buckling load, but in balance on the axis" in " ".join(said.split())
