@@ -165,7 +165,8 @@ class Dynamics(KernelArguments):
     def arrays(self) -> Iterator[tuple[str, Array]]:
         """Yield the arrays of the state, not copies, each with its name in checkpoints."""
         yield from named_arrays("state", self._state)
-        yield from named_arrays("effects", self.parameters)  # some have a state
+        # some effects have a state; indices have none, and no file may set an index
+        yield from (pair for pair in named_arrays("effects", self.parameters) if pair[1].dtype != np.int64)
         yield from (("command", self.command), ("counters", self.counters))
         if self.form == LATERAL:
             yield "work.axial", self._work.axial
