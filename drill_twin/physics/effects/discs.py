@@ -19,7 +19,7 @@ from drill_twin.physics.effects.config import EffectConfig
 from drill_twin.physics.model import DiscreteModel, Rod, transverse_axes
 
 PartName = Annotated[str, Field(pattern=r"^[A-Za-z][A-Za-z0-9_]*$", max_length=60)]
-"""Name of a disc or a support: letters, digits and underscores, a letter first."""
+"""Name of a part of the string, valid inside a joint name on a topic."""
 PartPlace = Annotated[Length, Within(at_least="0 m", at_most="20 km")]
 """Arc length from the bit [m]."""
 DiscMass = Annotated[Mass, Within(at_least="0 kg", at_most="1e6 kg", reason="a whole string has 1e5")]

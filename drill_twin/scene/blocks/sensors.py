@@ -21,8 +21,9 @@ from drill_twin.core.units import (
     Torque,
     Within,
 )
+from drill_twin.physics.effects.discs import PartName
 from drill_twin.scene.blocks.part import Part, Problem
-from drill_twin.scene.blocks.string import Name, repeated_names
+from drill_twin.scene.blocks.string import repeated_names
 
 _Rate = Annotated[Frequency, Within(above="0 Hz", at_most="10 kHz")]
 _Delay = Annotated[Time, Within(at_least="0 s", at_most="1e4 s")]
@@ -75,7 +76,7 @@ else:
 class Sub(Part):
     """Sub with accelerometers and gyroscopes, on `/downhole/NAME/imu` and `/downhole/NAME/summary`."""
 
-    name: Name
+    name: PartName
     """Name on the topics: letters, digits and underscores, a letter first."""
     distance_from_bit: Annotated[Length, Within(at_least="0 m", at_most="20 km")]
     """Arc length of the sensor from the bit [m]."""

@@ -15,12 +15,9 @@ from pydantic import Field
 
 from drill_twin.core.units import Density, Dimensionless, Length, LinearMass, Pressure, Torque, Within
 from drill_twin.physics.effects.config import Incompatibility
-from drill_twin.physics.effects.discs import Disc
+from drill_twin.physics.effects.discs import Disc, PartName, PartPlace
 from drill_twin.physics.effects.supports import Support
 from drill_twin.scene.blocks.part import Label, Part, Problem
-
-Name = Annotated[str, Field(pattern=r"^[A-Za-z][A-Za-z0-9_]*$", max_length=60)]
-"""Name that is valid inside a joint name on a topic."""
 
 LONGEST_STRING = 20_000.0
 """Longest string [m]; the longest wells reach 15 km."""
@@ -152,9 +149,9 @@ class Section(Part):
 class Mark(Part):
     """Point of the string at which motion is published and analysed."""
 
-    name: Name
+    name: PartName
     """Name on the topics: letters, digits and underscores, a letter first."""
-    distance_from_bit: Annotated[Length, Within(at_least="0 m", at_most="20 km")]
+    distance_from_bit: PartPlace
     """Arc length from the bit [m]."""
     on: Literal["wall", "centre"] = "wall"
     """`wall`: on the outer surface (on a blade, if any), rotating with the spin; `centre`: on the centre line."""

@@ -18,6 +18,7 @@ from asyncua import Client, ua
 from asyncua.crypto.security_policies import SecurityPolicyBasic256Sha256
 
 from drill_twin.cli import run_command
+from drill_twin.core.errors import RunError
 from drill_twin_rig.gateway.control import Control
 from drill_twin_rig.gateway.opc_ua.keys import (
     CERTIFICATE,
@@ -169,7 +170,6 @@ async def _client(url, folder, password):
     return client
 
 
-@pytest.mark.flaky(reruns=2)  # another process may take the free port before the server does
 def test_others_are_served_while_a_password_is_checked(folder, monkeypatch):
     """The check of one client is held up; another reads meanwhile, which it could not if the loop did the check."""
     (folder / TRUSTED / "client.der").write_bytes((folder / CERTIFICATE).read_bytes())
@@ -200,3 +200,9 @@ def test_others_are_served_while_a_password_is_checked(folder, monkeypatch):
         assert server.sessions.refused == {"user": 1}
     finally:
         server.close()
+
+
+def test_a_machine_that_is_too_busy_is_not_called_a_taken_port(folder, monkeypatch):
+    monkeypatch.setattr("drill_twin_rig.gateway.opc_ua.server.START", 1e-3)
+    with pytest.raises(RunError, match=r"was not served within 0.001 s: the machine is too busy"):
+        OpcUaServer(("127.0.0.1", free_port()), [], [], Control([], 2.0, lambda: None, {}), read_keys(folder))

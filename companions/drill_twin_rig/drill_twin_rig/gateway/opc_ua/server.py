@@ -36,6 +36,10 @@ _LOOK = 0.1  # s between two looks at the places
 logging.getLogger("asyncua").setLevel(logging.CRITICAL)  # what a client does wrong is no error of this program
 
 
+START = 120.0
+"""Longest wait until the server listens [s]: to build its nodes takes seconds, over 30 s under load; chosen."""
+
+
 class OpcUaServer:
     """Server in a thread of its own."""
 
@@ -57,7 +61,7 @@ class OpcUaServer:
             keys: Keys; None: everybody reads, and nobody writes.
 
         Raises:
-            RunError: The port is taken, or the address is none of this machine.
+            RunError: The port is taken, the address is none of this machine, or the machine is too busy.
         """
         self.url = f"opc.tcp://{in_url(address[0])}:{address[1]}/drill_twin"
         """Address for clients."""
@@ -68,9 +72,11 @@ class OpcUaServer:
         self._shown: dict[str, tuple[float, int]] = {}
         self._thread = EventLoopThread("opc_ua_server")
         try:
-            self._thread.call(self._start())
+            self._thread.call(self._start(), START)
         except OSError as error:
             self._thread.close()
+            if isinstance(error, TimeoutError):
+                raise RunError(f"{self.url} was not served within {START:g} s: the machine is too busy") from None
             raise RunError(
                 f"expected a free port at {self.url}, found: {error.strerror}; set the parameter port"
             ) from None
