@@ -67,10 +67,10 @@ class SpinningNode(Node):
         if self._raised:
             raise self._raised.pop(0)
 
-    def spin_all(self) -> None:
-        """Process all messages that have arrived; to find that none is left takes 0.4 ms."""
+    def spin_all(self, most: int = _AT_ONCE) -> None:
+        """Process the messages that have arrived, `most` of them; to find that none is left takes 0.4 ms."""
         others = 0  # events without a message of the node's topics, such as times for rclpy itself
-        for _ in range(_AT_ONCE):  # a flood must not keep the node from its work
+        for _ in range(most):  # a flood must not keep the node from its work
             taken = self.topics.taken
             self.spin_once(0.0)
             others = (others + 1) * (taken == self.topics.taken)

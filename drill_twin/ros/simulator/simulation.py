@@ -31,6 +31,7 @@ from drill_twin.scene.blocks.numerics import frame_period
 from drill_twin.scene.set_points.command import Command
 
 _ASK_AGAIN = 2.0  # s of wall time without a frame; rare on a busy machine with all connected
+_WHEN_LATE = 20  # messages between two late frames: twice what the queue of commands holds, 2 ms in a flood
 _LOOK = 0.01  # s between two looks at what has come, where there is no wait
 _BURST = 200  # frames; as fast as possible must not be faster than the readers
 
@@ -172,7 +173,7 @@ class SimulatorRun:
         pace = "fast" if steps else self._node.settings.pace
         if pace == "realtime":
             if not self.pacer.wait(self._node.spin_once):
-                self._node.spin_all()
+                self._node.spin_all(_WHEN_LATE)
         elif pace == "fast":
             if self.loop.frames % _BURST == 0:
                 self._node.flush(1.0)
