@@ -71,6 +71,7 @@ def analyze(
     run: options.RunOption = 0,
     channel: options.ColumnOption = [],  # noqa: B006
     null: options.NullOption = [],  # noqa: B006
+    everything: options.AllOption = False,
 ) -> None:
     """Find whirl in a bag, its onset, frequencies and motion states, and stick-slip of the bit.
 
@@ -108,10 +109,12 @@ def analyze(
         with shown_progress("modes", unit="repeats") as bar:
             cause = cause_of(recording, summary, progress=bar.show)
         summary["cause"] = cause.as_data()
-    emit(
-        summary, chain(cause.shown() if why else (), findings_shown(summary), marks_shown(summary)), json=json,
-        folder=out, files={SUMMARY: summary},
-    )  # fmt: skip
+    shown = chain(
+        cause.shown() if why else (),
+        findings_shown(summary, bag, everything=everything),
+        marks_shown(summary) if everything else (),
+    )
+    emit(summary, shown, json=json, folder=out, files={SUMMARY: summary})
 
 
 def report(
@@ -141,7 +144,7 @@ def report(
     files = draw(recording, folder)
     figures = {name: str(path) for name, path in files.figures.items()}
     data = {"report": str(files.page), "summary": str(files.summary), "figures": figures}
-    emit(data, [*([Table((), files.answers)] if files.answers else []), str(files.page)], json=json)
+    emit(data, [*files.verdict, *([Table((), files.answers)] if files.answers else []), str(files.page)], json=json)
 
 
 def draw(recording: Recording, folder: Path) -> ReportFiles:

@@ -152,6 +152,9 @@ WorkersOption = Annotated[
 ]
 
 
+AllOption = Annotated[bool, typer.Option("--all", help="Show all that was found, not the verdict and five rows alone.")]
+
+
 def folder_option(text: str, default: str | None = None) -> Any:
     """Option `--out DIR`.
 

@@ -46,6 +46,7 @@ def run(
         bool, typer.Option("--report", help="Draw the report of the run too, as report.html and figures.")
     ] = False,
     units: options.UnitsOption = "",
+    everything: options.AllOption = False,
     json: options.JsonOption = False,
 ) -> None:
     """Simulate a scene and analyse it; write a bag and summary.json to a new folder.
@@ -95,10 +96,9 @@ def run(
         from drill_twin.cli.analyze import draw
 
         draw(recording, folder)
-    emit(
-        summary, findings_shown(summary), json=json, folder=folder, files={"summary.json": summary},
-        also=["bag_0", *(["report.html and figures"] if with_report else [])],
-    )  # fmt: skip
+    shown = findings_shown(summary, outcome.bag, f"drill-twin analyze {outcome.bag} --all", everything=everything)
+    also = ["bag_0", *(["report.html and figures"] if with_report else [])]
+    emit(summary, shown, json=json, folder=folder, files={"summary.json": summary}, also=also)
 
 
 def _checked(plan: AccuracyPlan, recording: Recording, motion_seconds: float, *, rerun: bool) -> dict[str, Any]:

@@ -8,6 +8,7 @@ import time
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from functools import cache, partial
+from pathlib import Path
 from typing import Any
 
 from rich.console import Console
@@ -58,11 +59,31 @@ def remark(text: str, style: str = "") -> None:
     err().say(text, style)
 
 
-def findings_shown(summary: Mapping[str, Any]) -> Iterator[Table]:
-    """Tables of a summary: findings, marks and timeline; what limits the findings goes to stderr."""
+def findings_shown(
+    summary: Mapping[str, Any], bag: Path, more: str = "--all", *, everything: bool
+) -> Iterator[Table | str]:
+    """Verdict on a summary and five rows; with `everything` all rows, marks and timeline.
+
+    Notes on what limits the findings go to stderr.
+
+    Args:
+        summary: Summary of a run or a record.
+        bag: Path of the bag, for the commands that go on from here.
+        more: Command or option that shows everything.
+        everything: Value of `--all`.
+    """
     from drill_twin.report.load_text import answers
     from drill_twin.report.text import column_rows, findings, limitations, provenance, timeline_rows
+    from drill_twin.report.verdict import first_rows, verdict
 
+    yield from verdict(summary, str(bag))
+    yield ""
+    if not everything:
+        yield Table((), list(first_rows(summary)))
+        for trouble in limitations(summary):
+            remark(f"note: {trouble}", "yellow")
+        remark(f"all rows and the motion over time: {more}; a page with pictures: drill-twin report {bag}")
+        return
     rows = [row for row in (*answers(summary), *findings(summary)) if not row[0].startswith("largest radius")]
     yield Table((), [*rows, *provenance(summary)])
     if marks := list(_marks(summary)):

@@ -19,6 +19,7 @@ from drill_twin.report.figures import FIGURES, drawing, left_out
 from drill_twin.report.load_text import answers
 from drill_twin.report.recording import Recording, read_recording
 from drill_twin.report.summary import summarise
+from drill_twin.report.verdict import verdict
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -36,6 +37,8 @@ class ReportFiles:
     """`summary.json`."""
     figures: dict[str, Path]
     """PNG files by name; a figure that the recording cannot fill has none."""
+    verdict: list[str]
+    """Sentences on top of the page (`drill_twin.report.verdict`)."""
     answers: list[tuple[str, str]]
     """Names and texts of what a recording without marks is good for (`drill_twin.report.load_text.answers`)."""
 
@@ -64,6 +67,7 @@ def build_report(
         folder / "report.html",
         folder / "summary.json",
         {name: folder / f"{name}.png" for name in FIGURES if name not in left_out(recording)},
+        verdict(summary, str(recording.path)),
         list(answers(summary)),
     )
     try:

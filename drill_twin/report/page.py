@@ -32,6 +32,7 @@ from drill_twin.report.text import (
     timeline_rows,
     transient,
 )
+from drill_twin.report.verdict import verdict, widest
 from drill_twin.scene import Scene
 from drill_twin.whirl.motion.stick_slip_index import TIME_BASE
 
@@ -66,11 +67,11 @@ def build_page(
     body = [
         f"<h1>{escape(name)}</h1>",
         f'<p class="lead">{escape(scene.description)}</p>' if scene else "",
+        *(f'<p class="verdict">{escape(sentence)}</p>' for sentence in verdict(summary, str(recording.path))),
         f'<p class="lead">{escape(lead)}</p>',
-        _first_cards(summary) if recording.places else f"<section>{Table((), list(answers(summary))).html()}</section>",
         _view(scene) if scene and len(recording.poses) else "",
+        _cards(summary) if recording.places else f"<section>{Table((), list(answers(summary))).html()}</section>",
         _warning([*limitations(summary), *_not_drawn(recording)]),
-        _cards(summary),
         '<div class="columns"><section>',
         Table((), findings(summary)).html(),
         "</section><section>",
@@ -140,42 +141,23 @@ def card(value: float | str | None, form: str, name: str, none: str = "none") ->
     return f"<div><b>{none if value is None else form.format(value)}</b><span>{escape(name)}</span></div>"
 
 
-def _first_cards(summary: Mapping[str, Any]) -> str:
-    """Three things that tell a run: severity with what decided it, onset of whirl, stick-slip."""
-    word, _, decided = told(summary["severity"], units_of(summary)).partition(": ")
-    ended = transient(summary)
-    onset = f"onset of a transient, ended at {summary['whirl_end_s']:.2f} s" if ended else "onset of whirl"
+def _cards(summary: Mapping[str, Any]) -> str:
+    """Five numbers of a run: severity with what decided it, onset and frequency of whirl, radius, stick-slip."""
+    units = units_of(summary)
+    word, _, decided = told(summary["severity"], units).partition(": ")
     row = summary["severity_by_quantity"].get("stick_slip", {})
     index = f"stick-slip index of the bit, last {TIME_BASE} s" + (f", {Grade(row['grade']).word}" if row else "")
+    mark, radius = widest(summary) or ("any mark", None)
+    whose = " of a transient" * transient(summary)
+    frequency = card(summary["whirl_frequency_hz"], "{:+.2f} Hz", f"whirl{whose}, positive = forward")
+    if irregular(summary):
+        frequency = card(interval(summary) or None, "{}", "irregular whirl, over windows", "irregular")
     return _row(
         card(f"severity {word}", "{}", f"decided by {decided}" if decided else "no quantity is known"),
-        card(summary["onset_s"], "{:.2f} s", onset),
+        card(summary["onset_s"], "{:.2f} s", f"onset{whose or ' of whirl'}"),
+        frequency,
+        card(None if radius is None else units.text(radius, "offset"), "{}", f"largest radius, {mark}", "not seen"),
         card(summary["stick_slip_index"], "{:.2f}", index, "unknown"),
-    )  # fmt: skip
-
-
-def _cards(summary: Mapping[str, Any]) -> str:
-    if not summary["whirl_observable"]:
-        return ""
-    radii = {mark: radius for mark, radius in summary["max_radius_m"].items() if radius is not None}
-    widest = max(radii, key=lambda mark: radii[mark], default=None)
-    return _row(
-        _motion_cards(summary),
-        card(units_of(summary).text(radii[widest], "offset") if widest else None, "{}", f"largest radius, {widest}"),
-        card(summary["realtime_factor"], "{:.2g}", "real-time factor", "unknown"),
-    )
-
-
-def _motion_cards(summary: Mapping[str, Any]) -> str:
-    """Lasting motion, and the frequency where there is a single one."""
-    cards = card(summary["lasting_motion"], "{}", "motion that lasts", "unknown")
-    if irregular(summary):
-        return cards + card(interval(summary) or None, "{}", "irregular whirl, over windows", "irregular")
-    whose = " of the transient" * transient(summary)
-    return (
-        cards
-        + card(summary["whirl_frequency_hz"], "{:+.2f} Hz", f"whirl{whose}, positive = forward")
-        + card(summary["whirl_ratio"], "{:+.2f}", f"whirl ratio{whose}")
     )
 
 

@@ -167,12 +167,14 @@ def _report(out: Path, console: Console) -> None:
     """Write the report of the bag in a folder, and print its findings."""
     from drill_twin.core.table import Table
     from drill_twin.report import build_report
-    from drill_twin.report.text import findings
+    from drill_twin.report.verdict import first_rows, verdict
 
     with console.status("drawing the report"):
         build_report(out / "bag_0", out)
     summary = json.loads((out / "summary.json").read_text("utf-8"))
-    console.print(Table((), findings(summary)))
+    for sentence in verdict(summary, str(out / "bag_0")):
+        console.print(sentence, markup=False)
+    console.print(Table((), list(first_rows(summary))))
     console.print(
         f"[bold]{out / 'report.html'}[/]  (bag: {out / 'bag_0'}, figures: {out}/*.png, {out / 'summary.json'})"
     )

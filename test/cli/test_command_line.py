@@ -47,7 +47,7 @@ def test_run_analyze_and_report(process, call, inside):
 
     reported = call("report", folder)
     assert reported.code == 0
-    assert reported.out.strip() == str(folder / "report.html")
+    assert reported.out.splitlines()[-1] == str(folder / "report.html")
     assert (folder / "report.html").stat().st_size > 1e6
     assert {file.stem for file in folder.glob("*.png")} == set(FIGURES)
 
@@ -61,8 +61,13 @@ def test_options_change_the_scene(call, inside):
 
 
 def test_tables_say_what_was_found(call, bench_run):
-    said = call("analyze", bench_run.bag)
+    short = call("analyze", bench_run.bag)
+    assert short.out.startswith("Whirl from ")
+    assert len(short.out.splitlines()) < 12
+    assert "--all" in short.err
+    said = call("analyze", bench_run.bag, "--all")
     assert said.code == 0
+    assert said.out.startswith(short.out.partition("\n\n")[0])
     for words in ("onset of whirl", "whirl frequency", "mark_3", "real-time factor", "the same, byte for byte",
                   bench_run.summary.motion[-1].state.value):  # fmt: skip
         assert words in said.out, words

@@ -18,6 +18,7 @@ from drill_twin.report.selection import Selection
 from drill_twin.report.summary import summarise
 from drill_twin.report.surface import index_by_torque, regular_line
 from drill_twin.report.text import findings, provenance
+from drill_twin.report.verdict import verdict as on_top
 from drill_twin.scene import load_scene
 
 WELL_B = Path(__file__).parents[3] / "shared/data/well_b"
@@ -66,6 +67,7 @@ def test_a_bit_that_swings_and_never_stands_does_not_stick_in_any_row(tmp_path):
     rows = dict([*answers(found), *findings(found)])
     assert found["stick_slip_index"] > 1.0
     assert rows["did it stick"] == "no, but the bit swings, by the speed of the bit"
+    assert on_top(found)[0].startswith("No stick-slip was found, but the bit swings, by the speed of the bit. ")
     assert rows["when"] == "never"
     assert rows["bit at the end"] == "torsional vibration"
     assert rows["stick-slip index"].endswith("at most: medium (an upper estimate: the bit never stuck)")
@@ -148,7 +150,9 @@ def test_without_torque_or_a_steady_speed_nothing_tells(tmp_path):
     file.write_text("time [s],RPM [rpm],TQA [kN.m]\n" + "".join(f"{k},{k},10\n" for k in range(30)))
     assert told(file)[1]["did it stick"] == "unknown: no steady rotation of the top drive for 20 s"
     file.write_text("time [s],RPM [rpm]\n" + "".join(f"{k},100\n" for k in range(30)))
-    assert told(file)[1]["did it stick"] == "unknown: no torque is recorded"
+    found, rows = told(file)
+    assert rows["did it stick"] == "unknown: no torque is recorded"
+    assert on_top(found)[0].startswith("Whether the bit stuck and slipped is unknown: no torque is recorded. ")
 
 
 def test_the_hookload_in_slips_is_the_block(tmp_path):
@@ -215,7 +219,9 @@ def test_the_page_shows_what_is_kept_and_no_empty_well(tmp_path, call):
     assert rows["did it stick"] in page
     assert f'<p class="lead">{rows["at which weight and speed"]}</p>' in page
     said = call("report", str(tmp_path / "rig.csv")).out
-    assert said.startswith("did it stick ")
+    assert said.startswith("The bit probably stuck and slipped, by the torque; ")
+    assert "Whirl does not show in a record of the surface." in said
+    assert "did it stick " in said
     assert said.endswith("report.html\n")
 
 
