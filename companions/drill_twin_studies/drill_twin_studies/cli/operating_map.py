@@ -113,13 +113,19 @@ def operating_map(
 
 
 def _shown(found: OperatingMap, scene: Scene) -> Iterator[str]:
-    """Runs, shares of the regimes and grades, windows, and margin of the scene's own set-point."""
+    """Runs, windows, shares of the regimes and grades, and margin of the scene's own set-point."""
     from drill_twin_studies.maps.drawing import GRADES
     from drill_twin_studies.maps.regimes import REGIMES
 
     units = scene.unit_system
     counts = Counter(found.regimes.ravel().tolist())
     yield f"{found.name}: {found.said_runs}"
+    if not found.windows:
+        yield "  no calm window: nowhere in these ranges do enough runs show that the string stays calm"
+    for weight, speed in found.windows:
+        at = units.span(speed.low, speed.high, "rotation")
+        yield f"  calm window: {units.span(weight.low, weight.high, 'force')} at {at}"
+    yield from (f"    rests on: {sentence}" for sentence in found.basis)
     whole = found.regimes.size
     for code, count in sorted(counts.items()):
         yield f"  {REGIMES[code].value}: {count / whole:.1%} of the ranges"
@@ -128,12 +134,6 @@ def _shown(found: OperatingMap, scene: Scene) -> Iterator[str]:
     unknown = 1.0 - float(found.known.mean())
     if unknown:
         yield f"  {unknown:.0%} of the ranges (hatched) lack runs on all sides; there the nearest run's motion stands"
-    if not found.windows:
-        yield "  no calm window: nowhere in these ranges do enough runs show that the string stays calm"
-    for weight, speed in found.windows:
-        at = units.span(speed.low, speed.high, "rotation")
-        yield f"  calm window: {units.span(weight.low, weight.high, 'force')} at {at}"
-    yield from (f"    rests on: {sentence}" for sentence in found.basis)
     load, turn = scene.rig.weight_on_bit.value, scene.rig.rotation.value
     if found.contains(load, turn):
         margin = found.margin(load, turn)
