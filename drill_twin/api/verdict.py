@@ -164,7 +164,7 @@ def verdicts(found: Sequence[ComparedCost], units: UnitSystem, first: Sequence[C
     """Sentence on each case but the first, and on the side force at the bit of each case whose balance is known."""
     said = [_verdict(found, k, units) for k in range(len(found[0].better))] if found else [NONE]
     if any(len(row) < 2 for cost in found for row in cost.values):
-        said = ["no verdict: one run of a case shows no spread; --seeds 3 repeats the cases that are scenes"]
+        said = ["no verdict: one run of a case shows no spread; --repeats 3 repeats the cases that are scenes"]
     sides = [case.loads.contacts[0].build if case.loads else math.nan for case in first]
     if any(map(math.isfinite, sides)):
         said.append(f"side force at the bit: {', '.join(_side(k, force, units) for k, force in enumerate(sides))}")
@@ -191,7 +191,7 @@ def _verdict(found: Sequence[ComparedCost], case: int, units: UnitSystem) -> str
         told[cost.better[case]].append(_told(cost, case, units))
     unsure, shown = ([cost for cost in ranked if (cost.better[case] == CHANCE) is way] for way in (True, False))
     runs = min((len(row) for cost in unsure for row in (cost.values[0], cost.values[case + 1])), default=0)
-    chance = f"the means differ, which {runs} runs do not tell from chance (more --seeds)"
+    chance = f"the means differ, which {runs} runs do not tell from chance (more --repeats)"
     more = f"; {', '.join(told[CHANCE])}: {chance}" if unsure else ""
     if not shown:
         return f"A and {letter}: {NONE}{more}"

@@ -36,7 +36,11 @@ def compare(
     seeds: Annotated[
         int,
         typer.Option(
-            "--seeds", metavar="N", min=1, max=100, help="Number of runs of a scene, a push and 1 % of its speed apart."
+            "--repeats",
+            metavar="N",
+            min=1,
+            max=100,
+            help="Number of runs of a scene, a push and 1 % of its speed apart.",
         ),
     ] = 3,
     change: options.SetOption = [],  # noqa: B006  typer makes a new list of it

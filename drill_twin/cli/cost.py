@@ -27,7 +27,10 @@ def cost(
     duration: options.DurationOption = "",
     change: options.SetOption = [],  # noqa: B006  typer makes a new list of it
     replicas: Annotated[
-        int, typer.Option("--replicas", min=0, max=50, help="Number of repeats of the converged run, for its spread.")
+        int,
+        typer.Option(
+            "--repeats", metavar="N", min=0, max=50, help="Number of repeats of the converged run, for its spread."
+        ),
     ] = 3,
     coarse: Annotated[bool, typer.Option("--coarse", help="Run a third of the resolutions only.")] = False,
     out: Annotated[
@@ -178,7 +181,11 @@ def effects(
     replicas: Annotated[
         int,
         typer.Option(
-            "--replicas", min=2, max=100, help="Number of runs for each set of effects, with small random differences."
+            "--repeats",
+            metavar="N",
+            min=2,
+            max=100,
+            help="Number of runs for each set of effects, with small random differences.",
         ),
     ] = 5,
     duration: options.DurationOption = "",

@@ -88,8 +88,9 @@ def scene_path(scene: str | Path) -> Path:
     for suffix in _SUFFIXES:
         if path.name and path.suffix not in _SUFFIXES and path.with_name(path.name + suffix).is_file():
             return path.with_name(path.name + suffix)
+    beside = [str(path.with_name(file.name)) for suffix in _SUFFIXES for file in sorted(path.parent.glob(f"*{suffix}"))]
     raise SceneError(
-        f"{str(scene)[:200]}: no such scene file{nearest(str(scene)[:200], known)}; "
+        f"{str(scene)[:200]}: no such scene file{nearest(str(scene)[:200], [*known, *beside])}; "
         f"expected a path or one of the installed scenes: {', '.join((*known, *well_scenes()))}"
     )
 

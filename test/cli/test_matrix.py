@@ -28,7 +28,7 @@ OF_SCENE = {
     "whirl": ("whirl", "{scene}", "--starts", "0"),
     "equilibrium": ("run", "{scene}", "--set", "rig.start=equilibrium", "--duration", "{time}", "--out", "{out}"),
     "compare": ("compare", "{scene}", "{scene},numerics.seed=7", "--duration", "{time}", "--out", "{out}"),
-    "cost": ("cost", "{scene}", "--elements", "20,30", "--duration", "{time}", "--replicas", "0", "--out", "{out}"),
+    "cost": ("cost", "{scene}", "--elements", "20,30", "--duration", "{time}", "--repeats", "0", "--out", "{out}"),
     "map": ("map", "{scene}", "--wob", "{wob}", "--rpm", "60..120", "--runs", "4", "--steps", "2", "--duration",
             "{time}", "--out", "{out}"),
 }  # fmt: skip

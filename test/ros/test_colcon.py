@@ -121,7 +121,7 @@ def test_the_wheel_of_the_core_runs_alone_from_an_empty_environment(built, tmp_p
         "report run/bag_0 --out report",
         "modes pa6_bench",
         "statics pa6_bench",
-        "compare pa6_bench pa6_bench,wob=20N --duration 1 --seeds 1 --out compare",
+        "compare pa6_bench pa6_bench,wob=20N --duration 1 --repeats 1 --out compare",
     ):
         _run([python, "-c", REFUSED_TO_LISTEN, *command.split()], tmp_path, **where)
     _run([command_line, "ros", "demo", "--duration", "1", "--pace", "fast", "--out", "demo"], tmp_path, **where)

@@ -62,7 +62,7 @@ def test_both_sides_are_told():
     assert said.startswith("A is better than B, decided by stick-slip index 1 against 2; against it: rate of ")
     unsure = [ComparedCost("stick-slip index", "-", row, (CHANCE,))]
     assert verdicts(unsure, SYSTEMS["si"])[0].endswith(
-        f"{NONE}; stick-slip index 1 against 2: the means differ, which 2 runs do not tell from chance (more --seeds)"
+        f"{NONE}; stick-slip index 1 against 2: the means differ, which 2 runs do not tell from chance (more --repeats)"
     )
     single = [ComparedCost("stick-slip index", "-", ((1.0,), (2.0,)), ("",))]
     assert verdicts(single, SYSTEMS["si"])[0].startswith("no verdict")
@@ -73,6 +73,6 @@ def test_the_highest_grade_decides_or_nothing_does():
     graded = ComparedCost("stick-slip index", "-", ((0.04, 0.05), (0.1, 0.6)), (CHANCE,), 0.06, (0, 1))
     said = verdicts([ungraded, graded], SYSTEMS["si"])[0]
     assert said.startswith("A and B: not decided, as the highest grade may be one by chance; stick-slip index 0.045 ")
-    assert said.endswith("(more --seeds); B is better by specific energy 1 against 2")
+    assert said.endswith("(more --repeats); B is better by specific energy 1 against 2")
     calm = graded._replace(grades=(0, 0))  # a difference without a grade hides no other
     assert verdicts([ungraded, calm], SYSTEMS["si"])[0].startswith("B is better than A, decided by specific ")

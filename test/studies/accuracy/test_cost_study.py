@@ -79,7 +79,7 @@ def test_a_scene_that_needs_torsion_has_no_lateral_resolution():
 def test_the_command_measures_resumes_and_finds_the_order_of_the_scheme(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     words = [word for key, value in SWING.items() for word in ("--set", f"{key}={value}")]
-    command = ["cost", "pa6_bench", *words, "--duration=1 s", "--coarse", "--replicas=1", "--out=made", "--json"]
+    command = ["cost", "pa6_bench", *words, "--duration=1 s", "--coarse", "--repeats=1", "--out=made", "--json"]
     made = CliRunner().invoke(app, command)
     assert made.exit_code == 0, made.output
     found = json.loads(made.stdout)
@@ -117,7 +117,7 @@ def test_given_meshes_are_compared_at_the_rig_too(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("COLUMNS", "160")
     words = [word for key, value in SWING.items() for word in ("--set", f"{key}={value}")]
-    command = ["cost", "pa6_bench", *words, "--duration", "0.5 s", "--replicas", "0", "--elements"]
+    command = ["cost", "pa6_bench", *words, "--duration", "0.5 s", "--repeats", "0", "--elements"]
     made = CliRunner().invoke(app, [*command, "8,12"])
     assert made.exit_code == 0, made.output
     assert "against 24 elements and" in made.stdout

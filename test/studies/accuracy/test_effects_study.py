@@ -72,7 +72,7 @@ def test_an_effect_of_which_the_runs_do_not_tell_is_kept():
 def study(tmp_path, monkeypatch, changes: dict[str, str], duration: str, replicas: str = "2") -> dict:
     monkeypatch.chdir(tmp_path)
     words = [word for key, value in changes.items() for word in ("--set", f"{key}={value}")]
-    asked = (f"--duration={duration}", f"--replicas={replicas}", "--out=made", "--json")
+    asked = (f"--duration={duration}", f"--repeats={replicas}", "--out=made", "--json")
     command = ["effects", "pa6_bench", *words, *asked]
     made = CliRunner().invoke(app, command)
     assert made.exit_code == 0, made.output

@@ -29,7 +29,7 @@ def operating_map(
         typer.Option("--rpm", metavar="LO..HI", help='Range of the speed, as "1..3 rev/s"; bare: rev/min.'),
     ],
     seeds: Annotated[
-        int, typer.Option("--seeds", metavar="N", min=1, max=1000, help="Number of draws of uncertain numbers.")
+        int, typer.Option("--draws", metavar="N", min=1, max=1000, help="Number of draws of uncertain numbers.")
     ] = 1,
     vary: Annotated[
         list[str],
