@@ -127,8 +127,8 @@ class WellPlan(NamedTuple):
     casing: tuple[str, ...] = ()
     """Inner diameter and shoe of each casing from the top down: `12.415 in to 1500 m`; after `ID` any diameter."""
     bit: str = ""
-    """Diameter and type of the bit, as `8 1/2 in pdc`, or one of them. Without a diameter the bit has the hole's; without
-    a type it has the type in its kind in the tally, as `PDC bit`, else the law `BIT_TORQUE`."""
+    """Diameter and type of the bit, as `8 1/2 in pdc`, or one of them. Without a diameter the bit has the hole's;
+    without a type it has the type in its kind in the tally, as `PDC bit`, else the law `BIT_TORQUE`."""
     depth: str = ""
     """Measured depth of the bit; empty: the last station."""
     mud: str = "1.2 sg"
