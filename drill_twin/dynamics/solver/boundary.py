@@ -157,6 +157,7 @@ def watch_set_point(drive: Drive, step: float, error: float) -> None:
         memory[STEADY] = memory[STEADY] + step if abs(error) < NEAR * size else 0.0
     after = gains(drive)
     if after != before:
+        memory[AIM] = memory[COMMAND]
         memory[LAG] = ((before[0] - after[0]) * error + before[1] * memory[LAG]) / after[1]
 
 
