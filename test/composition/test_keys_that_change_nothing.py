@@ -53,6 +53,7 @@ BACK = {"sign": "root", "mean_stress": "goodman"}
 """Value of a key where that of `OTHERS` is in force."""
 TOLD = {
     ("bit_regenerative", "blades"): "without regeneration their number changes nothing",
+    ("rock_floor", "lobes"): "without a `lobe_height` their number changes nothing",
     ("bit_torque_stribeck", "bit"): "`sticking` and `decay`, unless they are given",
 }
 """Keys that change nothing beside another one, and what their description says of it."""

@@ -92,7 +92,7 @@ def test_a_soft_drive_spins_up_stiff_and_goes_over_without_a_jump():
     assert np.ptp(torque[begun - 3 : begun + 4]) < 0.01 * torque[begun]
     for wanted, stays in ((15.7, True), (18.0, False)):
         twin.advance(Command(0.0, wanted), 0.02)
-        assert (drive.memory[STEADY] >= drive.wait) is stays
+        assert bool(drive.memory[STEADY] >= drive.wait) == stays
 
 
 def test_a_soft_drive_that_starts_in_balance_holds_torque_and_speed():
