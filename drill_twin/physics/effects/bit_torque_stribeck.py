@@ -18,10 +18,9 @@ from drill_twin.physics.model.bit import BIT_TORQUE, DRILLED, apply_torque, cont
 
 NUMBERS = ("sliding", "sticking", "decay")
 BITS = {
-    kind: dict(zip(NUMBERS, numbers, strict=True))
-    for kind, *numbers in (
-        ("pdc", 0.7, 1.12, 0.9), ("roller_cone", 0.2, 0.25, 0.9), ("hybrid", 0.45, 0.65, 0.9),
-        ("bicentre", 0.8, 1.28, 0.9),
+    kind: {"sliding": sliding, "sticking": sticking, "decay": "0.9 s/rad"}
+    for kind, sliding, sticking in (
+        ("pdc", 0.7, 1.12), ("roller_cone", 0.2, 0.25), ("hybrid", 0.45, 0.65), ("bicentre", 0.8, 1.28),
     )
 }  # fmt: skip
 """Numbers of the law by type of bit, with their sources in the docstring of `BitTorqueStribeck`."""

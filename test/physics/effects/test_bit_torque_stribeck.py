@@ -81,6 +81,14 @@ def test_a_number_beside_a_type_takes_its_place_and_without_a_type_none_is_assum
             BitTorqueStribeck.model_validate(wrong)
 
 
+def test_a_scene_file_names_a_type(tmp_path):
+    numbers = "sliding: ~, sticking: ~, decay: ~"
+    text = f"base: two_mass\nname: typed\neffects: {{bit_torque_stribeck: {{bit: hybrid, {numbers}}}}}\n"
+    (tmp_path / "typed.yaml").write_text(text)
+    law = load_scene(tmp_path / "typed.yaml").effects.bit_torque_stribeck
+    assert (law.bit, law.sliding, law.sticking, law.decay) == ("hybrid", 0.45, 0.65, 0.9)
+
+
 def test_the_schema_takes_a_type_or_the_numbers():
     check = Draft7Validator(scene_json_schema()["definitions"]["BitTorqueStribeck"]).is_valid
     assert check({"bit": "pdc", "radius": "72 mm"})
