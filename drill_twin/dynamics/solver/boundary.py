@@ -37,8 +37,9 @@ AIM, STEADY = 4, 5
 # the block's speed [m/s] and the weight to hold [N]; speed that the auto-driller asks for, and its integral part [m/s];
 # mean torque on the string [N m].
 PLACE, START_PLACE, SPEED, HELD, FEED, INTEGRAL, TURNING = 6, 7, 8, 9, 10, 11, 12
-RAMPED, NEAR = 0.1, 0.02
-"""Shares of the set-point: change from which the drive spins up, and error of speed that counts as none; chosen."""
+NEAR = 0.1
+"""Share of the set-point: change from which the drive spins up, and least error of speed that keeps it stiff. Chosen:
+stick-slip moves a stiff drive by 5 % (`drill_twin_evidence.validation.soft_drive`)."""
 SLOWEST = 0.1
 """Least set-point to take a share of [rad/s]; chosen."""
 SHARE = 0.05  # of the set-points, below which weight and torque have no ratio
@@ -151,7 +152,7 @@ def watch_set_point(drive: Drive, step: float, error: float) -> None:
     """Choose the gains by the set-point and the error of speed [rad/s]; where they change, the torque stays."""
     memory, before = drive.memory, gains(drive)
     size = max(abs(memory[COMMAND]), SLOWEST)
-    if abs(memory[COMMAND] - memory[AIM]) > RAMPED * size:
+    if abs(memory[COMMAND] - memory[AIM]) > NEAR * size:
         memory[AIM], memory[STEADY] = memory[COMMAND], 0.0
     elif memory[STEADY] < drive.wait:
         memory[STEADY] = memory[STEADY] + step if abs(error) < NEAR * size else 0.0

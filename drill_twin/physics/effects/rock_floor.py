@@ -117,7 +117,7 @@ def end_load(
 
 @kernel
 def after_step(parameters: Any, rod: Rod, command: Array, time: float, step: float, u: Array, v: Array) -> None:
-    """Correct the impulse of the weight on bit, and add that of the torque."""
+    """Correct the impulse of the weight on bit, and add the impulse of the torque."""
     rock, bit = parameters.rock_floor, parameters.drive.bit
     place, angle = 0.5 * (bit.start[2] + u[0, 2]), 0.5 * (bit.start[SPIN] + u[0, SPIN])
     floor = contact(rock, place, bit.rate[2], angle, bit.rate[SPIN])

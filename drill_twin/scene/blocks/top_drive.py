@@ -11,8 +11,8 @@ from drill_twin.scene.blocks.part import OrAuto, Part, Problem
 
 SLOWER = 10.0
 """First torsional frequency of the string over the corner frequency of the integral part tuned by `auto`."""
-STIFF = 10.0
-"""Impedance of a drive that spins up, over the string's; chosen, not measured: 0.8 of a wave comes back."""
+STIFF = 50.0
+"""Impedance of a drive that spins up, over the string's; chosen, not measured: 0.96 of a wave comes back."""
 
 
 class Tuning(NamedTuple):
@@ -34,7 +34,7 @@ class TopDrive(Part):
     model: Literal["prescribed", "speed_controller", "impedance"] = "prescribed"
     """`prescribed`: rotates as commanded at any torque; `speed_controller`: motor torque proportional + integral in the
     error of speed; `impedance`: the same, tuned to absorb torsional waves (soft torque), after a spin-up with stiff
-    gains until the speed is within 2 % of a steady set-point for a period of the string."""
+    gains until the speed is within 10 % of a steady set-point for a period of the string."""
     inertia: Annotated[Inertia, Within(at_least="0 kg m^2", at_most="1e6 kg m^2", reason="top drives have 1e3")] = 0.0
     """Moment of inertia of drive and motor about the string's axis [kg m^2]."""
     damping: Annotated[RotationalDamping, Within(at_least="0 N m s/rad", at_most="1e9 N m s/rad")] = 0.0
@@ -92,7 +92,7 @@ class TopDrive(Part):
         Z = Z_0 (1 - r) / (1 + r). At the first frequency w the integral part J w^2 takes away the reactance of the
         felt inertia J (SoftSpeed, Kyllingstad and Nessjoen 2009), and above it the share of J that is cancelled does
         (Z-torque, Runia, Dwars and Stulemeijer 2013). The gains of the spin-up make the drive alone critically damped
-        or more: P = 10 Z_0 + 2 J w and I = P w / 2 give P^2 >= 4 I J; chosen.
+        or more: P = 50 Z_0 + 2 J w and I = P w / 2 give P^2 >= 4 I J; chosen.
 
         Args:
             impedance: Z_0 = J sqrt(G rho) of the string at the top [N m s/rad].
