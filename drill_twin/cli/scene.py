@@ -164,7 +164,12 @@ def new(
         ),
     ] = [],  # noqa: B006  typer makes a new list of it
     bit: Annotated[
-        str, typer.Option("--bit", metavar="DIAMETER", help="Diameter of the bit, if smaller than the hole's.")
+        str,
+        typer.Option(
+            "--bit",
+            metavar="DIAMETER TYPE",
+            help='Bit, as "8 1/2 in pdc": diameter, if not the hole\'s, and pdc, roller_cone, hybrid or bicentre.',
+        ),
     ] = "",
     depth: Annotated[
         str,

@@ -24,6 +24,7 @@ from drill_twin.core.errors import RunError
 from drill_twin.dynamics.audit.energy import element_unknowns
 from drill_twin.dynamics.discretisation.discretise import axial_weight, sections_of
 from drill_twin.dynamics.discretisation.resolution import growth_time
+from drill_twin.dynamics.solver.boundary import LAG
 from drill_twin.dynamics.solver.spatial.assembly import FAR, NEAR
 from drill_twin.physics.model.mesh import SPIN, Rod
 from drill_twin.scene import Scene
@@ -220,12 +221,19 @@ def start_in_equilibrium(dynamics: Dynamics, make: Callable[[Scene, Rod], Dynami
     v[:, SPIN] = rotation
     command = Command(weight, rotation)
     if scene.effects.torsion is not None:
-        u[:, SPIN] += _static_twist(make(rotating_scene(scene), dynamics.rod), u, v, command)
+        torque = _resisting_torque(make(rotating_scene(scene), dynamics.rod), u, v, command)
+        u[:, SPIN] += twist_under(dynamics.rod, torque)
+        drive = dynamics.parameters.drive
+        if drive.driven and drive.integral > 0.0:
+            drive.memory[LAG] = -torque.sum() / drive.integral
     dynamics.begin(u, v, command)
 
 
-def _static_twist(dynamics: Dynamics, u: Array, v: Array, command: Command) -> Array:
-    """Static twist by the torques on the rotating string [rad], from its acceleration in a short step."""
+def _resisting_torque(dynamics: Dynamics, u: Array, v: Array, command: Command) -> Array:
+    """Torques on the nodes of the rotating string [N m], the drive's friction included; shape (n + 1,).
+
+    They follow from the acceleration in a short step.
+    """
     rod = dynamics.rod
     waves = np.sqrt(rod.torsion * rod.length / rod.spin_mass)
     instant = INSTANT * float((rod.length / waves).min())
@@ -242,4 +250,6 @@ def _static_twist(dynamics: Dynamics, u: Array, v: Array, command: Command) -> A
         torque[0] += body.inertia * acceleration[0]
     if (discs := dynamics.model.bodies) is not None:
         np.add.at(torque, discs.node, discs.polar * acceleration[discs.node])
-    return twist_under(rod, torque)
+    drive = dynamics.parameters.drive
+    torque[-1] += (drive.inertia - drive.cancelled) * acceleration[-1]
+    return torque

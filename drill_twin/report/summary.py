@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import asdict
 from datetime import UTC, datetime
 from pathlib import Path
@@ -35,6 +36,9 @@ _OF_THE_WHIRL = (
     "whirl_frequency_changes", "frequency_mark", "lasting_motion", "whirl_end_s",
 )  # fmt: skip
 """Fields of the onset and of the findings that the summary has under their own names."""
+LATE, RESTS, MISSED = 10.0, 0.01, 0.05
+"""Time at the end of a run in which the mean speed of the top drive is beside its set-point [s]; range of a set-point
+that rests and error of a speed that misses it, over the set-point; chosen, as `estimation.drive_speed`."""
 NOTICED = 0.01
 """Least height of its line in the two-sided spectrum, which is half of its amplitude, over the mean speed."""
 
@@ -192,6 +196,21 @@ def bit_peak(bag: Recording) -> float | None:
     return None if peak is None or peak.radius < NOTICED * abs(float(np.nanmean(speed))) else peak.frequency
 
 
+def _missed_speed(bag: Recording) -> Iterator[str]:
+    """Sentence on a top drive that does not turn at its set-point at the end, though the set-point rests."""
+    if not (len(bag.commands) and len(bag.rig)):
+        return
+    late = bag.rig.time >= bag.rig.time[-1] - LATE
+    wanted = np.interp(bag.rig.time[late], bag.commands.time, bag.commands.rotation)
+    aim, speed = float(wanted.mean()), float(bag.rig.top_drive_speed[late].mean())
+    if np.ptp(wanted) <= RESTS * abs(aim) and abs(speed - aim) > MISSED * abs(aim):
+        yield (
+            f"the top drive missed its set-point of {bag.units.text(aim, 'rotation')}: it turned at "
+            f"{bag.units.text(speed, 'rotation')} on average over the last {min(LATE, bag.duration):g} s; a longer "
+            "run, a higher `rig.top_drive.torque_limit` or other gains may reach it"
+        )
+
+
 def _notes(bag: Recording) -> list[str]:
     guard = bag.log.guard
     notes = list(bag.log.left_out)
@@ -206,7 +225,7 @@ def _notes(bag: Recording) -> list[str]:
         )
     elif bag.rotation_from_spin and bag.places:
         notes.append("the bag holds no rig states: the rotation is taken from the spin of the marks")
-    notes += bag.skipped.sentences()
+    notes += [*_missed_speed(bag), *bag.skipped.sentences()]
     if bag.unpaired:
         notes.append(f"{bag.unpaired} states of the marks or the rig have no partner with the same stamp")
     if bag.live.differing:

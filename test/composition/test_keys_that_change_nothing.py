@@ -43,7 +43,7 @@ OTHERS: dict[str, Any] = {
     "mean_stress": "none", "correlation_length": 2.0, "bow.amplitude": 1e-3, "seed": 7, "angle": 0.3,
     "restitution": 0.7,
     "fatigue.line": {"stress_range": 2e6, "slope": 3.0}, "fatigue.sections": [{"name": "a", "distance_from_bit": 1.0}],
-    "eccentricity.sections": [{"offset": 2e-4}], "blades": 6, "dynamic_speed": 2.0, "static_speed": 0.05,
+    "eccentricity.sections": [{"offset": 2e-4}], "blades": 6, "bit": "pdc", "dynamic_speed": 2.0, "static_speed": 0.05,
     "exponent": 3.0, "wall_friction.sliding": 0.2, "offset": 2e-3, "eccentricity.offset": 2e-4, "gauge": 0.08,
     "intervals": [{"top": 0.0, "bottom": 3.0, "coefficient": 0.1}], "smallest_range": 2e4, "thrust": 0.8,
     "rock_stiffness": 1e6, "dispersion": 0.2, "bandwidth": 0.7, "direction": 0.4, "ramp": 0.5,
@@ -51,7 +51,11 @@ OTHERS: dict[str, Any] = {
 """Another value of a key, where twice the one in force is none."""
 BACK = {"sign": "root", "mean_stress": "goodman"}
 """Value of a key where that of `OTHERS` is in force."""
-TOLD = {("bit_regenerative", "blades"): "without regeneration their number changes nothing"}
+TOLD = {
+    ("bit_regenerative", "blades"): "without regeneration their number changes nothing",
+    ("rock_floor", "lobes"): "without a `lobe_height` their number changes nothing",
+    ("bit_torque_stribeck", "bit"): "`sticking` and `decay`, unless they are given",
+}
 """Keys that change nothing beside another one, and what their description says of it."""
 
 

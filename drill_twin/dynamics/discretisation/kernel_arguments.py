@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Arguments of the compiled functions of a scene: discrete model, formulation, effects and drive, empty arrays."""
 
+import math
 from types import ModuleType
 from typing import Any
 
@@ -9,7 +10,7 @@ import numpy as np
 from drill_twin.dynamics.discretisation.discretise import BoundaryConditions, axial_weight, discretise
 from drill_twin.dynamics.discretisation.joint import joined_workspace, joint_of
 from drill_twin.dynamics.discretisation.resolution import mesh, resolution_of
-from drill_twin.dynamics.solver.boundary import PLACE, Drive
+from drill_twin.dynamics.solver.boundary import AIM, PLACE, STEADY, Drive
 from drill_twin.dynamics.solver.lateral.linear_solver import make_workspace as make_lateral_workspace
 from drill_twin.dynamics.solver.spatial.linear_solver import make_workspace
 from drill_twin.dynamics.solver.state import make_state
@@ -30,17 +31,18 @@ def make_drive(scene: Scene, hanging: float) -> Drive:
     from_top = scene.rig.weight_on_bit.at == "top"
     lines = 0.0 if block is None else block.stiffness
     driller = None if block is None else block.auto_driller
-    proportional, integral = top.gains(*_torsion_of_the_string(scene))
-    memory, bit = np.zeros(4), make_bit(weight + (hanging if from_top else 0.0))
+    tuning = top.tuning(*_torsion_of_the_string(scene))
+    memory, bit = np.zeros(6), make_bit(weight + (hanging if from_top else 0.0))
     if block is not None:  # where the lines carry the string at the start
-        memory, bit = np.zeros(11), make_bit(weight, 5, block.off_bottom)
+        memory, bit = np.zeros(13), make_bit(weight, 5, block.off_bottom)
         memory[PLACE] = (hanging - weight) / lines
+    memory[AIM], memory[STEADY] = scene.rig.first[1], tuning.wait
     return Drive(
         from_top=1.0 if from_top else 0.0,
         hanging=hanging,
         driven=0.0 if top.model == "prescribed" else 1.0,
-        proportional=proportional,
-        integral=integral,
+        proportional=tuning.proportional,
+        integral=tuning.integral,
         limit=np.inf if top.torque_limit is None else top.torque_limit,
         inertia=top.inertia,
         damping=top.damping,
@@ -51,6 +53,9 @@ def make_drive(scene: Scene, hanging: float) -> Drive:
         feed_gain=0.0 if driller is None else _compliance(scene, lines) / driller.response,
         feed_integral=0.0 if driller is None else 0.5 * _compliance(scene, lines) / driller.response**2,
         held_torque=np.inf if driller is None or driller.torque is None else driller.torque,
+        spin_up=tuning.spin_up,
+        wait=tuning.wait,
+        cancelled=tuning.cancelled,
     )
 
 
@@ -60,11 +65,22 @@ def _compliance(scene: Scene, lines: float) -> float:
 
 
 def _torsion_of_the_string(scene: Scene) -> tuple[float, float]:
-    """Impedance of the top section to torsional waves [N m s/rad], time of such a wave from top to bit [s]."""
-    top = scene.string.sections[-1]
-    impedance = 2.0 * top.second_moment * np.sqrt(top.shear_modulus * top.density)
-    delay = sum(part.length * np.sqrt(part.density / part.shear_modulus) for part in scene.string.sections)
-    return float(impedance), float(delay)
+    """Impedance of the top section to torsional waves [N m s/rad], and first frequency of the string [rad/s].
+
+    The string is held at the top and free at the bit: a mode has its node where the angle that the transfer matrices of
+    the sections (Pestel and Leckie 1963) give at the top first is zero.
+    """
+    lines = [
+        (2.0 * part.second_moment * np.sqrt(part.shear_modulus * part.density),
+         part.length * np.sqrt(part.density / part.shear_modulus)) for part in scene.string.sections
+    ]  # fmt: skip
+    frequencies = np.geomspace(1e-9, 1.0, 20001) * math.tau / sum(delay for _, delay in lines)  # 0.1 % apart
+    body = getattr(scene.effects, "bit_mass", None)
+    angle, torque = np.ones_like(frequencies), frequencies**2 * (body.inertia if body else 0.0)
+    for impedance, delay in lines:
+        cosine, sine, size = np.cos(frequencies * delay), np.sin(frequencies * delay), impedance * frequencies
+        angle, torque = angle * cosine - torque * sine / size, torque * cosine + angle * sine * size
+    return float(lines[-1][0]), float(frequencies[np.argmax(angle <= 0.0)])
 
 
 SPATIAL, LATERAL, JOINED = "spatial", "lateral", "joined"

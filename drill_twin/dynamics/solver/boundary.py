@@ -6,7 +6,8 @@ block carries the top on the drilling lines, a spring. An auto-driller moves the
 step, by the error of the weight on bit that surface measurements give, proportional and integral, or by the error of
 the torque where that is smaller. A prescribed turn is a constraint, which the formulation sets, and needs no force
 here. Any other drive leaves the top free to turn and applies
-``P (command - speed) + I (commanded angle - angle)``, within its torque limit.
+``P (command - speed) + I (commanded angle - angle)``, within its torque limit. A drive that spins up with stiff gains
+has its soft ones once its speed has been near a steady set-point for a while, without a jump of the torque.
 
 Forces at the bit are shared through `drill_twin.physics.model.bit`.
 
@@ -19,7 +20,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from drill_twin.core.arrays import Array
+from drill_twin.core.arrays import Array, Pair
 from drill_twin.core.compile.jit import kernel
 from drill_twin.physics.model import SPIN, Axis
 from drill_twin.physics.model.bit import BIT_WEIGHT, HOOK, TOP_TORQUE, WEIGHT, WEIGHT_DAMPING, Bit
@@ -30,10 +31,17 @@ BIT, TOP, RESIDUAL = 0, 1, 7  # indices into the array of the ends, shape (2, 7,
 # Indices into Drive.memory: angle by which the top lags its command [rad]; of the current step the top's angle and
 # speed at its start and the commanded speed at its middle.
 LAG, START_ANGLE, START_SPEED, COMMAND = 0, 1, 2, 3
+# Of a drive that spins up: set-point about which the command is steady [rad/s], time that the speed is near it [s].
+AIM, STEADY = 4, 5
 # With a block: its place above the top at rest, without load [m]; of the current step the top's place at its start [m],
 # the block's speed [m/s] and the weight to hold [N]; speed that the auto-driller asks for, and its integral part [m/s];
 # mean torque on the string [N m].
-PLACE, START_PLACE, SPEED, HELD, FEED, INTEGRAL, TURNING = 4, 5, 6, 7, 8, 9, 10
+PLACE, START_PLACE, SPEED, HELD, FEED, INTEGRAL, TURNING = 6, 7, 8, 9, 10, 11, 12
+NEAR = 0.1
+"""Share of the set-point: change from which the drive spins up, and least error of speed that keeps it stiff. Chosen:
+stick-slip moves a stiff drive by 5 % (`drill_twin_evidence.validation.soft_drive`)."""
+SLOWEST = 0.1
+"""Least set-point to take a share of [rad/s]; chosen."""
 SHARE = 0.05  # of the set-points, below which weight and torque have no ratio
 
 
@@ -48,13 +56,16 @@ class Drive(NamedTuple):
     limit: float  # largest torque of the motor [N m]
     inertia: float  # of drive and motor about the string's axis [kg m2]
     damping: float  # of bearings and gears [N m s/rad]
-    memory: Array  # (4,) see LAG, or (11,) with a block, see PLACE
+    memory: Array  # (6,) see LAG, or (13,) with a block, see PLACE
     bit: Bit
     lines: float  # stiffness of the drilling lines [N/m]; 0: no block
     rate: float  # fastest motion of the block by the auto-driller [m/s]; 0: no auto-driller
     feed_gain: float  # its speed per error of weight [m/(N s)]
     feed_integral: float  # its acceleration per error of weight [m/(N s2)]
     held_torque: float  # torque on the string that it holds [N m]; infinite: none
+    spin_up: Pair  # stiff gains, as `proportional` and `integral`
+    wait: float  # time near a steady set-point after which the stiff gains end [s]; 0: there are none
+    cancelled: float  # inertia whose torque the motor adds without them [kg m2]
 
 
 @kernel
@@ -79,12 +90,12 @@ def rig_end_load(drive: Drive, command: Array, half_step: float, u: Array, v: Ar
         memory[COMMAND] = command[ROTATION]
         lag = half_step * (command[ROTATION] - speed)
         torque = motor(drive, lag / half_step, memory[LAG] + lag)
-        slope = drive.proportional + half_step * drive.integral if abs(torque) < drive.limit else 0.0
-        own = drive.damping + drive.inertia / half_step
+        proportional, integral = gains(drive)
+        slope = proportional + half_step * integral if abs(torque) < drive.limit else 0.0
+        inertia = felt_inertia(drive)
+        own = drive.damping + inertia / half_step
         ends[TOP, SPIN, SPIN] += slope + own
-        ends[TOP, SPIN, RESIDUAL] -= (
-            torque - drive.damping * speed - drive.inertia * (speed - v_old[last, SPIN]) / half_step
-        )
+        ends[TOP, SPIN, RESIDUAL] -= torque - drive.damping * speed - inertia * (speed - v_old[last, SPIN]) / half_step
 
 
 @kernel
@@ -125,9 +136,37 @@ def move_block(drive: Drive, step: float, top: float) -> None:
 
 
 @kernel
+def gains(drive: Drive) -> Pair:
+    """Gains of the motor at present [N m s/rad], [N m/rad]."""
+    return (drive.proportional, drive.integral) if drive.memory[STEADY] >= drive.wait else drive.spin_up
+
+
+@kernel
+def felt_inertia(drive: Drive) -> float:
+    """Inertia of the drive that the string feels at present [kg m2]."""
+    return drive.inertia - drive.cancelled if drive.memory[STEADY] >= drive.wait else drive.inertia
+
+
+@kernel
+def watch_set_point(drive: Drive, step: float, error: float) -> None:
+    """Choose the gains by the set-point and the error of speed [rad/s]; where they change, the torque stays."""
+    memory, before = drive.memory, gains(drive)
+    size = max(abs(memory[COMMAND]), SLOWEST)
+    if abs(memory[COMMAND] - memory[AIM]) > NEAR * size:
+        memory[AIM], memory[STEADY] = memory[COMMAND], 0.0
+    elif memory[STEADY] < drive.wait:
+        memory[STEADY] = memory[STEADY] + step if abs(error) < NEAR * size else 0.0
+    after = gains(drive)
+    if after != before:
+        memory[AIM] = memory[COMMAND]
+        memory[LAG] = ((before[0] - after[0]) * error + before[1] * memory[LAG]) / after[1]
+
+
+@kernel
 def motor(drive: Drive, error: float, lag: float) -> float:
     """Torque of the motor for an error of speed [rad/s] and of angle [rad], within its limit [N m]."""
-    torque = drive.proportional * error + drive.integral * lag
+    proportional, integral = gains(drive)
+    torque = proportional * error + integral * lag
     return max(-drive.limit, min(drive.limit, torque))
 
 
@@ -149,12 +188,14 @@ def rig_after_step(drive: Drive, step: float, u: Array, v: Array) -> None:
         torque = motor(drive, lag / step, memory[LAG] + 0.5 * lag)
         if abs(torque) < drive.limit or torque * lag < 0.0:
             memory[LAG] += lag
-        accelerating = drive.inertia * (v[last, SPIN] - memory[START_SPEED])
+        accelerating = felt_inertia(drive) * (v[last, SPIN] - memory[START_SPEED])
         bit.impulse[TOP_TORQUE] += step * (torque - drive.damping * speed) - accelerating
         if drive.rate > 0.0:  # a mean over the response of the weight, as torque vibrates
             turning = torque - drive.damping * speed - accelerating / step
             share = min(2.0 * step * drive.feed_integral / drive.feed_gain, 1.0)
             memory[TURNING] += share * (turning - memory[TURNING])
+        if drive.wait > 0.0:
+            watch_set_point(drive, step, lag / step)
     if drive.lines > 0.0:
         move_block(drive, step, u[u.shape[0] - 1, 2])
 

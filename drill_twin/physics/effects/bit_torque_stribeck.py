@@ -3,10 +3,10 @@
 
 import math
 from collections.abc import Callable
-from typing import Annotated, Any, ClassVar, NamedTuple, Self
+from typing import Annotated, Any, ClassVar, Literal, NamedTuple, Self
 
 import numpy as np
-from pydantic import model_validator
+from pydantic import ConfigDict, model_validator
 
 from drill_twin.core.arrays import Array
 from drill_twin.core.compile.jit import kernel
@@ -15,6 +15,20 @@ from drill_twin.physics.effects.config import EffectConfig
 from drill_twin.physics.effects.friction_dual import dual_variable, no_iterate
 from drill_twin.physics.model import SPIN, DiscreteModel, Rod
 from drill_twin.physics.model.bit import BIT_TORQUE, DRILLED, apply_torque, contact_weight
+
+NUMBERS = ("sliding", "sticking", "decay")
+BITS = {
+    kind: {"sliding": sliding, "sticking": sticking, "decay": "0.9 s/rad"}
+    for kind, sliding, sticking in (
+        ("pdc", 0.7, 1.12), ("roller_cone", 0.2, 0.25), ("hybrid", 0.45, 0.65), ("bicentre", 0.8, 1.28),
+    )
+}  # fmt: skip
+"""Numbers of the law by type of bit, with their sources in the docstring of `BitTorqueStribeck`."""
+
+
+def _needs_numbers_or_a_type(schema: dict[str, Any]) -> None:
+    schema["required"] = ["radius"]
+    schema["anyOf"] = [{"required": ["bit"]}, {"required": list(NUMBERS)}]
 
 
 class BitTorqueStribeck(EffectConfig):
@@ -26,16 +40,27 @@ class BitTorqueStribeck(EffectConfig):
     With a `specific_energy` eps the bit drills: the work of the sliding part of its torque cuts the rock, at a rate of
     R W mu_c w / (A eps), with the area A of the bit of which R is 2/3 of the radius (Teale 1965); what sticking costs
     above that cuts nothing. The weight is set, so the string does not descend.
+
+    Of a type of `bit`, mu_c is the coefficient of Pessier and Fear (1992), 36 T / (D W) in ft lbf, in and lbf, with R a
+    third of the diameter D. Its ranges are of the literature, from general knowledge, fitted to nothing: `pdc` 0.5 to
+    1, `roller_cone` 0.15 to 0.3, `hybrid` 0.3 to 0.6, `bicentre` 0.6 to 1.1. The law of Detournay and Defourny (1992)
+    gives a PDC bit 0.45 where wear flats carry all and 1.25 where none do (`thrust` = `friction` = 0.6). gamma, and
+    mu_s over mu_c of fixed cutters, are of Navarro-Lopez and Suarez (2004); the smaller falls of cones are chosen, not
+    measured.
     """
 
+    model_config = ConfigDict(json_schema_extra=_needs_numbers_or_a_type)
     requires: ClassVar[tuple[str, ...]] = ("stretch", "torsion")
     provides = ("torque",)
     energy_class = "heat"
 
+    bit: Literal["pdc", "roller_cone", "hybrid", "bicentre"] | None = None
+    """Type of bit: its `sliding`, `sticking` and `decay`, unless they are given, are for `pdc` 0.7, 1.12 and 0.9 s/rad,
+    `roller_cone` 0.2, 0.25, 0.9, `hybrid` 0.45, 0.65, 0.9, `bicentre` 0.8, 1.28, 0.9."""
     radius: Annotated[Length, Within(above="0 m", at_most="2 m")]
-    """Effective radius of friction, R [m]."""
+    """Effective radius of friction, R [m]; a third of the bit's diameter for numbers of a type."""
     sliding: Annotated[Dimensionless, Within(at_least="0", at_most="5")]
-    """Friction coefficient at high speed, mu_c [-]."""
+    """Friction coefficient at high speed, mu_c [-]; required without `bit`, as the next two."""
     sticking: Annotated[Dimensionless, Within(at_least="0", at_most="5")]
     """Friction coefficient at rest, mu_s [-]; not below `sliding`."""
     decay: Annotated[TimePerAngle, Within(at_least="0 s/rad", at_most="1e4 s/rad")]
@@ -46,6 +71,11 @@ class BitTorqueStribeck(EffectConfig):
     """Work of the bit per volume of rock, eps [Pa]; left out: the bit does not drill."""
     creep: Annotated[AngularSpeed, Within(at_least="1e-9 rad/s", at_most="0.1 rad/s")] = 1e-4
     """Speed of regularisation: a sticking bit creeps below it [rad/s]."""
+
+    @model_validator(mode="before")
+    @classmethod
+    def _has_the_numbers_of_its_type(cls, data: Any) -> Any:
+        return BITS.get(str(data.get("bit")), {}) | data if isinstance(data, dict) else data
 
     @model_validator(mode="after")
     def _sticks_harder_than_it_slides(self) -> Self:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Catalogue of pipe: API drill pipe, heavy-weight drill pipe, grades.
+"""Catalogue: API drill pipe, heavy-weight drill pipe, casing, types of bit.
 
 Drill pipe after API Spec 5DP and API RP 7G (new pipe): outer and inner diameter of the body. The adjusted weight with
 tool joints and upsets depends on the joint, and is approximate. The make-up torque is of a usual connection of the
@@ -14,6 +14,7 @@ from typing import Any, NamedTuple
 
 from drill_twin.core.units import parse
 from drill_twin.core.units.dimension import LENGTH
+from drill_twin.physics.effects.bit_torque_stribeck import BITS
 
 INCH, POUND_PER_FOOT, FOOT_POUND = 0.0254, 1.48816394, 1.3558179
 LARGEST_COLLAR = 7.0 * INCH
@@ -75,6 +76,10 @@ _CASING = (
     "18 5/8", "20",
 )  # fmt: skip
 """Outer diameters of API 5CT casing [in]; no bore of such casing is an outer diameter within `SAME`."""
+ROCK = {"specific_energy": "170 MPa"}
+"""Specific energy of the rock (25 ksi): a stand-in, to be replaced by a measured value."""
+BIT_TORQUE = {"sliding": 0.4, "sticking": 0.5, "decay": "0.9 s/rad"}
+"""Friction on rock of a bit of no type, at a third of its diameter: a stand-in, to be replaced by measured values."""
 SAME, NEAR = 1e-3, 1e-2
 """Relative differences up to which a size and a weight of a tally count as one of the catalogue."""
 ROUNDED = 0.05
@@ -114,6 +119,17 @@ def find_pipe(kind: str, outer: float, inner: float, mass: float) -> Pipe | None
 def casing_size(diameter: float) -> str:
     """Size of API 5CT casing with an outer diameter [m], as `9 5/8`; empty if no size has it."""
     return next((size for size in _CASING if same(parse(f"{size} in", LENGTH), diameter, SAME)), "")
+
+
+def bit_type(word: str) -> str:
+    """Type of bit that a word names, as a scene has it (`roller_cone` for `Roller cone`); empty: none."""
+    word = word.strip().lower().replace(" ", "_").replace("-", "_")
+    return word if word in BITS else ""
+
+
+def bit_law(kind: str) -> dict[str, Any]:
+    """Torque law of a type of bit, or of a bit of no type, and rock, as a scene file has them."""
+    return ({"bit": kind} if kind else BIT_TORQUE) | ROCK
 
 
 def named_sizes(kind: str, outer: float) -> str:

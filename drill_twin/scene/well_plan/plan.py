@@ -17,7 +17,7 @@ from drill_twin.core.units.system import typed_in_pounds, unit_system
 from drill_twin.physics.model.survey import dogleg
 from drill_twin.scene import Scene
 from drill_twin.scene.load import build_scene
-from drill_twin.scene.well_plan.catalogue import INCH, casing_size
+from drill_twin.scene.well_plan.catalogue import INCH, bit_law, bit_type, casing_size
 from drill_twin.scene.well_plan.table import Row, read_table
 from drill_twin.scene.well_plan.tally import TallyPiece, marks, read_tally
 
@@ -110,9 +110,6 @@ def as_block(stations: list[dict[str, float]]) -> list[dict[str, Any]]:
     ]
 
 
-BIT_TORQUE = {"sliding": 0.4, "sticking": 0.5, "decay": "0.9 s/rad", "specific_energy": "170 MPa"}
-"""Friction of the bit on rock, at a third of its diameter, and specific energy of the rock (25 ksi): stand-ins, to be
-replaced by measured values."""
 BIT = 0.99
 """Largest diameter of the section of a bit over the diameter of its hole [-]."""
 LONG = 200.0
@@ -130,7 +127,8 @@ class WellPlan(NamedTuple):
     casing: tuple[str, ...] = ()
     """Inner diameter and shoe of each casing from the top down: `12.415 in to 1500 m`; after `ID` any diameter."""
     bit: str = ""
-    """Diameter of the bit; empty: the diameter of the hole."""
+    """Diameter and type of the bit, as `8 1/2 in pdc`, or one of them. Without a diameter the bit has the hole's;
+    without a type it has the type in its kind in the tally, as `PDC bit`, else the law `BIT_TORQUE`."""
     depth: str = ""
     """Measured depth of the bit; empty: the last station."""
     mud: str = "1.2 sg"
@@ -171,7 +169,8 @@ class WellPlan(NamedTuple):
             raise SceneError(f'--hole: expected a diameter of at most {WIDEST:g} m, found "{short(self.hole)}"')
         casing = self._casing()
         _check_fit(pieces, hole, casing)
-        bit = _quantity("--bit", self.bit, LENGTH) if self.bit else hole
+        kind, size = self._bit(pieces)
+        bit = _quantity("--bit", size, LENGTH) if size else hole
         if bit > hole * (1.0 + 1e-9):
             raise SceneError(f"--bit: expected at most the hole ({short(self.hole)}), found {short(self.bit)}")
         weight = _quantity("--wob", self.weight_on_bit, FORCE, 0.0, "" if self.units == "field" else "N")
@@ -209,10 +208,20 @@ class WellPlan(NamedTuple):
                 "added_mass": {}, "quadratic_drag": {}, "rotation_drag": {},
                 "wall": {"stiffness": "1e10 N/m^2.5" if long else "1e8 N/m^2.5"},
                 "wall_friction": {"coefficient": self.friction, **self._cased_friction(casing)},
-                "bit_torque_stribeck": {"radius": f"{bit / 3.0:.6g} m", **BIT_TORQUE},
+                "bit_torque_stribeck": {"radius": f"{bit / 3.0:.6g} m", **bit_law(kind)},
             },
             "numerics": {"frame_rate": "50 Hz" if long else "200 Hz"},
         }  # fmt: skip
+
+    def _bit(self, pieces: list[TallyPiece]) -> tuple[str, str]:
+        """Type of the bit, empty if none is named, and the text of its diameter."""
+        size, _, word = self.bit.strip().rpartition(" ")
+        if kind := bit_type(word):
+            return kind, size
+        kinds = (
+            bit_type(piece.row.text("kind").lower().removesuffix("bit")) for piece in pieces if piece.kind == "bit"
+        )
+        return next(kinds, ""), self.bit
 
     def _cased_friction(self, casing: list[tuple[float, float, float]]) -> dict[str, Any]:
         if self.cased_friction is None:

@@ -12,6 +12,7 @@ from rod_scenes import rod_scene
 from drill_twin.dynamics.twin.frame import RigState
 from drill_twin.dynamics.twin.twin import Twin
 from drill_twin.physics.effects.random_draws import MOST_SCATTER, random_matrix
+from drill_twin.physics.model import SPIN
 from drill_twin.scene import load_scene
 from drill_twin.scene.set_points.command import Command
 
@@ -196,6 +197,42 @@ def test_a_law_along_or_about_the_axis_needs_stretch_and_torsion(key):
     data["effects"] = {key: {"stiffness": 1e8} if key == "rock_floor" else {}}
     with pytest.raises(ValidationError, match=f"{key} needs stretch"):
         type(steel({})).model_validate(data)
+
+
+def bounced(weight: float, speed: float, height: float = 1e-4, damping: float = 5e4) -> tuple[np.ndarray, np.ndarray]:
+    """Weight on bit [N] and torque of the rock [N m] over ten lobes, once three seconds have passed."""
+    rock = {"stiffness": 1e8, "damping": damping, "lobe_height": height}
+    twin = Twin(steel({"rock_floor": rock}, at="top", weight_on_bit=weight, step=2.5e-4))
+    twin.unknowns[1][:, SPIN] = speed
+    twin.advance(Command(weight, speed), 3.0)
+    rows = [twin.advance(Command(weight, speed), 1e-3).rig for _ in range(round(2e4 * np.pi / 3.0 / speed))]
+    return np.array([row.bit_force for row in rows]), np.array([row.bit_torque for row in rows])
+
+
+@pytest.mark.parametrize("speed", [20.0, 70.0])
+def test_three_lobes_shake_the_bit_thrice_a_revolution(speed):
+    """A free rod on a spring whose foot moves by a cos(3 psi): F = k a D / (k + D), D = -E A w / c tan(w L / c).
+
+    With k = K + i w C and E (1 + i w t). The mean power of the rock's torque is what spring and rod take.
+    """
+    force, torque = bounced(1e5, speed)
+    wave, area = 3.0 * speed, np.pi / 4.0 * (0.2**2 - 0.1**2)
+    young = 210e9 * (1.0 + 2e-3j * wave)
+    number = wave / np.sqrt(young / 7850.0)
+    rod, spring = -young * area * number * np.tan(number * 10.0), 1e8 + 5e4j * wave
+    exact = spring * 1e-4 * rod / (spring + rod)
+    assert np.sqrt(2.0) * np.std(force) == pytest.approx(abs(exact), rel=0.02)
+    assert force.mean() == pytest.approx(1e5, rel=1e-3)
+    power = 0.5 * (exact * np.conj(1e-4j * wave)).real
+    assert -torque.mean() * speed == pytest.approx(power, rel=0.03, abs=3e-4 * np.ptp(torque) * speed)
+
+
+def test_a_bit_lifts_off_its_lobes_where_their_force_is_above_the_weight():
+    """At 50 rad/s lobes of 0.1 mm shake with 7 kN: under 10 kN the bit stays on the rock, under 5 kN it does not."""
+    for weight, leaves in ((10e3, False), (5e3, True)):
+        force, torque = bounced(weight, 50.0)
+        assert bool(force.min() <= 0.0) == leaves
+        assert np.all(torque[force <= 0.0] == 0.0)
 
 
 @pytest.mark.long

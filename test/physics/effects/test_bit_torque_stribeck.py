@@ -3,12 +3,22 @@
 
 import numpy as np
 import pytest
+from jsonschema import Draft7Validator
 from numba.core.dispatcher import Dispatcher
+from pydantic import ValidationError
 
 from drill_twin.api import load_scene
 from drill_twin.core.compile.jit import as_python
 from drill_twin.dynamics.twin.twin import Twin
-from drill_twin.physics.effects.bit_torque_stribeck import Parameters, end_load, friction, friction_exponent
+from drill_twin.physics.effects.bit_torque_stribeck import (
+    BitTorqueStribeck,
+    Parameters,
+    end_load,
+    friction,
+    friction_exponent,
+    parameters,
+)
+from drill_twin.scene.json_schema import scene_json_schema
 from drill_twin.scene.set_points.command import Command
 
 LAW = Parameters(0.1, 0.2, 0.5, 0.3, 1e-4, np.zeros(5), 1.0, 0.0)
@@ -47,6 +57,43 @@ def test_a_bit_drills_with_the_work_of_its_sliding_torque():
     rate = 0.1 * rig.bit_force * 0.4 * rig.bit_speed / (np.pi * 0.15**2 * 170e6)
     assert rig.rate_of_penetration == pytest.approx(rate, rel=5e-3)  # the mean of a frame
     assert 0.0 < rig.drilled < 10.0 * rate
+
+
+@pytest.mark.parametrize(("bit", "low", "high"), [
+    ("pdc", 3.0, 5.0), ("roller_cone", 0.78, 1.56), ("hybrid", 1.56, 3.1), ("bicentre", 3.1, 5.7),
+])  # fmt: skip
+def test_a_type_of_bit_has_the_torque_of_its_range(bit, low, high):
+    """8 1/2 in under 22 klbf while it slides [kft lbf]; 36 T / (D W) of Pessier and Fear is the coefficient."""
+    block = BitTorqueStribeck.model_validate({"bit": bit, "radius": f"{8.5 / 3.0} in"})
+    law = parameters(block, None)
+    torque = friction.py_func(law, 22e3 * 4.4482216, 20.0)[0] / 1355.8179
+    assert low < torque < high
+    assert 36.0 * torque / (8.5 * 22.0) == pytest.approx(block.sliding, rel=1e-5)
+    assert friction.py_func(law, 1.0, 0.0)[0] > friction.py_func(law, 1.0, 20.0)[0]
+
+
+def test_a_number_beside_a_type_takes_its_place_and_without_a_type_none_is_assumed():
+    block = BitTorqueStribeck.model_validate({"bit": "pdc", "radius": 0.07, "sticking": 0.9})
+    assert (block.sliding, block.sticking) == (0.7, 0.9)
+    assert BitTorqueStribeck.model_validate(block.model_dump()) == block
+    for wrong, said in (({"radius": 0.07}, "sliding"), ({"bit": "drag", "radius": 0.07}, "roller_cone")):
+        with pytest.raises(ValidationError, match=said):
+            BitTorqueStribeck.model_validate(wrong)
+
+
+def test_a_scene_file_names_a_type(tmp_path):
+    numbers = "sliding: ~, sticking: ~, decay: ~"
+    text = f"base: two_mass\nname: typed\neffects: {{bit_torque_stribeck: {{bit: hybrid, {numbers}}}}}\n"
+    (tmp_path / "typed.yaml").write_text(text)
+    law = load_scene(tmp_path / "typed.yaml").effects.bit_torque_stribeck
+    assert (law.bit, law.sliding, law.sticking, law.decay) == ("hybrid", 0.45, 0.65, 0.9)
+
+
+def test_the_schema_takes_a_type_or_the_numbers():
+    check = Draft7Validator(scene_json_schema()["definitions"]["BitTorqueStribeck"]).is_valid
+    assert check({"bit": "pdc", "radius": "72 mm"})
+    assert check({"radius": "72 mm", "sliding": 0.4, "sticking": 0.5, "decay": "0.9 s/rad"})
+    assert not check({"radius": "72 mm", "sliding": 0.4})
 
 
 def test_a_law_bound_to_its_load_runs_outside_of_compiled_code():

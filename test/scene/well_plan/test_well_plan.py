@@ -209,6 +209,21 @@ def test_a_bit_as_wide_as_the_hole_is_held_in_it(tmp_path: Path) -> None:
             made(tmp_path, tally=f"{HEADING}{row}\ncollar,rest,8,3,,,,\n")
 
 
+def test_a_bit_is_of_the_type_that_plan_or_tally_names(tmp_path: Path) -> None:
+    """Diameter, type, or both; the plan's word comes before the tally's."""
+    rows = "{}bit,1,12,3,,,,\ncollar,rest,8,3,,,,\n"
+    for named, bit, kind, third in (
+        ("", "", None, 12.25), ("", "pdc", "pdc", 12.25), ("PDC ", "", "pdc", 12.25), ("PDC ", "12 in", "pdc", 12.0),
+        ("roller-cone ", "", "roller_cone", 12.25), ("PDC ", "12 1/8 in hybrid", "hybrid", 12.125),
+    ):  # fmt: skip
+        law = made(tmp_path, tally=HEADING + rows.format(named), bit=bit).effects.bit_torque_stribeck
+        assert law.bit == kind
+        assert law.radius == pytest.approx(third * INCH / 3.0, rel=1e-5)
+        assert law.sliding == {None: 0.4, "pdc": 0.7, "roller_cone": 0.2, "hybrid": 0.45}[kind]
+    with pytest.raises(SceneError, match="--bit: expected"):
+        made(tmp_path, bit="12 in drag")
+
+
 def test_tools_have_marks_and_drill_pipe_without_grade_is_of_the_weakest(tmp_path: Path) -> None:
     rows = "rss,20,6.75,2.5,,,,8\nLWD,30,6.75,3,,,,\njar,30,6.5,2.75,,,,\nhwdp,200,5,,,,4145H,\ndp,rest,5,,19.5,,,\n"
     string = made(tmp_path, tally=HEADING + rows).string

@@ -82,7 +82,8 @@ class Torsion:
         """Accelerations of the nodes below the top, those before the first of them at rest [rad/s2]."""
         n = state.size // 2
         load = self.moments(time, state)[first:n] - self.inertia[first:n, n] * self.top(time)[2]
-        load[0] -= torque if first == 0 else 0.0
+        if first == 0:
+            load[0] -= torque
         return np.concatenate([np.zeros(first), self.inverses[first] @ load])
 
     def holding(self, time: float, state: Array) -> float:
