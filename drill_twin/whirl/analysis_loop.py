@@ -75,7 +75,7 @@ def estimate_orbit(
     flow.due_revolutions[0], flow.due_time[0] = revolutions + INTERVAL_REV - 0.25 / BINS, time + INTERVAL_S
     fit_orbit(orbit, history, averaged.level, separation.arm)
     judge(carrier, orbit.seen, orbit.rotation[0], rolling_ratio)
-    crossed = watch_synchronous(synchronous, history, orbit, onsets.swing)
+    crossed = watch_synchronous(synchronous, history, orbit)
     ended = ends(onsets, averaged, orbit, history, separation.arm, carrier.carried)
     return DECIDE_FIRST if crossed or ended else ESTIMATE
 

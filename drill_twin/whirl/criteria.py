@@ -205,9 +205,6 @@ SYNCHRONOUS_GROWTH = 2.0
 """Synchronous onset: smallest ratio of that radius to its smallest value so far."""
 SYNCHRONOUS_SHARE = 0.8
 """Synchronous onset: smallest share of the synchronous part in the rms radius of the motion about the offset."""
-SYNCHRONOUS_OVER_SWING = 2.0
-"""Synchronous onset on the low side: smallest ratio of that radius to the rms radius of a swing,
-which looks synchronous where the rotation is as slow, as in stick-slip."""
 SEPARATION_MEMORY = 6.0
 """Memory of offset and synchronous part [rev]: an orbit keeps 0.97 of its radius at a ratio of -0.1, and 0.994 at 0.5
 (`orbit.runout_separation`)."""

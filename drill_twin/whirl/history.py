@@ -44,6 +44,7 @@ def new_history(m: int) -> Columns:
         unwrapped=np.zeros((2 * CAPACITY, 2, m)),  # angle of the asynchronous and of the moving part [rad]
         contact=np.zeros((2 * CAPACITY, m)),  # share of the bin in contact with the wall
         seen=np.zeros((2 * CAPACITY, m), bool),
+        turned=np.zeros(m),  # angle by which each mark was seen to turn [rad], signed: far down it starts after the top
         last_seen=np.zeros(1),  # revolutions at the last bin in which a mark was seen [rev]
         appended=np.zeros(1, np.int64),  # bins in total
         length=np.zeros(1, np.int64),  # bins since the last gap, at most `CAPACITY`
@@ -109,6 +110,9 @@ def append(history: Columns, full: Columns, vector: ComplexArray, contact: Array
                     expected = rate[k] * elapsed
                     step *= complex(math.cos(expected), -math.sin(expected))
             angle[row, k] = math.atan2(step.imag, step.real) + (angle[row, k] + expected if appended else 0.0)
+    for k in range(contact.size):
+        turn = full.phasor[k] * history.phasor[last, k].conjugate()
+        history.turned[k] += math.atan2(turn.imag, turn.real)
     for at in (appended % CAPACITY, appended % CAPACITY + CAPACITY):
         history.time[at], history.angle[at] = full.time[0], full.angle[0]
         history.revolutions[at] = full.revolutions[0]

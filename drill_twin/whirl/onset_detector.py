@@ -139,7 +139,7 @@ class OnsetDetector:
         if elapsed < criteria.SUSTAIN:
             return None
         since = self._appended - found.bin + 1
-        early = self._early(found.revolutions)
+        early = bool(onsets.early[mark])
         swept = self._swept(mark, since, complex(self._separation.arm[mark]) if early else None)
         if early and elapsed < criteria.SIDE_WINDOW and swept.in_hole < math.pi:
             return None  # a swing along the wall sweeps as much
@@ -197,7 +197,7 @@ class OnsetDetector:
             coherence=float(self._orbit.coherence[0, mark]),
             offset=whirl.offset,
             synchronous=whirl.synchronous,
-            arm=complex(self._separation.arm[mark]) if self._early(whirl.revolutions) else None,
+            arm=complex(self._separation.arm[mark]) if onsets.early[mark] else None,
         )
         since, rate = self._appended - whirl.bin + 1, float(self._rate[mark]) or float(self._orbit.rate[0, mark])
         valid = self._appended - whirl.valid_from
@@ -255,10 +255,6 @@ class OnsetDetector:
         radius = np.abs(history.vector[newest(history, n), ASYNCHRONOUS, mark])
         means = np.convolve(radius, np.full(last, 1.0 / last), "valid")
         return bool(means[-1] < criteria.DYING_SHARE * means.max())
-
-    def _early(self, revolutions: float) -> bool:
-        """True if a mark crossed, after these revolutions, before the string's steady position was known."""
-        return revolutions < criteria.SEPARATION_MEMORY
 
     def _swept(self, mark: int, bins: int, arm: complex | None = None) -> SweptAngle:
         """Angle swept over the newest `bins` by the asynchronous part or, with an `arm` [m], about the hole's axis."""

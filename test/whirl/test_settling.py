@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from kinematics import BENCH, MARKS, clock, growth, motion, play
+from kinematics import BENCH, MARKS, TURN, clock, growth, motion, play
 
 from drill_twin.whirl import MotionState
 
@@ -137,3 +137,55 @@ def test_a_stabiliser_that_follows_the_swing_of_the_collars_does_not_whirl():
     summary = play(replace(moved, rest=rest))[0].summary()
     assert summary.onset is None, summary.onset
     assert summary.lasting_motion is MotionState.PLANE_SWING
+
+
+def turning_by_itself(time, spin, up, radius, whirl=None):
+    """A string on the low side with a spin [rad] of its own, pushed up the wall by `up` [rad]."""
+    moved = motion(time, marks=(INCLINED,), whirl=whirl)
+    rest = radius * np.exp(-1j * up) * (1.0 - np.exp(-time / 0.1)) + 0.03 * np.exp(1j * (spin + 0.7))
+    return replace(moved, spin=spin[:, None], rest=rest[:, None] * INCLINED.clearance).with_noise(0.003, 1)
+
+
+def late(time, begin, pace, climb=20.0):
+    """Spin and angle up the wall [rad] of a string that the torsion reaches at `begin` [s], and that overshoots."""
+    since = np.maximum(time - begin, 0.0)
+    spin = 2.0 * TURN * (since - 1.5 * (1.0 - np.exp(-since / 1.5)))
+    return spin, np.radians(climb) * (1.0 - np.exp(-0.8 * since) * np.cos(TURN * pace * since))
+
+
+@pytest.mark.parametrize("begin", [4.0, 6.0])
+@pytest.mark.parametrize(("pace", "radius"), [(0.5, 0.62), (0.5, 0.95), (0.8, 0.95)])
+def test_a_string_that_starts_long_after_the_top_drive_and_climbs_the_wall_does_not_whirl(begin, pace, radius):
+    """As in `wells/s_shaped` and `wells/extended_reach`, whose lower marks stand for 4 to 16 turns of the top drive."""
+    time = clock(50, 25)
+    summary = play(turning_by_itself(time, *late(time, begin, pace), radius))[0].summary()
+    assert summary.onset is None, summary.onset
+
+
+@pytest.mark.parametrize("ratio", [-1.9, -0.4, 0.35])
+def test_a_whirl_soon_after_a_late_start_is_an_onset(ratio):
+    """The mark itself has turned for two revolutions when the whirl crosses."""
+    time = clock(100, 30)
+    spin, _ = late(time, 4.0, 0.4)
+    moved = turning_by_itself(time, spin, 0.0, 0.0)
+    whirl = growth(6.5, 0.05, 2.0, ratio, limit=0.3)(time, spin)[:, None] * INCLINED.clearance
+    moved = replace(moved, whirl=whirl)
+    onset = play(moved)[0].summary().onset
+    assert onset.time_s == pytest.approx(moved.true_onset(), abs=0.25)
+    assert onset.detected_s < moved.true_onset() + 1.5
+
+
+@pytest.mark.parametrize("stops", [((10.0, 11.0),), ((10.0, 14.0),)])
+@pytest.mark.parametrize("over", [0.4, 3.0])
+def test_a_string_that_stands_in_stick_slip_and_slides_back_has_no_synchronous_part(stops, over):
+    """It stands still in the rotating frame too, 27 % of the clearance from its mean place."""
+    time = clock(50, 25)
+    rate, up = np.full_like(time, 2.0 * TURN), np.zeros_like(time)
+    for begin, end in ((-1.0, 0.2), *stops):
+        standing, since = (time >= begin) & (time < end), np.maximum(time - end, 0.0)
+        rate[standing & (begin > 0.0)] = 0.0
+        climbed = np.radians(25.0) * (1.0 - np.exp(-over * since) * np.cos(0.5 * TURN * since))
+        up = np.where(since > 0.0, climbed, np.where(standing, np.radians(25.0) * np.exp(-2.0 * (time - begin)), up))
+    spin = np.concatenate(([0.0], np.cumsum(rate[1:] * np.diff(time))))
+    summary = play(turning_by_itself(time, spin, up, 0.95))[0].summary()
+    assert summary.onset is None, summary.onset

@@ -11,9 +11,10 @@ radius first crossed 5 %, found backwards (`threshold_crossing`).
 A radius that has not swept 30 degrees in six revolutions is a changed offset or bow: the separation is restarted, and
 so is the detection. A displaced string that begins to precess within these six revolutions has whirled since it was
 displaced; so has a string that stays displaced and sweeps 30 degrees about its former position within 28 revolutions,
-or until another mark is detected. In the first six revolutions the steady position is not known (in an inclined hole
-the string falls to the low side). A radius that crosses then must sweep the angle about the hole's axis. In a hole
-known to be inclined, motion in the first two revolutions is the fall.
+or until another mark is detected. Until a mark itself has turned by six revolutions its steady position is not known:
+in an inclined hole the string falls to the low side, and far down a well a mark stands for many turns of the top drive,
+then climbs the wall by the friction angle. A radius that crosses before must sweep the angle about the hole's axis. In
+a hole known to be inclined, motion in the first two revolutions is the fall.
 
 False alarms: white noise of standard deviation s per axis (after averaging) is above 4.5 s with probability
 exp(-4.5^2 / 2) = 4e-5, and must be so in each of the two or more independent averages of a revolution, which gives less
@@ -151,6 +152,7 @@ def new_onsets(inclined: Mask) -> Columns:
         revolutions=math.nan,  # of the candidate [rev]
         noise=0.0,  # of a bin, at the candidate
         bin=0,  # number of the candidate's bin
+        early=True,  # at the candidate the mark itself had turned too little for its steady position to be known
         displaced=False,  # has left its steady position
         falling=inclined.copy(),  # to the low side, in the first revolutions
         inclined=inclined,  # in an inclined hole
@@ -191,8 +193,8 @@ def update_candidate(onsets: Columns, averaged: Columns, history: Columns, k: in
     newest = end_of(history) - 1
     onsets.time[k] = history.time[newest] if averaged.radius[k] > averaged.threshold[k] else math.nan
     onsets.revolutions[k] = history.revolutions[newest]
-    onsets.noise[k] = averaged.level[k]
-    onsets.bin[k] = history.appended[0]
+    onsets.noise[k], onsets.bin[k] = averaged.level[k], history.appended[0]
+    onsets.early[k] = onsets.early[k] and abs(history.turned[k]) < math.tau * criteria.SEPARATION_MEMORY
     return False
 
 

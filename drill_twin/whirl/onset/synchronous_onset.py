@@ -3,8 +3,10 @@
 
 A bow and an imbalance are synchronous too, and are no whirl while their size is constant. The synchronous part is whirl
 if, over two revolutions, its radius is above 25 % of the clearance, at least twice its smallest value since rotation
-began (so that a string which is badly bent from the start is not reported), and 80 % of the motion. The onset is the
-time at which the radius of the motion about the offset crossed the larger of these two thresholds.
+began (so that a string which is badly bent from the start is not reported), and 80 % of the motion. The mean
+place of the mark in these revolutions counts for nothing, so that a mark that stands, as in stick-slip, has no
+synchronous part. The onset is the time at which the radius of the motion about the offset crossed the larger of these
+two thresholds.
 """
 
 from __future__ import annotations
@@ -67,8 +69,8 @@ def synchronous_begins(
 
 
 @strict_kernel
-def watch_synchronous(onsets: Columns, history: Columns, orbit: Columns, swing: Array) -> bool:
-    """Check the newest orbit of marks that `swing` by so much or not at all, shape (m,); return whether one whirls."""
+def watch_synchronous(onsets: Columns, history: Columns, orbit: Columns) -> bool:
+    """Check the newest orbit of the marks; return whether one begins to whirl."""
     end = end_of(history)
     elapsed = history.revolutions[end - 1] - history.revolutions[end - history.length[0]]
     if elapsed < criteria.ORBIT_WINDOW - 0.2 or abs(orbit.rotation[0]) < criteria.REST_ROTATION:
@@ -80,7 +82,6 @@ def watch_synchronous(onsets: Columns, history: Columns, orbit: Columns, swing: 
         radius, share = orbit.synchronous[k], orbit.synchronous_share[k]
         threshold = np.maximum(criteria.SYNCHRONOUS_RADIUS, criteria.SYNCHRONOUS_GROWTH * onsets.smallest[k])
         grown = radius > threshold and share > criteria.SYNCHRONOUS_SHARE
-        grown = grown and radius > criteria.SYNCHRONOUS_OVER_SWING * swing[k]
         held = radius > RELEASE * threshold and share > RELEASE * criteria.SYNCHRONOUS_SHARE
         onsets.active[k] = grown or (onsets.active[k] and held)
         onsets.smallest[k] = np.minimum(onsets.smallest[k], radius)

@@ -55,7 +55,7 @@ def new_orbit(clearance: Array) -> Columns:
         window_radius=0.0,  # rms of the asynchronous part over the window, noise removed, over the clearance
         coherence=coherence,  # (2, m) 1 for an angle of constant rate, 0 for a random one
         unevenness=unevenness,  # (2, m) rms deviation of the radius from its linear trend over its mean, noise removed
-        synchronous=0.0,  # radius of the synchronous part over the window, over the clearance
+        synchronous=0.0,  # radius of the synchronous part over the window, over the clearance; 0 for a mark that stands
         synchronous_share=0.0,  # its share of the rms radius of the motion about the offset
         contact=0.0,  # share of the window in contact with the wall
         strikes=0.0,  # contacts in a revolution after the centre line was nearer to the axis than `criteria.AWAY`
@@ -100,21 +100,22 @@ def fit_orbit(orbit: Columns, history: Columns, noise: Array, arm: ComplexArray)
     orbit.recent_rotation[0] = mean_rate(history, recent)
     for k in range(m):
         clearance, variance = orbit.clearance[k], 2.0 * noise[k] * noise[k]
-        contact, seen, synchronous, strikes, away = 0.0, 0, 0j, 0, False
+        contact, seen, strikes, away, synchronous, mean, turn = 0.0, 0, 0, False, 0j, 0j, 0j
         for i in range(first, end):
             contact += history.contact[i, k]
             strikes += away and history.contact[i, k] >= criteria.STRUCK
             away = history.contact[i, k] == 0.0 and (
                 away or abs(history.position[i, k] - arm[k] * history.phasor[i, k]) < criteria.AWAY * clearance
             )
-            synchronous += history.vector[i, SYNCHRONOUS, k]
+            synchronous += history.vector[i, SYNCHRONOUS, k] / n
+            mean, turn = mean + history.vector[i, MOVING, k] / n, turn + history.phasor[i, k] / n
             seen += i >= end - last and history.seen[i, k]
             if history.seen[i, k]:
                 orbit.last_seen[k] = history.time[i]
         orbit.contact[k] = contact / n
         orbit.strikes[k] = strikes / max(span, SHORTEST_WINDOW)
         orbit.seen[k] = 2 * seen >= last
-        orbit.synchronous[k] = abs(synchronous) / (n * clearance)
+        orbit.synchronous[k] = abs(synchronous - mean * turn.conjugate()) / clearance
         for row in range(2):
             power, newest = 0.0, 0.0
             for i in range(n):

@@ -14,6 +14,7 @@ from unittest.mock import patch
 
 from drill_twin.whirl import onset_detector
 from drill_twin.whirl.onset import threshold_crossing
+from drill_twin.whirl.onset.threshold_crossing import Crossing
 from drill_twin.whirl.onset_detector import OnsetDetector
 from drill_twin_evidence.detection.frozen import FrozenRecord, frozen_records, score_of
 
@@ -33,6 +34,14 @@ def _false(*_: Any, **__: Any) -> bool:
     return False
 
 
+def _known(self: OnsetDetector) -> list[Crossing]:
+    """Check the newest bin as if the steady position of the marks were known from the first bin on."""
+    self._onsets.early[:] = False
+    return _CHECK(self)
+
+
+_CHECK = OnsetDetector.check
+
 MECHANISMS: dict[str, list[tuple[Any, str, Callable[..., Any]]]] = {
     "all on": [],
     "`_recheck`: a displaced mark is looked at again": [(OnsetDetector, "_recheck", _forget)],
@@ -42,7 +51,7 @@ MECHANISMS: dict[str, list[tuple[Any, str, Callable[..., Any]]]] = {
         (onset_detector, "steady_position", _nothing),
     ],
     "`refit_orbit`": [(threshold_crossing, "refit_orbit", _nothing)],
-    "`_early`: about the axis in the first six revolutions": [(OnsetDetector, "_early", _false)],
+    "`early`: about the axis in a mark's first six revolutions": [(OnsetDetector, "check", _known)],
     "`_swung`: no search before a swing": [(OnsetDetector, "_swung", _false)],
     "`_synchronous`: critical speeds in run-ups": [(OnsetDetector, "_synchronous", _false)],
 }
