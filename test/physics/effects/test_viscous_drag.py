@@ -4,7 +4,7 @@
 import numpy as np
 import pytest
 from numpy.polynomial import chebyshev
-from scipy.special import kv
+from scipy.special import kv, polygamma
 
 from drill_twin.core.errors import SceneError
 from drill_twin.dynamics.discretisation.discretise import discretise
@@ -127,3 +127,47 @@ def test_a_bingham_and_a_power_law_mud_have_their_apparent_viscosity():
 def test_mud_that_says_nothing_of_its_drag_is_refused(mud, told):
     with pytest.raises(SceneError, match=told):
         modelled(mud, viscous_drag="on")
+
+
+COLLARS = {"outer": np.array([0.1016]), "hole": np.array([0.155575]), "rate": 4.0 * np.pi}
+"""Collars of 8 in in a hole of 12 1/4 in, 120 rpm."""
+
+
+def test_drag_of_collars_at_other_frequencies_and_swings():
+    """Figures of docs/effects.md."""
+
+    def drag(times=1.0, viscosity=0.02):
+        force = in_annulus(COLLARS["outer"], COLLARS["hole"], np.array([viscosity / 1200.0]), COLLARS["rate"] * times)
+        return 1200.0 * np.pi * 0.1016**2 * force.drag[0], force.mass[0], force.shear[0]
+
+    assert [drag(times)[0] for times in (1.0, 1.0 / 3.0, 3.0)] == pytest.approx([64.0, 39.0, 109.0], abs=0.5)
+    assert [drag(times)[1] / drag()[1] for times in (1.0 / 3.0, 3.0)] == pytest.approx([1.035, 0.98], abs=0.005)
+    for swing, told in ((1.0, 69.0), (0.1, 117.0)):
+        viscosity = 0.02
+        for _ in range(60):
+            viscosity = 0.02 + 5.0 / (drag(viscosity=viscosity)[2] * COLLARS["rate"] * swing * (0.155575 - 0.1016))
+        assert drag(viscosity=viscosity)[0] == pytest.approx(told, abs=0.5)
+
+
+def beside_the_wall(outer, hole, offset):
+    """Added mass of potential flow around a string off the axis, by images of its doublet in hole and string."""
+    strength, place, total = 1.0, 0.0, 1.0
+    for _ in range(20000):
+        in_hole = hole**2 / (place + offset) - offset
+        strength *= (hole * outer / ((place + offset) * in_hole)) ** 2
+        place = outer**2 / in_hole
+        total += 2.0 * strength
+    return total
+
+
+def test_a_string_on_the_wall_has_more_added_mass_than_the_model_s():
+    """Figures of docs/effects.md. Touching: 2 psi_1(1 / b) / b^2 - 1, b = 1 - r_o / R; at a plane wall pi^2 / 3 - 1."""
+    outer, hole = COLLARS["outer"][0], COLLARS["hole"][0]
+    concentric = in_annulus(COLLARS["outer"], COLLARS["hole"], np.array([1e-12]), COLLARS["rate"]).mass[0]
+    assert beside_the_wall(outer, hole, 1e-9) == pytest.approx(concentric, rel=1e-4)
+    free = 1.0 - outer / hole
+    touching = 2.0 * polygamma(1, 1.0 / free) / free**2 - 1.0
+    assert beside_the_wall(outer, hole, (hole - outer) * (1.0 - 1e-7)) == pytest.approx(touching, rel=2e-3)
+    assert 2.0 * polygamma(1, 1.0) - 1.0 == pytest.approx(np.pi**2 / 3.0 - 1.0)
+    assert beside_the_wall(outer, hole, 0.5 * (hole - outer)) / concentric == pytest.approx(1.09, abs=0.005)
+    assert touching / concentric == pytest.approx(2.36, abs=0.01)
