@@ -52,7 +52,7 @@ class Mud(EffectConfig):
 
     @property
     def newtonian(self) -> bool:
-        """Whether the viscosity is the same at any shear rate."""
+        """True where the viscosity is the same at any shear rate."""
         return self.yield_point == 0.0 and self.index == 1.0
 
     def apparent(self, shear_rate: Array) -> Array:
@@ -111,15 +111,15 @@ def in_annulus(outer: Array, hole: Array, viscosity: Array, rate: float) -> Late
     up = np.exp(at_string - at_hole)  # K1 from string to hole, over K1 at the string
     one, zero = np.ones_like(at_string), np.zeros_like(at_string)
 
-    def first(z: Any) -> Any:
+    def scaled(z: Any) -> Any:
         """I1 and its slope over I1 at the hole, then K1 and its slope over K1 at the string, all but for the decay."""
         i1, k1 = ive(1, z), kve(1, z)
         slopes = at_string * (ive(0, z) - i1 / z), -at_string * (kve(0, z) + k1 / z)
         growing, decaying = ive(1, at_hole), kve(1, at_string)
         return i1 / growing, slopes[0] / growing, k1 / decaying, slopes[1] / decaying
 
-    i, di, k, dk = first(at_string)
-    i_hole, di_hole, k_hole, dk_hole = first(at_hole)
+    i, di, k, dk = scaled(at_string)
+    i_hole, di_hole, k_hole, dk_hole = scaled(at_hole)
     rows = [
         [one, one, i * down, k],
         [one, -one, di * down, dk],
