@@ -108,6 +108,12 @@ def _shown(table: ModeTable, diagram: Campbell | None, scene: Scene) -> Iterator
         yield from _assembly(table, table.assembly, units)
         if (mud := scene.effects.added_mass) and not mud.confined:
             yield "mud moves as in open fluid; --set added_mass.confined=true (concentric gap) lowers critical speeds"
+    if scene.effects.viscous_drag is not None:
+        yield (
+            "mud: at rest around a string in the middle of the hole. Not in the model: mud that turns with the string, "
+            "which can drive forward whirl slower than half the rotation, and the larger added mass near the wall, "
+            "which lowers critical speeds"
+        )
     if diagram is not None:
         named = ", ".join(f"{units.text(speed, 'rotation')} (mode {mode + 1})" for mode, speed in diagram.critical)
         yield f"critical speeds: {named or 'none up to the largest speed'}"

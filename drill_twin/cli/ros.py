@@ -107,7 +107,7 @@ def doctor(
     wrong.
     """
     from drill_twin.ros.doctor.installation import Verdict
-    from drill_twin.ros.doctor.run import examine
+    from drill_twin.ros.doctor import examine
 
     with shown_progress("checking"):
         checks = examine(seconds)

@@ -21,6 +21,7 @@ SWITCHES: dict[str, dict[str, Any]] = {
     "quadratic_drag": {},
     "added_mass": {"coefficient": 1.0},
     "rotation_drag": {},
+    "viscous_drag": {},
     "wall": {"stiffness": 1e7},
     "wall_friction": {"coefficient": 0.2},
     "rock_floor": {"stiffness": 1e6, "damping": 100.0},

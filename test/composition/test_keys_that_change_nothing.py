@@ -15,6 +15,7 @@ from drill_twin.dynamics.discretisation.discretise import discretise
 from drill_twin.dynamics.discretisation.resolution import mesh
 from drill_twin.physics.effects import EFFECTS, effect_module, parameters_of
 from drill_twin.physics.effects.eccentricity import Eccentricity
+from drill_twin.physics.effects.mud import lateral_force
 from drill_twin.physics.effects.wall_friction import WallFriction
 from drill_twin.physics.model.discrete_model import DiscreteModel
 from drill_twin.scene import Scene
@@ -42,7 +43,8 @@ OTHERS: dict[str, Any] = {
     "shape": "hump", "bow.shape": "uniform", "turns": "with_bit", "inside": "air", "curve": "dnv_b1", "sign": "arctan",
     "mean_stress": "none", "correlation_length": 2.0, "bow.amplitude": 1e-3, "seed": 7, "angle": 0.3,
     "restitution": 0.7,
-    "fatigue.line": {"stress_range": 2e6, "slope": 3.0}, "fatigue.sections": [{"name": "a", "distance_from_bit": 1.0}],
+    "mud.frequency": 3.0, "fatigue.line": {"stress_range": 2e6, "slope": 3.0},
+    "fatigue.sections": [{"name": "a", "distance_from_bit": 1.0}],
     "eccentricity.sections": [{"offset": 2e-4}], "blades": 6, "bit": "pdc", "dynamic_speed": 2.0, "static_speed": 0.05,
     "exponent": 3.0, "wall_friction.sliding": 0.2, "offset": 2e-3, "eccentricity.offset": 2e-4, "gauge": 0.08,
     "intervals": [{"top": 0.0, "bottom": 3.0, "coefficient": 0.1}], "smallest_range": 2e4, "thrust": 0.8,
@@ -78,7 +80,8 @@ def given(key: str, data: dict[str, Any]) -> bytes:
     block, module = EFFECTS[key].model_validate(data), effect_module(key)
     found: list[Any] = [*block.variant.encode()]
     if key == "mud":
-        found += _flat(tuple(discretise(scene_of(data), model().rod)))
+        in_mud = discretise(scene_of(data), model().rod)
+        found += [*_flat(tuple(in_mud)), *lateral_force(in_mud)]
     if hasattr(module, "Parameters"):
         found += _flat(parameters_of(key, block, model()))
     if hasattr(module, "initial_state"):

@@ -7,8 +7,10 @@ from drill_twin.api import load_scene
 from drill_twin.runs.loop import RunLoop
 from drill_twin.scene.set_points import Schedule
 
-FAST = {"rig.rotation.value": "150 rpm", "effects.eccentricity.offset": "5 mm"}
-RUBBING = {
+THIN = {"effects.viscous_drag": "off", "added_mass.confined": "false"}
+"""Mud that brakes by its vortices alone: with viscous drag none of these strings whirls."""
+FAST = THIN | {"rig.rotation.value": "150 rpm", "effects.eccentricity.offset": "5 mm"}
+RUBBING = THIN | {
     "rig.rotation.value": "200 rpm",
     "effects.eccentricity.offset": "10 mm",
     "effects.wall_friction.coefficient": "0.6",

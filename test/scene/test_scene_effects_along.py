@@ -20,6 +20,7 @@ CASES = [
     ("added_mass:", NO_MUD),
     ("rotation_drag:", NO_MUD),
     (f"{MUD}\n  rotation_drag:", "rotation_drag: expected a viscosity above 0 Pa s in `mud`, found 0 Pa s"),
+    ("viscous_drag:", NO_MUD),
     (f"{MUD}\n  quadratic_drag: {{coefficient: 11}}", "at most 10 (a cylinder has 0.3 to 2), found 11"),
     (f"{MUD}\n  added_mass: {{coefficient: -1}}", "at least 0"),
     (f"{MUD}\n  added_mass: {{confined: 1}}", "expected true or false, found 1"),

@@ -24,6 +24,7 @@ from drill_twin.physics.model.survey import Survey, survey
 from drill_twin.scene import Scene
 from drill_twin.scene.blocks.hole import Hole
 from drill_twin.scene.blocks.string import Piece
+from drill_twin.scene.set_points import extremes
 
 P = ParamSpec("P")
 T = TypeVar("T")
@@ -99,6 +100,8 @@ def discretise(scene: Scene, rod: Rod) -> DiscreteModel:
         scene.numerics.seed, bit_frame(axis_at(scene, np.array([scene.length]))),
         tuple(section.yield_strength for section in sections), getattr(scene.effects, "bow", None), *fluid,
     )  # fmt: skip
+    if mud is not None:
+        model = model._replace(fluid=mud, fastest_rotation=extremes(scene).rotation)
     if not scene.string.discs and not scene.string.supports:
         return model
     model = model._replace(nodes=axis_at(scene, scene.length - rod.arc))

@@ -9,7 +9,7 @@ from drill_twin.core.arrays import Array
 from drill_twin.core.compile.jit import kernel
 from drill_twin.core.units import Dimensionless, Within
 from drill_twin.physics.effects.config import EffectConfig, Flag
-from drill_twin.physics.effects.mud import bore_radius, hole_radius
+from drill_twin.physics.effects.mud import add_across, bore_radius, lateral_force, resist_across
 from drill_twin.physics.model import DiscreteModel, Point, Rod
 
 
@@ -28,8 +28,8 @@ class AddedMass(EffectConfig):
     ] = 1.0
     """Added-mass coefficient C_a [-]."""
     confined: Flag = False
-    """Confinement by the hole: multiplies C_a by (R^2 + r_o^2) / (R^2 - r_o^2), potential flow around a concentric
-    string (Fritz 1972)."""
+    """Confinement by the hole: multiplies C_a by Re(H) of viscous flow around a concentric string (Chen, Wambsganss and
+    Jendrzejczyk 1976), without viscosity (R^2 + r_o^2) / (R^2 - r_o^2) (Fritz 1972)."""
 
 
 class Parameters(NamedTuple):
@@ -43,8 +43,7 @@ def parameters(block: AddedMass, model: DiscreteModel) -> Parameters:
     outer = model.at_places(model.rod.outer_radius) ** 2
     around = block.coefficient * outer
     if block.confined:
-        hole = hole_radius(model) ** 2
-        around = around * (hole + outer) / (hole - outer)
+        around = around * lateral_force(model).mass
     inside = model.at_places(bore_radius(model)) ** 2 if model.fluid_inside else np.zeros_like(outer)
     return Parameters(model.fluid_density * np.pi * (around + inside))
 
@@ -53,17 +52,5 @@ def parameters(block: AddedMass, model: DiscreteModel) -> Parameters:
 def distributed_load(parameters: Any, rod: Rod, here: Point, half_step: float, load: Array, stiff: Array) -> None:
     """Add the force -m_a (1 - t t) a."""
     m = parameters.added_mass.mass[here.place]
-    along = here.tx * here.ax + here.ty * here.ay + here.tz * here.az
-    load[0] -= m * (here.ax - here.tx * along)
-    load[1] -= m * (here.ay - here.ty * along)
-    load[2] -= m * (here.az - here.tz * along)
-    k = m / half_step
-    stiff[0, 0] += k * (1.0 - here.tx * here.tx)
-    stiff[1, 1] += k * (1.0 - here.ty * here.ty)
-    stiff[2, 2] += k * (1.0 - here.tz * here.tz)
-    stiff[0, 1] -= k * here.tx * here.ty
-    stiff[1, 0] -= k * here.tx * here.ty
-    stiff[0, 2] -= k * here.tx * here.tz
-    stiff[2, 0] -= k * here.tx * here.tz
-    stiff[1, 2] -= k * here.ty * here.tz
-    stiff[2, 1] -= k * here.ty * here.tz
+    resist_across(here, m, here.ax, here.ay, here.az, load)
+    add_across(here, m / half_step, stiff)

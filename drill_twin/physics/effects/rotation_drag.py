@@ -1,34 +1,22 @@
 # SPDX-License-Identifier: Apache-2.0
 """Viscous torque of the mud on the rotating string."""
 
-from collections.abc import Iterator
-from typing import Any, ClassVar, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from drill_twin.core.arrays import Array
 from drill_twin.core.compile.jit import kernel
-from drill_twin.physics.effects.config import EffectConfig, Incompatibility
-from drill_twin.physics.effects.mud import hole_radius
+from drill_twin.physics.effects.mud import NO_ROTATION, ViscousEffect, hole_radius
 from drill_twin.physics.model import DiscreteModel, Point, Rod
 
 
-class RotationDrag(EffectConfig):
+class RotationDrag(ViscousEffect):
     """Laminar Couette flow between string and hole: torque 4 pi mu omega r_o^2 R^2 / (R^2 - r_o^2) per length.
 
     Exact for a concentric string whose inner mud rotates with it (Bird, Stewart and Lightfoot 2002, example 3.6-3).
     Beyond omega^2 r_o (R - r_o)^3 = 1708 (mu / rho)^2 in a narrow gap (Taylor 1923) vortices increase it.
     """
-
-    requires: ClassVar[tuple[str, ...]] = ("mud",)
-    energy_class = "heat"
-
-    def check_against(self, scene: Any) -> Iterator[Incompatibility]:
-        """Yield mud without viscosity."""
-        if scene.effects.mud is not None and scene.effects.mud.viscosity == 0.0:
-            yield Incompatibility(
-                (), "expected a viscosity above 0 Pa s in `mud`, found 0 Pa s: the torque comes from it"
-            )
 
 
 class Parameters(NamedTuple):
@@ -40,7 +28,9 @@ class Parameters(NamedTuple):
 def parameters(block: RotationDrag, model: DiscreteModel) -> Parameters:
     """Compute the torque per length and spin rate at the Gauss points."""
     outer, hole = model.at_places(model.rod.outer_radius) ** 2, hole_radius(model) ** 2
-    return Parameters(4.0 * np.pi * model.fluid_viscosity * outer * hole / (hole - outer))
+    rotation = model.fastest_rotation or NO_ROTATION
+    viscosity = model.fluid.apparent(2.0 * rotation * hole / (hole - outer))  # at the shear rate on the string
+    return Parameters(4.0 * np.pi * viscosity * outer * hole / (hole - outer))
 
 
 @kernel

@@ -29,6 +29,8 @@ class DiscreteModel(NamedTuple):
     fluid_inside: bool = True  # whether the pipe is filled with it
     joint_area: Array | float = 0.0  # area of upsets and tool joints spread along the pipe [m2], shape (n,)
     bodies: Any = None  # the discs of the string (drill_twin.physics.effects.discs.Bodies); None: none
+    fluid: Any = None  # block of the effect `mud`, if the scene lists it
+    fastest_rotation: float = 0.0  # of the set-points [rad/s]
     nodes: Axis | None = None  # the hole at the nodes, where the string has discs or supports in a curved one
 
     def nodes_at(self, distance: Array) -> Integers:

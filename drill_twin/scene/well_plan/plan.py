@@ -205,7 +205,7 @@ class WellPlan(NamedTuple):
                 "gravity": {}, "stretch": {}, "torsion": {}, "eccentricity": {"offset": "1 mm" if long else "0.1 mm"},
                 "mud": {"density": f"{_quantity('--mud', self.mud, DENSITY):g} kg/m^3", "viscosity": self.viscosity},
                 "internal_damping": dict.fromkeys(("bending_time", "stretch_time", "torsion_time"), "1 ms"),
-                "added_mass": {}, "quadratic_drag": {}, "rotation_drag": {},
+                "added_mass": {"confined": True}, "quadratic_drag": {}, "rotation_drag": {}, "viscous_drag": {},
                 "wall": {"stiffness": "1e10 N/m^2.5" if long else "1e8 N/m^2.5"},
                 "wall_friction": {"coefficient": self.friction, **self._cased_friction(casing)},
                 "bit_torque_stribeck": {"radius": f"{bit / 3.0:.6g} m", **bit_law(kind)},

@@ -164,11 +164,15 @@ FIELDS: dict[str, dict[str, Strategy | Callable[[Scale], Strategy]]] = {
     "mud": {
         "density": log(1.0, 2700.0),
         "viscosity": log(1e-5, 1.0),
+        "yield_point": or_zero(0.1, 30.0),
+        "frequency": just(None),
+        "index": between(0.3, 1.0),
         "inside": pick("mud", "air"),
     },
     "quadratic_drag": {"coefficient": or_zero(0.01, 2.0)},
     "added_mass": {"coefficient": or_zero(0.01, 3.0), "confined": pick(False, True)},
     "rotation_drag": {},
+    "viscous_drag": {},
     "wall": {
         "stiffness": log(1e3, 1e12),
         "linear_stiffness": log(1e3, 1e10),

@@ -18,7 +18,7 @@ from drill_twin.dynamics.discretisation.resolution import (
 from drill_twin.physics.model.mesh import build_rod
 from drill_twin.scene import load_scene
 
-BARE = {f"effects.{name}": "off" for name in ("mud", "added_mass", "quadratic_drag", "rotation_drag")}
+BARE = {f"effects.{name}": "off" for name in ("mud", "added_mass", "quadratic_drag", "rotation_drag", "viscous_drag")}
 
 
 def test_short_strings_are_meshed_by_length() -> None:

@@ -22,6 +22,7 @@ EXAMPLES: dict[str, Mapping[str, str]] = {
     "mud and quadratic_drag": {"mud": "{density: 1000 kg/m^3, viscosity: 1 mPa s}", "quadratic_drag": "on"},
     "mud and added_mass": {"mud": "{density: 1000 kg/m^3, viscosity: 1 mPa s}", "added_mass": "{coefficient: 1}"},
     "mud and rotation_drag": {"mud": "{density: 1000 kg/m^3, viscosity: 1 mPa s}", "rotation_drag": "on"},
+    "mud and viscous_drag": {"mud": "{density: 1000 kg/m^3, viscosity: 1 mPa s}", "viscous_drag": "on"},
     "wall, far": {"wall": "{stiffness: 1e7 N/m^2.5}"},
     "wall, touched": {"wall": "{stiffness: 1e7 N/m^2.5}"},
     "wall and wall_friction, far": {"wall": "{stiffness: 1e7 N/m^2.5}", "wall_friction": "{coefficient: 0.2}"},

@@ -7,13 +7,24 @@ from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
+from scipy.special import kv
 
 from drill_twin.dynamics.twin.twin import Twin
 from drill_twin.scene import Scene
 from drill_twin_evidence.verify.case import FORMS, case
 from drill_twin_evidence.verify.row import Row
-from drill_twin_evidence.verify.scenes import DENSITY, DIAMETER, KICK, LENGTH, WAVE, YOUNG, quiet_scene
-from drill_twin_evidence.verify.signals import AT_REST, free_motion, rates, squared_frequencies
+from drill_twin_evidence.verify.scenes import (
+    DENSITY,
+    DIAMETER,
+    FIRST,
+    KICK,
+    LENGTH,
+    LINE_MASS,
+    WAVE,
+    YOUNG,
+    quiet_scene,
+)  # fmt: skip
+from drill_twin_evidence.verify.signals import AT_REST, first_mode, free_motion, rates, squared_frequencies
 from drill_twin_evidence.verify.statics.buckling import buckling_load
 
 BORE, HOLE, MUD = 0.012, 0.03, 1200.0
@@ -80,6 +91,34 @@ def frequencies(hole: str, form: str) -> Iterator[Row]:
         exact = (value / LENGTH) ** 2 * np.sqrt(PIPE_EI / (DENSITY * WALL + added))
         yield Row(f"frequency at beta L = {value:.4f} [rad/s]", "beta^2 sqrt(EI / (m + m_a))", source, float(exact),
                   float(frequency), 3e-4)  # fmt: skip
+
+
+@case(forms=FORMS)
+def viscous_damping(form: str) -> Iterator[Row]:
+    """Decay and frequency of the first mode of the clamped-clamped rod in a thick mud whose wall is far away.
+
+    The coefficients hold at `mud.frequency`, which is not the mode's. The wall at 5 m adds (r_o / R)^2 = 3e-6.
+    """
+    viscosity, reference = 0.2, 0.5
+    effects: dict[str, Any] = {
+        "mud": {"density": MUD, "viscosity": viscosity, "frequency": reference},
+        "added_mass": {"coefficient": 1.0, "confined": True},
+        "viscous_drag": {},
+    }
+    twin = Twin(quiet_scene(effects, form=form, step=2e-3))
+    u = twin.unknowns[0]
+    shape, slope = first_mode(twin.rod.arc)
+    u[:, 0], u[:, 3] = 1e-6 * shape, 1e-6 * slope
+    found = rates(np.array([twin.advance(AT_REST, 0.02).marks.centre[0, 0] for _ in range(200)]), 0.02)[0]
+    omega = 2.0 * np.pi * reference
+    z = np.sqrt(1j * omega * MUD / viscosity) * DIAMETER / 2
+    force = MUD * DISC * (1.0 + 4.0 * kv(1, z) / (z * kv(0, z)))
+    mass = LINE_MASS + force.real
+    decay = float(-omega * force.imag / (2.0 * mass))
+    source = "Stokes 1851, H = 1 + 4 K1(z) / (z K0(z)), z^2 = i omega r^2 / nu"
+    yield Row("decay [1/s]", "c / 2 (m + m_a), c = -rho A omega Im(H)", source, decay, -float(found.real), 1e-3)
+    yield Row("frequency [rad/s]", "sqrt(omega_1^2 m / (m + m_a) - (c / 2 (m + m_a))^2), m_a = rho A Re(H)", source,
+              float(np.sqrt(FIRST**2 * LINE_MASS / mass - decay**2)), abs(float(found.imag)), 1e-4)  # fmt: skip
 
 
 @case()
