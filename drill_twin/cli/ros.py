@@ -106,8 +106,8 @@ def doctor(
     It works without ROS too. With rclpy it listens to the nodes in ROS_DOMAIN_ID. Exit code 1 when something is
     wrong.
     """
-    from drill_twin.ros.doctor.installation import Verdict
     from drill_twin.ros.doctor import examine
+    from drill_twin.ros.doctor.installation import Verdict
 
     with shown_progress("checking"):
         checks = examine(seconds)
