@@ -100,15 +100,16 @@ def _over_depth(
     *, json: bool,
 ) -> None:  # fmt: skip
     from drill_twin.api.torque_drag import statics_over_depth
-    from drill_twin.studies.over_depth import broomstick, coefficients, over_depth_data, read_measured, shown
+    from drill_twin.studies.over_depth import broomstick, coefficients, fits_of, over_depth_data, read_measured, shown
 
     wanted, points = coefficients(friction), read_measured(measured) if measured else {}
     with shown_progress("computing"):
         found = statics_over_depth(scene, wanted, changes, without=without)
-    data = over_depth_data(found, points)
+        fits = fits_of(found, points)
+    data = over_depth_data(found, points, fits)
     emit(
-        data, shown(found, points), json=json, folder=out,
-        files={"over_depth.json": data, "over_depth.png": lambda: broomstick(found, points)},
+        data, shown(found, points, fits), json=json, folder=out,
+        files={"over_depth.json": data, "over_depth.png": lambda: broomstick(found, points, fits)},
     )  # fmt: skip
 
 
