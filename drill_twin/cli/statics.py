@@ -29,6 +29,8 @@ _COLUMNS = (
     *(("soft.surface_torque", "torque"), ("neutral_point", "length"), ("stretch", "length")),
 )
 """Quantities of an operation in the first table, and their kinds of units."""
+SMALL = 1.0
+"""Force of the wall below which a contact carries nothing [N]; chosen."""
 SHAPES = ("straight", "sinusoidal", "sinusoidal, helix", "helix")
 """Words for `BucklingState` in the columns of the table."""
 
@@ -132,6 +134,8 @@ def _set_point(found: Statics, units: UnitSystem) -> str:
 
 
 def _shown(found: Statics, units: UnitSystem) -> Iterator[Table | str]:
+    from drill_twin.studies.statics import PART, parts_of
+
     operations, u = found.operations, units
 
     def column(values: Iterable[float], quantity: str = "") -> list[str]:
@@ -180,6 +184,36 @@ def _shown(found: Statics, units: UnitSystem) -> Iterator[Table | str]:
         ],
         title=f"force of the wall on bit and stabilisers in {u.force}, tilt against the hole in deg",
         right=range(1, 1 + len(operations[0].contacts)),
+    )  # fmt: skip
+    bits = [(loads.operation.name, loads.contacts[0]) for loads in operations]
+    if math.isfinite(bits[0][1].build):
+        yield Table(
+            ("operation", "build +, drop -", "right +, left -", "tilt, up +"),
+            [
+                (name, *(f"{round(float(value), 3) + 0.0:+.3f}" for value in (
+                    u.show(bit.build, "force"), u.show(bit.walk, "force"), math.degrees(bit.lift))))
+                for name, bit in bits
+            ],
+            title=f"force of the bit on the hole in {u.force}, tilt in deg; what it cuts sideways is not computed",
+            right=range(1, 4),
+        )  # fmt: skip
+    elif len(operations[0].contacts) > 1 and max(one.force for loads in operations for one in loads.contacts) < SMALL:
+        yield (
+            "forces of bit and stabilisers are 0, as the hole is vertical and nothing presses them to the wall; a "
+            "survey with the inclination of the real hole, be it 0.5 deg, shows them"
+        )
+    last, kinds = operations[-1], [kind for _, _, kind in PART]
+    yield Table(
+        ("part", *(word for word, _, _ in PART)),
+        [
+            (name, *(f"{u.show(value, kind) if kind else 100.0 * value:.4g}"
+                     for value, kind in zip(values.tolist(), kinds, strict=True)))
+            for name, values in parts_of(found.scene, last)
+        ],
+        title=f"{last.operation.name}: lower end of each part in {u.length}, tension in {u.force} and torque in "
+        f"{u.torque} at its upper end, side force on all of it in {u.force}, share of it on the wall in %, largest "
+        f"moment in {u.torque} and stress in {u.stress}",
+        right=range(1, 8),
     )  # fmt: skip
 
 

@@ -122,10 +122,10 @@ def from_top(rows: Sequence[Row]) -> bool:
 def marks(pieces: Sequence[TallyPiece]) -> list[dict[str, Any]]:
     """Marks of a string from the bit up: near the bit, at stabilisers and tools, in the longest collar and half-way up.
 
-    The bit itself is held, so its mark is a metre above its face, or less in a short string.
+    The bit itself is held, so the lowest mark is a metre above its face, or less in a short string.
     """
     length = math.fsum(piece.length for piece in pieces)
-    found = {"bit": min(1.0, 0.02 * length)}
+    found = {"near_bit": min(1.0, 0.02 * length)}
     collars = [piece.length for piece in pieces if piece.kind in {"collar", "bit"}]
     place = 0.0
     for piece in pieces:
