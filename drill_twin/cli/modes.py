@@ -106,9 +106,8 @@ def _shown(table: ModeTable, diagram: Campbell | None, scene: Scene) -> Iterator
     from drill_twin.dynamics.discretisation.notes import notes_on_rotors
     from drill_twin.dynamics.rotordynamics.assembly_modes import in_trough
 
-    units, own, swings = scene.unit_system, list["Mode"](), list["Mode"]()
-    for mode in table.modes:
-        (swings if in_trough(table, mode) else own).append(mode)
+    units, swings = scene.unit_system, [mode for mode in table.modes if in_trough(table, mode)]
+    own = [mode for mode in table.modes if not in_trough(table, mode)]
     yield _table(table, own, scene)
     if swings:
         yield _table(table, swings, scene, "swings of what lies on the wall, in the trough of the hole")
@@ -128,12 +127,15 @@ def _resonances(modes: Sequence[Mode], scene: Scene, command: Command) -> Table:
     """Rotations at which an excitation some times a revolution meets a mode."""
     rock, turn = getattr(scene.effects, "bit_regenerative", None), abs(command.rotation)
     orders = sorted({1, 3, *([rock.blades] if rock else [])})
-    rows = []
-    for mode in modes:
-        speeds = [abs(mode.eigenvalue.imag) / order for order in orders]
-        near = ("*" if abs(speed - turn) < NEAR_ROTATION * turn else "" for speed in speeds)
-        cells = (scene.unit_system.number(speed, "rotation") + star for speed, star in zip(speeds, near, strict=True))
-        rows.append((f"{mode.kind} {mode.number}", f"{abs(mode.frequency):.4g}", *cells))
+
+    def cell(speed: float) -> str:
+        return scene.unit_system.number(speed, "rotation") + "*" * (abs(speed - turn) < NEAR_ROTATION * turn)
+
+    rows = [
+        (f"{mode.kind} {mode.number}", f"{abs(mode.frequency):.4g}",
+         *(cell(abs(mode.eigenvalue.imag) / order) for order in orders))
+        for mode in modes
+    ]  # fmt: skip
     blades = f"{rock.blades}: blades of the bit" if rock else "n: rows / n, as the scene names no blades of its bit"
     return Table(
         ("mode", "Hz", *(f"{order} a turn" for order in orders)), rows, right=range(1, 2 + len(orders)),

@@ -22,15 +22,14 @@ if TYPE_CHECKING:
     from drill_twin.core.units.system import UnitSystem
     from drill_twin.dynamics.torque_drag.analysis import Statics
 
-_NOTHING, _LARGEST_MARGIN = 1e-4, 1e3
-"""Share of the largest number of a column below which it is the residual of a balance; largest margin that is shown."""
+_NOTHING, _LARGEST_MARGIN, SMALL = 1e-4, 1e3, 1.0
+"""Share of the largest number of a column below which it is the residual of a balance; largest margin that is shown;
+force of the wall below which a contact carries nothing [N], chosen."""
 _COLUMNS = (
     *(("hookload", "force"), ("soft.hookload", "force"), ("surface_torque", "torque")),
     *(("soft.surface_torque", "torque"), ("neutral_point", "length"), ("stretch", "length")),
 )
 """Quantities of an operation in the first table, and their kinds of units."""
-SMALL = 1.0
-"""Force of the wall below which a contact carries nothing [N]; chosen."""
 SHAPES = ("straight", "sinusoidal", "sinusoidal, helix", "helix")
 """Words for `BucklingState` in the columns of the table."""
 

@@ -199,10 +199,8 @@ def _said(found: OverDepth, fit: FrictionFit) -> str:
     if fit.apart.size:
         alone = " and ".join(f"{error:.2g}" for error in fit.apart) if np.isfinite(fit.apart).all() else ""
         text += "; these points cannot tell cased from open" + (f": errors of {alone} if fitted apart" if alone else "")
-    elif fit.parts == ("cased",):
-        text += "; no point tells the open hole"
-    elif found.casing and fit.parts == ("open",):
-        text += "; no point tells the casing"
+    elif found.casing and len(fit.parts) == 1:
+        text += f"; no point tells the {'open hole' if fit.parts == ('cased',) else 'casing'}"
     if fit.beyond:
         text += f"; {fit.beyond} points outside of the curves, counted"
     if ((fit.friction < low) | (fit.friction > high)).any():

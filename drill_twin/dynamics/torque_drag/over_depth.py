@@ -170,7 +170,7 @@ def _trend(parts: tuple[str, ...], best: Any, scatter: float, depth: Array) -> I
         for k in reversed(range(len(parts))):
             if scatter <= APART * sizes[k]:
                 friction = float(best.x[k] - best.jac[rows, k] @ best.fun[rows] / sizes[k] ** 2)
-                top, bottom = float(depth[rows[0]]), float(depth[rows[-1]])
+                top, bottom = depth[rows[[0, -1]]].tolist()
                 yield Trend(top, bottom, rows.size, parts[k], friction, float(scatter / sizes[k]))
                 break
 
