@@ -253,8 +253,8 @@ def test_a_set_point_of_the_record_is_told_and_not_compared(tmp_path):
     record = tmp_path / "rig.csv"
     record.write_text(f"time [s],T,WOB\n{rows}")
     found = dt.fit(
-        record, "two_mass", {"wob": "50 kN..58 kN"}, channels=["torque=T:N m", "weight_on_bit=WOB:kN"], end=7.0, members=4,
-        rounds=1,
+        record, "two_mass", {"wob": "50 kN..58 kN"}, channels=["torque=T:N m", "weight_on_bit=WOB:kN"], end=7.0,
+        members=4, rounds=1,
     )  # fmt: skip
     assert set(found.record.series) == {"torque"}
     assert any(note.startswith("weight_on_bit: not compared; runs take the set-points") for note in found.record.notes)
