@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import cmath
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -21,8 +21,13 @@ if TYPE_CHECKING:
     from drill_twin.core.units.system import UnitSystem
     from drill_twin.dynamics.rotordynamics.assembly import Assembly
     from drill_twin.dynamics.rotordynamics.campbell import Campbell
-    from drill_twin.dynamics.rotordynamics.modes import ModeTable
+    from drill_twin.dynamics.rotordynamics.modes import Mode, ModeTable
     from drill_twin.scene import Scene
+    from drill_twin.scene.set_points.command import Command
+
+NEAR_ROTATION = 0.05
+"""Distance of a resonance from the rotation, over it, up to which it is marked: as far as critical speeds agree with
+other beam elements (2 to 5 %)."""
 
 
 def modes(
@@ -99,15 +104,20 @@ def modes(
 
 def _shown(table: ModeTable, diagram: Campbell | None, scene: Scene) -> Iterator[Table | str]:
     from drill_twin.dynamics.discretisation.notes import notes_on_rotors
+    from drill_twin.dynamics.rotordynamics.assembly_modes import in_trough
 
-    units = scene.unit_system
-    yield _table(table, scene)
+    units, swings = scene.unit_system, [mode for mode in table.modes if in_trough(table, mode)]
+    own = [mode for mode in table.modes if not in_trough(table, mode)]
+    yield _table(table, own, scene)
+    if swings:
+        yield _table(table, swings, scene, "swings of what lies on the wall, in the trough of the hole")
     yield from _sentences(table)
     yield from notes_on_rotors(scene)
     if table.assembly is not None:
         yield from _assembly(table, table.assembly, units)
         if (mud := scene.effects.added_mass) and not mud.confined:
             yield "mud moves as in open fluid; --set added_mass.confined=true (concentric gap) lowers critical speeds"
+        yield _resonances(own, scene, table.balance.command)
     if scene.effects.viscous_drag is not None:
         yield (
             "mud: at rest around a string in the middle of the hole. Not in the model: mud that turns with the string, "
@@ -119,10 +129,31 @@ def _shown(table: ModeTable, diagram: Campbell | None, scene: Scene) -> Iterator
         yield f"critical speeds: {named or 'none up to the largest speed'}"
 
 
-def _table(table: ModeTable, scene: Scene) -> Table:
+def _resonances(modes: Sequence[Mode], scene: Scene, command: Command) -> Table:
+    """Rotations at which an excitation some times a revolution meets a mode."""
+    rock, turn = getattr(scene.effects, "bit_regenerative", None), abs(command.rotation)
+    orders = sorted({1, 3, *([rock.blades] if rock else [])})
+
+    def cell(speed: float) -> str:
+        return scene.unit_system.number(speed, "rotation") + "*" * (abs(speed - turn) < NEAR_ROTATION * turn)
+
+    rows = [
+        (f"{mode.kind} {mode.number}", f"{abs(mode.frequency):.4g}",
+         *(cell(abs(mode.eigenvalue.imag) / order) for order in orders))
+        for mode in modes
+    ]  # fmt: skip
+    blades = f"{rock.blades}: blades of the bit" if rock else "n: rows / n, as the scene names no blades of its bit"
+    return Table(
+        ("mode", "Hz", *(f"{order} a turn" for order in orders)), rows, right=range(1, 2 + len(orders)),
+        title=f"resonances: rotation in {scene.unit_system.rotation} at which an excitation of an order meets a mode "
+        f"(1: unbalance, bend; 3: cones of a roller cone bit; {blades}); *: within {NEAR_ROTATION:.0%} of the rotation",
+    )  # fmt: skip
+
+
+def _table(table: ModeTable, modes: Sequence[Mode], scene: Scene, only: str = "") -> Table:
     command, part, units = table.balance.command, table.assembly, scene.unit_system
     rows = []
-    for mode in table.modes:
+    for mode in modes:
         sense = ""
         if mode.kind == "lateral" and table.on_axis and abs(mode.frequency) > 1e-9:
             sense = "forward" if mode.frequency * command.rotation >= 0.0 else "backward"
@@ -151,7 +182,7 @@ def _table(table: ModeTable, scene: Scene) -> Table:
         "the bit, share of the kinetic energy in the collars in %."
     )
     columns = ("mode", "plane", units.rotation, "at", "%", "Hz", "+-", "growth", "damping")
-    return Table(columns, rows, title=title, right=range(2, 9))
+    return Table(columns, rows, title=f"{scene.name}: {only}" if only else title, right=range(2, 9))
 
 
 def _change(value: float) -> str:
@@ -164,16 +195,18 @@ def _assembly(table: ModeTable, part: Assembly, units: UnitSystem) -> Iterator[s
     from drill_twin.dynamics.rotordynamics.assembly_modes import critical_ranges
 
     lateral, rotation = table.of("lateral"), abs(table.balance.command.rotation)
-    named = ", ".join(
-        units.number(first, "rotation")
-        + (f" to {units.number(rest[-1], 'rotation')} ({1 + len(rest)} modes)" if rest else "")
-        for first, *rest in critical_ranges(table)
-    )
-    if named and rotation > 0.0:
-        away = table.nearest_critical() / rotation - 1.0
-        named += f"; the nearest is {abs(away):.1%} {'above' if away > 0.0 else 'below'} the rotation"
-    place = f"the lowest {units.text(part.collars, 'length')}"
-    yield f"critical speeds of {place}, up to twice the rotation, in {units.rotation}: {named or 'none'}"
+    for trough, what in ((False, "critical speeds"), (True, "critical speeds of swings in the trough")):
+        ranges = critical_ranges(table, trough)
+        named = ", ".join(
+            units.number(first, "rotation")
+            + (f" to {units.number(rest[-1], 'rotation')} ({1 + len(rest)} modes)" if rest else "")
+            for first, *rest in ranges
+        )
+        if named and rotation > 0.0:
+            away = min((speed / rotation - 1.0 for near in ranges for speed in near), key=abs)
+            named += f"; the nearest is {abs(away):.1%} {'above' if away > 0.0 else 'below'} the rotation"
+        place = f"the lowest {units.text(part.collars, 'length')}"
+        yield f"{what} of {place}, up to twice the rotation, in {units.rotation}: {named or 'none'}"
     if others := [str(mode.number) for mode in lateral if not mode.of_collars]:
         yield f"lateral {', '.join(others)}: not counted, most energy is in the pipe above (near 50 %: in both)"
     moved = max((abs(mode.cut_change) / abs(mode.eigenvalue) for mode in lateral), default=0.0)

@@ -205,7 +205,7 @@ def new(
     from drill_twin.scene.lines import yaml_text
     from drill_twin.scene.well_plan.plan import WellPlan
     from drill_twin.scene.well_plan.table import read_table
-    from drill_twin.scene.well_plan.tally import NAMES, from_top
+    from drill_twin.scene.well_plan.tally import NAMES, TOOLS, from_top
 
     check_new(out, replace=replace)
     given = {"--survey": survey, "--tally": tally, "--hole": hole}
@@ -223,6 +223,8 @@ def new(
         remark(f"{tally}: not used: {', '.join(unread)}")
     if from_top(rows):
         remark(f"{tally}: turned round, as it begins with drill pipe or ends with the bit")
+    for told in (told for told in TOOLS.values() if told in scene.provenance):
+        remark(told)
     long, sections = scene.unit_system.text(scene.length, "length"), len(scene.string.sections)
     remark(
         f"{out}: {long}, {sections} sections, {len(scene.hole.survey)} stations. "

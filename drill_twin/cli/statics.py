@@ -22,8 +22,9 @@ if TYPE_CHECKING:
     from drill_twin.core.units.system import UnitSystem
     from drill_twin.dynamics.torque_drag.analysis import Statics
 
-_NOTHING, _LARGEST_MARGIN = 1e-4, 1e3
-"""Share of the largest number of a column below which it is the residual of a balance; largest margin that is shown."""
+_NOTHING, _LARGEST_MARGIN, SMALL = 1e-4, 1e3, 1.0
+"""Share of the largest number of a column below which it is the residual of a balance; largest margin that is shown;
+force of the wall below which a contact carries nothing [N], chosen."""
 _COLUMNS = (
     *(("hookload", "force"), ("soft.hookload", "force"), ("surface_torque", "torque")),
     *(("soft.surface_torque", "torque"), ("neutral_point", "length"), ("stretch", "length")),
@@ -100,15 +101,16 @@ def _over_depth(
     *, json: bool,
 ) -> None:  # fmt: skip
     from drill_twin.api.torque_drag import statics_over_depth
-    from drill_twin.studies.over_depth import broomstick, coefficients, over_depth_data, read_measured, shown
+    from drill_twin.studies.over_depth import broomstick, coefficients, fits_of, over_depth_data, read_measured, shown
 
     wanted, points = coefficients(friction), read_measured(measured) if measured else {}
     with shown_progress("computing"):
         found = statics_over_depth(scene, wanted, changes, without=without)
-    data = over_depth_data(found, points)
+        fits = fits_of(found, points)
+    data = over_depth_data(found, points, fits)
     emit(
-        data, shown(found, points), json=json, folder=out,
-        files={"over_depth.json": data, "over_depth.png": lambda: broomstick(found, points)},
+        data, shown(found, points, fits), json=json, folder=out,
+        files={"over_depth.json": data, "over_depth.png": lambda: broomstick(found, points, fits)},
     )  # fmt: skip
 
 
@@ -131,6 +133,8 @@ def _set_point(found: Statics, units: UnitSystem) -> str:
 
 
 def _shown(found: Statics, units: UnitSystem) -> Iterator[Table | str]:
+    from drill_twin.studies.statics import PART, parts_of
+
     operations, u = found.operations, units
 
     def column(values: Iterable[float], quantity: str = "") -> list[str]:
@@ -179,6 +183,36 @@ def _shown(found: Statics, units: UnitSystem) -> Iterator[Table | str]:
         ],
         title=f"force of the wall on bit and stabilisers in {u.force}, tilt against the hole in deg",
         right=range(1, 1 + len(operations[0].contacts)),
+    )  # fmt: skip
+    bits = [(loads.operation.name, loads.contacts[0]) for loads in operations]
+    if math.isfinite(bits[0][1].build):
+        yield Table(
+            ("operation", "build +, drop -", "right +, left -", "tilt, up +"),
+            [
+                (name, *(f"{round(float(value), 3) + 0.0:+.3f}" for value in (
+                    u.show(bit.build, "force"), u.show(bit.walk, "force"), math.degrees(bit.lift))))
+                for name, bit in bits
+            ],
+            title=f"force of the bit on the hole in {u.force}, tilt in deg; what it cuts sideways is not computed",
+            right=range(1, 4),
+        )  # fmt: skip
+    elif len(operations[0].contacts) > 1 and max(one.force for loads in operations for one in loads.contacts) < SMALL:
+        yield (
+            "forces of bit and stabilisers are 0, as the hole is vertical and nothing presses them to the wall; a "
+            "survey with the inclination of the real hole, be it 0.5 deg, shows them"
+        )
+    last, kinds = operations[-1], [kind for _, _, kind in PART]
+    yield Table(
+        ("part", *(word for word, _, _ in PART)),
+        [
+            (name, *(f"{u.show(value, kind) if kind else 100.0 * value:.4g}"
+                     for value, kind in zip(values.tolist(), kinds, strict=True)))
+            for name, values in parts_of(found.scene, last)
+        ],
+        title=f"{last.operation.name}: lower end of each part in {u.length}, tension in {u.force} and torque in "
+        f"{u.torque} at its upper end, side force on all of it in {u.force}, share of it on the wall in %, largest "
+        f"moment in {u.torque} and stress in {u.stress}",
+        right=range(1, 8),
     )  # fmt: skip
 
 

@@ -92,6 +92,8 @@ SHAPES = 6
 """Largest number of mode shapes in a figure, so that each panel can be read."""
 FLOOR = 1e-6
 """Bottom of the axes of the forced response over their top, at least."""
+CEILING = 10.0
+"""Top of the axis of amplitudes over the largest clearance, at most: the wall limits what lies above; chosen."""
 CONTACTS = 4
 """Number of contacts drawn, from the bit up, so that their lines can be told apart."""
 PLACES = 200
@@ -138,17 +140,21 @@ def response_figure(response: ForcedResponse, table: ModeTable, scene: Scene) ->
         load, whole = units.text(command.weight_on_bit, "force"), "assembly" if table.assembly else "string"
         figure = laid_out(
             6.4 if touching else 4.0,
-            f"{scene.name}: forced response at {load}; dotted: critical speeds, red: the rotation\n"
-            f"linear; pale: {'of pipe above the collars, or ' * bool(table.assembly)}beyond the clearance, where the "
-            "wall limits it",
+            f"{scene.name}: forced response at {load}" + "\n" * (2 + len(names) // 4),
         )
+        figure.text(
+            0.012, 1.0 - 0.36 / figure.get_size_inches()[1], "dotted: critical speeds, red: rotation; linear; pale: "
+            f"{'of pipe above the collars, or ' * bool(table.assembly)}beyond the clearance, where the wall limits it",
+            va="top", fontsize=9,
+        )  # fmt: skip
         panels = figure.subplots(2 if touching else 1, 2, sharex=True, sharey="row", squeeze=False)
         for k, cause in enumerate(causes):
             for i, label in enumerate([*names, f"largest of the {whole}"]):
                 colour = INK if i == len(names) else MARK_COLOURS[i % len(MARK_COLOURS)]
+                line = "--" if len(MARK_COLOURS) <= i < len(names) else "-"
                 within = np.where(response.amplitude[:, k, i] <= limits[i], response.amplitude[:, k, i], np.nan)
                 panels[0, k].plot(turns, units.show(response.amplitude[:, k, i], "offset"), color=colour, alpha=0.25)
-                panels[0, k].plot(turns, units.show(within, "offset"), color=colour, label=label)
+                panels[0, k].plot(turns, units.show(within, "offset"), line, color=colour, label=label)
             for i, label in enumerate(touching[:CONTACTS]):
                 colour = MARK_COLOURS[i % len(MARK_COLOURS)]
                 panels[1, k].plot(turns, units.show(response.side_force[:, k, i], "force"), color=colour, label=label)
@@ -164,14 +170,16 @@ def response_figure(response: ForcedResponse, table: ModeTable, scene: Scene) ->
                 if 0.0 < mode.eigenvalue.imag < response.speeds[-1]:
                     at, solid = units.show(mode.eigenvalue.imag, "rotation"), 1.0 if mode.of_collars else 0.35
                     panel.axvline(at, color=GREY, linestyle=":", linewidth=0.9, alpha=solid)
+        panels[0, 0].set_ylim(top=min(panels[0, 0].get_ylim()[1], CEILING * units.show(max(gaps), "offset")))
         for panel, _ in panels:
             low, high = panel.get_ylim()
             panel.set_ylim(bottom=max(low, FLOOR * high))
         panels[0, 0].set_ylabel(f"amplitude [{units.offset}]")
-        panels[0, 0].legend(loc="lower left", bbox_to_anchor=(0.0, 1.12), ncol=4, fontsize=8.5)
+        figure.legend(*panels[0, 0].get_legend_handles_labels(), loc="upper left", ncol=4, fontsize=8.5,
+                      bbox_to_anchor=(0.0, 1.0 - 0.5 / figure.get_size_inches()[1]))  # fmt: skip
         if touching:
             panels[1, 0].set_ylabel(f"side force +- [{units.force}]")
-            panels[1, 0].legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncol=4, fontsize=8.5)
+            panels[1, 0].legend(loc="lower left", bbox_to_anchor=(0.0, 0.99), ncol=4, fontsize=8.5).set_in_layout(False)
             panels[1, 1].set_title("dotted: at rest", fontsize=9, loc="right")
     return figure
 

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -10,14 +11,14 @@ from typing import Any, NamedTuple
 import numpy as np
 from matplotlib.figure import Figure
 
-from drill_twin.core.arrays import Array, number_or_none
+from drill_twin.core.arrays import Array
 from drill_twin.core.errors import ArgumentError, TableError
 from drill_twin.core.numerals import number
 from drill_twin.core.table import Table
 from drill_twin.core.units.dimension import FORCE, LENGTH, TORQUE
 from drill_twin.core.units.parse import name_and_unit
 from drill_twin.core.units.ranges import parse_range
-from drill_twin.dynamics.torque_drag.over_depth import OverDepth
+from drill_twin.dynamics.torque_drag.over_depth import LARGEST, FrictionFit, OverDepth
 from drill_twin.report.figures.style import BLUE, GREEN, INK, VERMILION, blank, styled
 from drill_twin.scene.records import read_columns
 
@@ -25,15 +26,15 @@ COLUMNS = {
     "trip out": ("trip out", "pick-up", "pickup", "pu", "puw"),
     "trip in": ("trip in", "slack-off", "slackoff", "so", "sow"),
     "off bottom": ("off bottom", "rotating", "rot", "row"),
-    "torque": ("torque", "torque off bottom", "tqa"),
+    "torque": ("torque", "torque off bottom", "tqa", "tq", "trq"),
 }
 """Names of columns of measured loads."""
 DEPTHS = ("depth", "bit depth", "md", "dept", "dbtm")
 """Names of the column of the depth of the bit."""
-LARGEST = 5.0
-"""Largest coefficient of friction [-], as for `drill_twin scene new --friction`."""
 MOST = 20
 """Most coefficients."""
+PARTS = {"cased": "cased", "open": "open hole", "both": "cased and open hole"}
+"""Names of the factors of a fit."""
 ON_BOTTOM = 5e3
 """Weight on bit from which a row counts as drilling on bottom [N]: the zero of a rig's weight is no better known."""
 
@@ -99,33 +100,51 @@ def read_measured(path: Path) -> dict[str, Points]:
     return found
 
 
-def friction_of(found: OverDepth, points: Mapping[str, Points]) -> dict[str, Array]:
-    """Coefficients of friction at which the loads are the measured loads, by load; NaN outside of the range."""
-    return {
-        load: found.friction_of(load, measured.depth, measured.value)
-        for load, measured in points.items()
-        if load != "off bottom"  # has no axial friction
-    }
+def fits_of(found: OverDepth, points: Mapping[str, Points]) -> dict[str, FrictionFit]:
+    """Fits of the factors of friction by load; off bottom has no axial friction.
+
+    Raises:
+        ArgumentError: A point lies below the string.
+    """
+    units, fits = found.scene.unit_system, dict[str, FrictionFit]()
+    for load, one in points.items():
+        if (deepest := one.depth.max(initial=0.0)) > found.scene.length * (1.0 + 1e-6):
+            raise ArgumentError(
+                f"--measured: expected depths of the bit up to {units.text(found.scene.length, 'length')}, found "
+                f"{units.text(deepest, 'length')} ({load}); take a scene whose string reaches as deep, or less rows"
+            )
+        if load != "off bottom" and one.value.size:
+            fits[load] = found.fit(load, one.depth, one.value)
+    return fits
 
 
-def over_depth_data(found: OverDepth, points: Mapping[str, Points]) -> dict[str, Any]:
+def over_depth_data(found: OverDepth, points: Mapping[str, Points], fits: Mapping[str, FrictionFit]) -> dict[str, Any]:
     """Numbers of the plot, SI."""
-    means = friction_of(found, points)
     return {
         "scene": found.scene.name, "depth_m": found.depth.tolist(), "friction": found.friction.tolist(),
+        "cased": [[part.top, part.bottom] for part in found.casing],
         "hookload_n": {one.name: rows.tolist() for one, rows in zip(found.operations, found.hookload, strict=True)},
         "torque_off_bottom_nm": found.torque.tolist(),
         "measured": {
             load: {"depth_m": one.depth.tolist(), "value": one.value.tolist(), "rows_on_bottom": one.on_bottom,
-                   "left_out": one.left_out,
-                   **({"friction": list(map(number_or_none, means[load].tolist()))} if load in means else {})}
+                   "left_out": one.left_out, **(_fit_data(fits[load]) if load in fits else {})}
             for load, one in points.items()
         },
     }  # fmt: skip
 
 
-def shown(found: OverDepth, points: Mapping[str, Points]) -> Iterator[Table | str]:
-    """Loads at the depth of the scene, and the friction that the measured points mean."""
+def _fit_data(fit: FrictionFit) -> dict[str, Any]:
+    return {
+        "friction": dict(zip(fit.parts, fit.friction.tolist(), strict=True)),
+        "error": {part: error if math.isfinite(error) else None
+                  for part, error in zip(fit.parts, fit.error.tolist(), strict=True)},
+        "measured_less_fitted": fit.residual.tolist(), "points_outside_of_curves": fit.beyond,
+        "trend": [one._asdict() for one in fit.trend],
+    }  # fmt: skip
+
+
+def shown(found: OverDepth, points: Mapping[str, Points], fits: Mapping[str, FrictionFit]) -> Iterator[Table | str]:
+    """Loads at the depth of the scene, and the factors of friction that the measured points mean."""
     units = found.scene.unit_system
     names = [one.name for one in found.operations]
     rows = (
@@ -139,13 +158,13 @@ def shown(found: OverDepth, points: Mapping[str, Points]) -> Iterator[Table | st
         title=f"{found.scene.name}, soft string, bit at {depth}: hookload in {units.force}, torque off bottom in "
         f"{units.torque}",
     )  # fmt: skip
-    for load, values in friction_of(found, points).items():
-        if not (inside := values[np.isfinite(values)]).size:
-            yield f"measured {load}: none of {values.size} points within the range of friction"
-            continue
+    for load, fit in fits.items():
+        yield f"measured {load}: {_said(found, fit)}"
+    if (weight := points.get("off bottom")) is not None and weight.value.size:
+        curve = np.interp(weight.depth, found.depth, found.curves("off bottom")[0][0])
         yield (
-            f"measured {load}: friction {np.median(inside):.3g} (median of {inside.size}, {inside.min():.3g} to "
-            f"{inside.max():.3g}); {values.size - inside.size} points outside of the range"
+            f"measured off bottom: {units.text(float(np.mean(weight.value - curve)), 'force', '+.3g')} beside the "
+            "computed weight (mean); a constant error moves the factors of trip out and trip in in opposite ways"
         )
     for load, one in points.items():
         if one.left_out:
@@ -155,10 +174,42 @@ def shown(found: OverDepth, points: Mapping[str, Points]) -> Iterator[Table | st
                 f"measured {load}: {one.on_bottom} rows with more than {units.text(ON_BOTTOM, 'force')} on the bit "
                 "left out, the curves are of a bit off bottom"
             )
+    trends = [
+        (load, units.span(one.top, one.bottom, "length"), str(one.points), one.part, f"{one.friction:.3f}",
+         f"{one.error:.2g}")
+        for load, fit in fits.items() for one in fit.trend
+    ]  # fmt: skip
+    if trends:
+        yield Table(
+            ("measured", "bit at", "points", "factor", "friction", "+-"), trends, right=(2, 4, 5),
+            title="trend: factor that the points of a range of depth have, the other one as fitted to all",
+        )  # fmt: skip
 
 
-def broomstick(found: OverDepth, points: Mapping[str, Points]) -> Figure:
-    """Hookload and torque over the depth of the bit, a line a coefficient, and the measured points."""
+def _said(found: OverDepth, fit: FrictionFit) -> str:
+    """Sentence on a fit."""
+    count, low, high = fit.residual.size, found.friction[0], found.friction[-1]
+    if not fit.parts:
+        return f"no load of these {count} points depends on friction"
+    values = ", ".join(
+        f"{PARTS[part]} {value:.3g}" + (f" +- {error:.2g}" if math.isfinite(error) else ", error not known")
+        for part, value, error in zip(fit.parts, fit.friction.tolist(), fit.error.tolist(), strict=True)
+    )
+    text = f"friction {values} (least squares, {count} points, 95 %)"
+    if fit.apart.size:
+        alone = " and ".join(f"{error:.2g}" for error in fit.apart) if np.isfinite(fit.apart).all() else ""
+        text += "; these points cannot tell cased from open" + (f": errors of {alone} if fitted apart" if alone else "")
+    elif found.casing and len(fit.parts) == 1:
+        text += f"; no point tells the {'open hole' if fit.parts == ('cased',) else 'casing'}"
+    if fit.beyond:
+        text += f"; {fit.beyond} points outside of the curves, counted"
+    if ((fit.friction < low) | (fit.friction > high)).any():
+        text += f"; outside of --friction, {low:.3g} to {high:.3g}"
+    return text
+
+
+def broomstick(found: OverDepth, points: Mapping[str, Points], fits: Mapping[str, FrictionFit]) -> Figure:
+    """Hookload and torque over the depth of the bit, a line a coefficient, measured points, and fits (dashed)."""
     units, colours = found.scene.unit_system, {"trip out": VERMILION, "trip in": BLUE, "off bottom": GREEN}
     depth, bottom = units.show(found.depth, "length"), float(units.show(found.scene.length, "length"))
     shades = np.linspace(0.35, 1.0, found.friction.size)
@@ -183,9 +234,15 @@ def broomstick(found: OverDepth, points: Mapping[str, Points]) -> Figure:
                 units.show(one.value, quantity), units.show(one.depth, "length"), "o",
                 color=colour, markersize=5, markeredgecolor=INK, label=f"{name}, measured",
             )  # fmt: skip
+            if name in fits:
+                order = np.argsort(one.depth)
+                fitted = units.show((one.value - fits[name].residual)[order], quantity)
+                panel.plot(fitted, units.show(one.depth[order], "length"), color=INK, linestyle="--", linewidth=1.0)
         for panel, name, quantity in ((load, "hookload", "force"), (torque, "torque off bottom", "torque")):
             panel.set(xlabel=f"{name} [{getattr(units, quantity)}]", ylim=(1.05 * bottom, 0.0), xlim=(0.0, None))
         load.set_ylabel(f"depth of the bit [{units.length}]")
-        figure.legend(*load.get_legend_handles_labels(), loc="upper left", bbox_to_anchor=(0.07, 0.93), ncols=6)
-        figure.text(0.975, 0.895, "darker: more friction", ha="right", fontsize=9)
+        for panel in (load, torque) if "torque" in points else (load,):
+            panel.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=2)
+        notes = "darker: more friction" + "; dashed: fitted" * bool(fits)
+        figure.text(0.975, 0.955, notes, ha="right", fontsize=9)
     return figure

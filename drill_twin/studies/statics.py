@@ -10,19 +10,24 @@ import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
+from drill_twin.core.arrays import Array, number_or_none
 from drill_twin.core.table import Column, Table
 from drill_twin.core.units.system import UnitSystem
 from drill_twin.dynamics.torque_drag.analysis import OperationLoads, Statics
 from drill_twin.dynamics.torque_drag.soft_string import CHEN, BucklingState
 from drill_twin.report.figures.style import BLUE, GREEN, GREY, ORANGE, PURPLE, VERMILION, blank, styled
+from drill_twin.scene import Scene
+
+TOUCHES = 1e-3
+"""Side force per length, over the largest of its section, from which an element is on the wall; chosen."""
 
 
 def statics_data(found: Statics) -> dict[str, Any]:
     """Numbers of each operation, SI."""
-    return {"scene": found.scene.name, "operations": [_operation(loads) for loads in found.operations]}
+    return {"scene": found.scene.name, "operations": [_operation(found.scene, loads) for loads in found.operations]}
 
 
-def _operation(loads: OperationLoads) -> dict[str, Any]:
+def _operation(scene: Scene, loads: OperationLoads) -> dict[str, Any]:
     sinusoidal, helical = loads.margins
     operation = loads.operation
     return {
@@ -45,6 +50,9 @@ def _operation(loads: OperationLoads) -> dict[str, Any]:
         "largest_stress_pa": float(loads.along.stress.max()),
         "yield_margin": loads.yield_margin,
         "make_up_margin": loads.make_up_margin,
+        "bit_build_force_n": number_or_none(loads.contacts[0].build),
+        "bit_walk_force_n": number_or_none(loads.contacts[0].walk),
+        "bit_tilt_up_deg": number_or_none(math.degrees(loads.contacts[0].lift)),
         "contacts": [
             {
                 "name": contact.name, "distance_from_bit_m": contact.distance_from_bit,
@@ -52,7 +60,41 @@ def _operation(loads: OperationLoads) -> dict[str, Any]:
             }
             for contact in loads.contacts
         ],
+        "parts": [
+            {"name": name} | dict(zip([key for _, key, _ in PART], values.tolist(), strict=True))
+            for name, values in parts_of(scene, loads)
+        ],
     }  # fmt: skip
+
+
+PART = (
+    ("from bit", "distance_from_bit_m", "length"), ("tension", "tension_n", "force"), ("torque", "torque_nm", "torque"),
+    ("side force", "side_force_n", "force"), ("contact", "contact_share", ""),
+    ("moment", "bending_moment_nm", "torque"), ("stress", "stress_pa", "stress"),
+)  # fmt: skip
+"""Loads of a section: word, key and kind of unit; from the bit to its lower end, tension and torque at its upper end,
+side force of the wall on all of it, share of its length on the wall, largest bending moment, largest stress."""
+
+
+def parts_of(scene: Scene, loads: OperationLoads) -> list[tuple[str, Array]]:
+    """Name of each section from the bit up, and its loads as in `PART`, SI."""
+    along, number, found = loads.along, _section(scene, loads), list[tuple[str, Array]]()
+    for k, section in enumerate(scene.string.sections):
+        own = number == k
+        length, side = along.length[own], along.side_force[own]
+        touching = length[side > TOUCHES * side.max()].sum() / length.sum()
+        found.append((section.name or f"section {k + 1}", np.array([
+            along.length[number < k].sum(), along.tension[own][-1], along.torque[own][-1], side @ length, touching,
+            along.bending_moment[own].max(), along.stress[own].max(),
+        ])))  # fmt: skip
+    return found
+
+
+def _section(scene: Scene, loads: OperationLoads) -> Array:
+    """Index of the section of each element."""
+    tops = np.cumsum([section.length for section in scene.string.sections])
+    middle = loads.length - loads.along.depth
+    return np.minimum(np.searchsorted(tops, middle), tops.size - 1)
 
 
 def depth_table(found: Statics) -> Table:
@@ -70,9 +112,12 @@ def depth_table(found: Statics) -> Table:
             0.5 * (soft.torque[1:] + soft.torque[:-1]), along.side_force, along.bending_moment, along.stress,
             loads.buckling.sinusoidal, loads.buckling.helical,
         ])  # fmt: skip
-        for row, state in zip(values[::-1], loads.states[::-1], strict=True):
-            rows.append([loads.operation.name, *(f"{value:.6g}" for value in row), BucklingState(int(state)).label])
-    return Table([Column("operation"), *(Column(*heading) for heading in quantities), Column("buckling")], rows)
+        parts = [found.scene.string.sections[k].name for k in _section(found.scene, loads).tolist()]
+        for row, state, part in zip(values[::-1], loads.states[::-1], parts[::-1], strict=True):
+            state_of = BucklingState(int(state)).label
+            rows.append([loads.operation.name, *(f"{value:.6g}" for value in row), state_of, part])
+    columns = [Column("operation"), *(Column(*heading) for heading in quantities), Column("buckling"), Column("part")]
+    return Table(columns, rows)
 
 
 COLOURS = (BLUE, VERMILION, GREEN, PURPLE, ORANGE)

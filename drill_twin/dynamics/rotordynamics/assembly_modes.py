@@ -89,13 +89,25 @@ def assembly_modes(
     return first, assembly, list(kept.values())
 
 
-def critical_ranges(table: ModeTable) -> list[list[float]]:
+def in_trough(table: ModeTable, mode: Mode) -> bool:
+    """True if what lies on the wall has more than half of the squared motion: it swings sideways in the trough."""
+    part = table.assembly
+    if mode.kind != LATERAL or part is None:
+        return False
+    motion = np.gradient(part.equations.model.rod.arc) * np.abs(mode.shape) ** 2
+    return bool(motion @ part.lying > 0.5 * motion.sum())
+
+
+def critical_ranges(table: ModeTable, trough: bool = False) -> list[list[float]]:
     """Critical speeds of the collars [rad/s], rising; in one list, with a step below `NEAR` from each to the next.
+
+    Speeds of modes that move most between contacts, or of swings in the trough.
 
     Collars in their trough swing from sqrt(w sqrt(1 + mu^2) / (c m)) on, by the weight across the hole w and the mass m
     per length, the clearance c and the friction mu; each further half-wave adds a speed a little above it.
     """
-    speeds = np.sort([mode.eigenvalue.imag for mode in table.of(LATERAL) if mode.of_collars])
+    own = (mode for mode in table.of(LATERAL) if mode.of_collars and in_trough(table, mode) is trough)
+    speeds = np.sort([mode.eigenvalue.imag for mode in own])
     gaps = np.flatnonzero(np.diff(speeds) >= NEAR * speeds[:-1])
     return [near.tolist() for near in np.split(speeds, gaps + 1) if near.size]
 

@@ -56,6 +56,12 @@ class ContactLoad(NamedTuple):
     build: float = math.nan
     """Of the bit: force of the wall towards the low side [N]. Above zero the bit presses on the high side and builds
     angle, below it drops; NaN where the hole is vertical (`VERTICAL`), and of other contacts."""
+    walk: float = math.nan
+    """Of the bit: force of the wall to the left, seen down the hole with the high side up [N]. Above zero the bit
+    presses to the right; NaN as `build`."""
+    lift: float = math.nan
+    """Of the bit: part of the tilt in the plane of high and low side [rad]; above zero the bit points to the high side;
+    NaN as `build`."""
 
 
 class OperationLoads(NamedTuple):
@@ -265,9 +271,11 @@ def _contacts(
     low = np.array([math.sin(inclination), 0.0, -math.cos(inclination)])
     low -= (low @ along_hole) * along_hole
     steep = float(np.linalg.norm(low))
-    side = solver.equations.bit_frame[:, :3] @ low / steep if steep > VERTICAL else np.full(3, math.nan)
-    tilt = math.asin(min(float(tilts[0]), 1.0))
-    found, bottom = [ContactLoad("bit", 0.0, balance.bit_side_force, tilt, float(balance.bit[:3] @ side))], 0.0
+    low = low / steep if steep > VERTICAL else np.full(3, math.nan)
+    sides = np.stack([low, np.cross(low, along_hole)])  # to the low side, and to the left
+    build, walk = (sides @ solver.equations.bit_frame[:, :3].T @ balance.bit[:3]).tolist()
+    tilt, lift = math.asin(min(float(tilts[0]), 1.0)), float(balance.u[0, 3:6] @ low)
+    found, bottom = [ContactLoad("bit", 0.0, balance.bit_side_force, tilt, build, walk, lift)], 0.0
     for number, section in enumerate(scene.string.sections):
         top = bottom + section.length
         if (

@@ -19,7 +19,7 @@ from drill_twin.scene import Scene
 from drill_twin.scene.load import build_scene
 from drill_twin.scene.well_plan.catalogue import INCH, bit_law, bit_type, casing_size
 from drill_twin.scene.well_plan.table import Row, read_table
-from drill_twin.scene.well_plan.tally import TallyPiece, marks, read_tally
+from drill_twin.scene.well_plan.tally import TOOLS, TallyPiece, marks, read_tally
 
 NAMES: dict[str, tuple[str, ...]] = {
     "md": ("md", "measured depth", "depth", "measured_depth"),
@@ -189,7 +189,8 @@ class WellPlan(NamedTuple):
             "description": f"Well plan: {long_text} of string, survey {self.survey.name}, tally {self.tally.name}.",
             "provenance": "Plan. Adjusted weight and make-up torque after API 5DP and RP 7G (drill pipe) and makers' "
             "tables (heavy-weight); torque law of the bit, "
-            "specific energy of the rock, friction, eccentricity, wall and damping are stand-ins.",
+            "specific energy of the rock, friction, eccentricity, wall and damping are stand-ins."
+            + "".join(f" {TOOLS[kind]}." for kind in sorted({piece.kind for piece in pieces} & TOOLS.keys())),
             "string": {
                 "sections": [piece.section for piece in pieces],
                 "marks": marks(pieces),

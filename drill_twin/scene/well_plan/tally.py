@@ -45,7 +45,7 @@ KINDS = {word: kind for kind, words in {
     "pipe": "dp drill_pipe drillpipe pipe", "heavy": "hwdp heavy heavy_weight heavy_weight_drill_pipe",
     "collar": "collar dc nmdc", "stabiliser": "stabiliser stabilizer stab", "bit": "bit", "mwd": "mwd", "lwd": "lwd",
     "rss": "rss rotary_steerable rotary_steerable_system", "motor": "motor pdm", "jar": "jar accelerator",
-    "sub": "sub crossover xo", "tube": "tube",
+    "reamer": "reamer underreamer hole_opener", "sub": "sub crossover xo", "tube": "tube",
 }.items() for word in words.split() for word in (word, f"{word}s")}  # fmt: skip
 """Last words of what a row is called -> kind of the row."""
 NAMED = GRADES | {name[0]: steel for name, steel in GRADES.items()}
@@ -58,8 +58,14 @@ REST = "rest"
 MOST = {"collar": 1.0 + ROUNDED} | dict.fromkeys(("tube", *PIPES), 1.5)
 """Largest weight of a kind over the weight of its tube [-]: of a collar, rounded, and of pipe with joints; other tools
 weigh at most what a bar weighs."""
-MARKED = ("stabiliser", "mwd", "lwd", "rss", "motor", "jar", "sub")
+MARKED = ("stabiliser", "mwd", "lwd", "rss", "motor", "jar", "reamer", "sub")
 """Kinds with a mark at their middle."""
+TOOLS = {
+    "motor": "motor: a tube that turns with the string; its bend and the speed and torque of its rotor are left out",
+    "rss": "rotary steerable tool: a tube; the force of its pads is left out (effects.bit_side_force)",
+    "reamer": "reamer: a tube with blades that rub on the wall; weight and torque of its cutting are left out",
+}
+"""Sentence on what is modelled of a kind."""
 LEAST = {"bit": 0.0} | dict.fromkeys(MARKED[1:], 0.5)
 """Least weight over the weight of the tube [-], else 1 less `ROUNDED`: the od of a tool is its largest."""
 
@@ -122,10 +128,10 @@ def from_top(rows: Sequence[Row]) -> bool:
 def marks(pieces: Sequence[TallyPiece]) -> list[dict[str, Any]]:
     """Marks of a string from the bit up: near the bit, at stabilisers and tools, in the longest collar and half-way up.
 
-    The bit itself is held, so its mark is a metre above its face, or less in a short string.
+    The bit itself is held, so the lowest mark is a metre above its face, or less in a short string.
     """
     length = math.fsum(piece.length for piece in pieces)
-    found = {"bit": min(1.0, 0.02 * length)}
+    found = {"near_bit": min(1.0, 0.02 * length)}
     collars = [piece.length for piece in pieces if piece.kind in {"collar", "bit"}]
     place = 0.0
     for piece in pieces:

@@ -10,9 +10,10 @@ import drill_twin as dt
 from drill_twin.api import rotordynamics
 from drill_twin.cli.modes import _shown
 from drill_twin.core.errors import RunError
+from drill_twin.core.table import Table
 from drill_twin.dynamics.discretisation.joint import collars_of
 from drill_twin.dynamics.rotordynamics.assembly import Extent
-from drill_twin.dynamics.rotordynamics.assembly_modes import critical_ranges
+from drill_twin.dynamics.rotordynamics.assembly_modes import critical_ranges, in_trough
 from drill_twin.dynamics.rotordynamics.campbell import campbell, growth_map, mac
 from drill_twin.dynamics.rotordynamics.eigenvalues import MOST_UNKNOWNS, Pencil, eigenvalues_only
 from drill_twin.dynamics.rotordynamics.equations import EquationsOfMotion, meshed
@@ -102,6 +103,12 @@ def test_a_well_has_modes_of_its_assembly_and_a_forced_response(well):
     assert all(place > table.assembly.collars for mode, place in zip(lateral, at, strict=True) if mode.share < 0.1)
     if well == "s_shaped":  # a string of 3,000 m winds up and back in some six seconds
         assert table.of("torsional")[0].frequency == pytest.approx(0.1733, rel=2e-3)
+        assert [in_trough(table, mode) for mode in lateral] == [mode.frequency < 1.0 for mode in lateral]
+        assert critical_ranges(table)[0] == [pytest.approx(11.96, rel=0.01)]
+        assert len(critical_ranges(table, trough=True)[0]) == 3
+        tables = [said for said in _shown(table, None, scene) if isinstance(said, Table)]
+        assert ["sideways" in str([*map(list, said.rows)]) for said in tables] == [False, True, False]
+        assert ["torsional 1", "0.1733", "10.4", "3.466"] in [[*row] for row in tables[2].rows]  # Hz, 60 f, 60 f / 3
     told = " ".join(str(said) for said in _shown(table, None, scene))
     assert "mud that turns with the string" in told
     assert "added_mass.confined" not in told, "the gap is in the model"

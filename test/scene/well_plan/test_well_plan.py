@@ -224,10 +224,20 @@ def test_a_bit_is_of_the_type_that_plan_or_tally_names(tmp_path: Path) -> None:
         made(tmp_path, bit="12 in drag")
 
 
+def test_what_is_modelled_of_a_motor_and_a_reamer_is_told(tmp_path: Path) -> None:
+    rows = "bit,1,12.25,,,,,\nmotor,30,8,5,,,,\nunderreamer,10,8,3,,,,13\ncollar,rest,8,3,,,,\n"
+    scene = made(tmp_path, tally=HEADING + rows, hole="13.5 in", bit="12.25 in")
+    assert scene.string.sections[2].contact_diameter == pytest.approx(13.0 * INCH)
+    assert [mark.name for mark in scene.string.marks][1:3] == ["motor", "reamer"]
+    assert "motor: a tube that turns with the string; its bend" in scene.provenance
+    assert "reamer: a tube with blades" in scene.provenance
+    assert "rotary steerable" not in scene.provenance
+
+
 def test_tools_have_marks_and_drill_pipe_without_grade_is_of_the_weakest(tmp_path: Path) -> None:
     rows = "rss,20,6.75,2.5,,,,8\nLWD,30,6.75,3,,,,\njar,30,6.5,2.75,,,,\nhwdp,200,5,,,,4145H,\ndp,rest,5,,19.5,,,\n"
     string = made(tmp_path, tally=HEADING + rows).string
-    assert [mark.name for mark in string.marks] == ["bit", "rss", "lwd", "jar", "middle"]
+    assert [mark.name for mark in string.marks] == ["near_bit", "rss", "lwd", "jar", "middle"]
     assert string.sections[0].contact_diameter == pytest.approx(8.0 * INCH)
     assert string.sections[-1].yield_strength == pytest.approx(75.0 * 6.894757e6, rel=1e-5)
 

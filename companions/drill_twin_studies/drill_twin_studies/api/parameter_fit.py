@@ -2,6 +2,7 @@
 """Fit of a scene's numbers to a record (docs/drill_twin_studies/fit.md)."""
 
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -88,10 +89,11 @@ def fit(
             f"found {len(ranges)} and {likelihood!r}"
         )
     if told := sorted(SET_POINTS & found.series.keys()):
-        raise ArgumentError(
-            f"fit: expected channels that a run computes, {', '.join(CHANNELS)}, found {', '.join(told)}; "
-            "runs take the set-points of a record by rig.table of the scene"
-        )
+        note = f"{', '.join(told)}: not compared; runs take the set-points of the scene (rig.table: of a record)"
+        series = {name: each for name, each in found.series.items() if name not in SET_POINTS}
+        found = replace(found, series=series, notes=[*found.notes, note])
+    if not found.series:
+        raise ArgumentError(f"fit: expected a channel that a run computes, {', '.join(CHANNELS)}, found none")
     length = base.rig.duration if end is None else in_si("end", end, TIME)
     frequency, first = in_si("rate", rate, FREQUENCY), in_si("begin", begin, TIME)
     if (length - first) * min(frequency, base.numerics.frame_rate) < FEWEST:

@@ -246,6 +246,20 @@ def test_what_is_no_measurement_is_left_out_of_a_fit_and_told(record, tmp_path):
     assert found.to_dict()["notes"] == told
 
 
+def test_a_set_point_of_the_record_is_told_and_not_compared(tmp_path):
+    """As `estimate` takes it; runs of a fit have the set-points of the scene."""
+    time = np.arange(0.0, 8.0, 0.5)
+    rows = "".join(f"{at},{2000.0 + 300.0 * np.sin(at)},50\n" for at in time.tolist())
+    record = tmp_path / "rig.csv"
+    record.write_text(f"time [s],T,WOB\n{rows}")
+    found = dt.fit(
+        record, "two_mass", {"wob": "50 kN..58 kN"}, channels=["torque=T:N m", "weight_on_bit=WOB:kN"], end=7.0,
+        members=4, rounds=1,
+    )  # fmt: skip
+    assert set(found.record.series) == {"torque"}
+    assert any(note.startswith("weight_on_bit: not compared; runs take the set-points") for note in found.record.notes)
+
+
 def test_a_channel_needs_a_name_of_the_contract_and_a_unit(tmp_path):
     assert channel_column("torque=T:kN m") == ("torque", "T", "kN m")
     with pytest.raises(ArgumentError, match=r'channel: expected NAME=COLUMN:UNIT .* did you mean "bit_torque"'):
@@ -258,7 +272,7 @@ def test_a_channel_needs_a_name_of_the_contract_and_a_unit(tmp_path):
         dt.read_record(record, ["time=T:s"])
     with pytest.raises(ArgumentError, match="expected each one once, found torque again"):
         dt.read_record(record, ["torque", "torque=T:N m"])
-    with pytest.raises(ArgumentError, match=r"found weight_on_bit; runs take the set-points .* by rig\.table"):
+    with pytest.raises(ArgumentError, match=r"fit: expected a channel that a run computes, .* found none"):
         dt.fit(record, "two_mass", {"wob": "50 kN..58 kN"}, channels=["weight_on_bit=T:kN"])
     assert dt.read_record(record, ["torque"]).series["torque"][1] == pytest.approx([1355.818, 2711.636], rel=1e-6)
 
