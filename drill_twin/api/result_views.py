@@ -10,11 +10,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from drill_twin.api.scenes import RPM
 from drill_twin.api.whirl import Whirl
 from drill_twin.core.arrays import Array
-from drill_twin.core.errors import import_extra
+from drill_twin.core.errors import import_extra, nearest
 from drill_twin.core.rig_channels import FIELDS, channel_of
-from drill_twin.io.bag.series import CommandSeries, MarkSeries, RigSeries
+from drill_twin.io.bag.series import CommandSeries, MarkSeries, RigSeries, StressSeries
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -73,6 +74,83 @@ class Plots:
     plot_orbits = _plot("orbits", "Orbits of the centre line at the marks across the hole.")
     plot_well = _plot("well", "The string in the well at the end, and tracks over measured depth.")
     plot_string_shapes = _plot("string_shapes", "Shapes of the string in the hole, and the paths of the marks.")
+
+
+class Channels:
+    """Quantities of the rig over time, each of shape (T,)."""
+
+    if TYPE_CHECKING:
+
+        @property
+        def recording(self) -> Recording:
+            """The run as the report reads it."""
+
+    @property
+    def set_points(self) -> CommandSeries:
+        """Set-points as commanded: `time`, `weight_on_bit` [N], `rotation` [rad/s], each of shape (T,)."""
+        return self.recording.commands
+
+    @property
+    def rig(self) -> RigSeries:
+        """Rig and bit as they moved: angles [rad], speeds [rad/s], torques [N m], forces [N], each of shape (T,)."""
+        return self.recording.rig
+
+    @property
+    def stress(self) -> StressSeries:
+        """Sections of the effect `fatigue`: `names`, `time`, `moment_x`, `moment_y` [N m], `axial_force` [N], `stress`,
+        `largest_stress` [Pa], `cycles`, `damage`, each of shape (T, s); empty without it. `summary["fatigue"]` has the
+        time to a damage of 1.
+        """
+        return self.recording.stress
+
+    @property
+    def energy(self) -> dict[str, Array]:
+        """Energy balance over time, where the scene has `numerics.audit: energy`; else empty.
+
+        `time` [s] and each value of the balance, shape (K,), K about once a simulated second: `stored_...`, `work_...`
+        and `dissipated_...` by effect [J], `residual` as a share of `scale_J`.
+        """
+        return self.recording.log.energy
+
+    @property
+    def hookload(self) -> Array:
+        """Force that holds the string at the top [N]."""
+        return self.rig.hookload
+
+    @property
+    def torque(self) -> Array:
+        """Torque of the top drive on the string [N m]."""
+        return self.rig.top_drive_torque
+
+    @property
+    def bit_torque(self) -> Array:
+        """Torque of the rock on the bit [N m]."""
+        return self.rig.bit_torque
+
+    @property
+    def weight_on_bit(self) -> Array:
+        """Weight on bit as applied [N], positive = compression."""
+        return self.rig.bit_force
+
+    @property
+    def bit_speed(self) -> Array:
+        """Speed of the bit [rad/s]."""
+        return self.rig.bit_speed
+
+    @property
+    def rpm(self) -> Array:
+        """Speed of the top drive [rev/min]."""
+        return self.rig.top_drive_speed / RPM
+
+
+class Named(dict[str, Any]):
+    """Findings by key, `summary["onset_s"]`, and as attributes, `summary.onset_s`."""
+
+    def __getattr__(self, name: str) -> Any:
+        """Finding of this name."""
+        if name in self:
+            return self[name]
+        raise AttributeError(f"expected a key of summary.json, found {name!r}{nearest(name, self)}")
 
 
 _RIG = (

@@ -27,20 +27,22 @@ Overrides = Mapping[str, float | str]
 effect out."""
 
 
-def load_scene(scene: str | Path, overrides: Overrides | None = None) -> Scene:
+def load_scene(scene: str | Path, overrides: Overrides | None = None, **named: float | str) -> Scene:
     """Load a scene from a file, or by the name of an installed one (`scene_names`).
 
-    >>> scene = load_scene("pa6_bench", {"rig.rotation.value": "120 rpm", "wob": 60})
+    >>> scene = load_scene("pa6_bench", wob="60 N", rpm=120)
+    >>> scene = load_scene("pa6_bench", {"effects.bow": "off", "hole.radius": "90 mm"})
 
     Args:
         scene: Name or file.
         overrides: Values that replace the file's values.
+        named: The same, for keys without a dot: `wob`, `rpm`, `duration`, `accuracy`, `units`.
 
     Raises:
         SceneError: No such file, or not a scene; the message names file, line, key, expected and found.
     """
-    loaded = load.load_scene(scene)
-    return override(loaded, overrides) if overrides else loaded
+    loaded, changes = load.load_scene(scene), {**(overrides or {}), **named}
+    return override(loaded, changes) if changes else loaded
 
 
 def build_scene(
@@ -138,6 +140,8 @@ def with_resolution(scene: Scene) -> Scene:
     return resolve(scene).scene
 
 
+RPM = math.tau / 60.0
+"""SI value of a revolution per minute [rad/s]."""
 Quantity = float | str
 """Number in the documented unit, or text with its unit, such as `"40 N"`; a time without one is in s."""
 

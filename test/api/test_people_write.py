@@ -1,0 +1,77 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Lines that people write: short arguments, findings by attribute, marks by name, a part of a run by time."""
+
+import math
+
+import numpy as np
+import pytest
+
+import drill_twin as dt
+from drill_twin.core.errors import ArgumentError
+
+
+@pytest.fixture(scope="module")
+def result():
+    return dt.Simulation("pa6_bench").run(duration=9)
+
+
+def test_a_scene_takes_its_short_keys_as_arguments():
+    scene = dt.load_scene("pa6_bench", {"hole.radius": "85 mm", "wob": 10}, wob="60 N", rpm=90)
+    assert (scene.rig.weight_on_bit.value, scene.hole.radius) == (60.0, 0.085)
+    assert scene.rig.rotation.value == pytest.approx(3.0 * math.pi)
+    with pytest.raises(dt.SceneError, match=r'force such as "40 N", found "60 s"'):
+        dt.load_scene("pa6_bench", wob="60 s")
+    with pytest.raises(dt.SceneError, match='found "weight"'):
+        dt.load_scene("pa6_bench", weight=3)
+
+
+def test_the_onset_is_one_wherever_it_is_asked_for(result):
+    assert result.onset_s == result.onset.time_s == result.whirl.onset_s == result.summary.onset_s
+    assert result.onset == result.whirl.onset
+    assert result.summary["onset_mark"] == result.onset.mark
+    with pytest.raises(AttributeError, match='did you mean "onset_s"'):
+        _ = result.summary.onset_ss
+
+
+def test_channels_of_the_rig_have_short_names(result):
+    assert np.array_equal(result.bit_speed, result.rig.bit_speed)
+    assert result.rpm[-1] == pytest.approx(120.0, rel=1e-6)
+
+
+def test_a_mark_is_found_by_its_name(result):
+    mark = result.marks["mark_2"]
+    assert np.array_equal(mark.time, result.marks.time)
+    for column in ("position", "spin", "velocity", "spin_rate", "wall_force"):
+        assert np.array_equal(getattr(mark, column), getattr(result.marks, column)[:, 1])
+    with pytest.raises(ArgumentError, match='did you mean "mark_2"'):
+        _ = result.marks["mark2"]
+
+
+def test_a_part_is_selected_by_time_and_analysed_by_itself(result):
+    part = result.sel(time=slice("2 s", 4))
+    assert part.time[[0, -1]].tolist() == [2.0, 4.0]
+    whole = (result.time >= 2.0) & (result.time <= 4.0)
+    assert np.array_equal(part.hookload, result.hookload[whole])
+    assert part.onset is None
+    assert result.onset_s > 4.0  # which the part does not reach
+    assert part.scene == result.scene
+    assert part.sel(time=slice(None, 3)).time[[0, -1]].tolist() == [2.0, 3.0]
+    assert part.sel(time=slice(0, None)).time[0] == 2.0  # a part of a part has no more
+
+
+def test_whirl_that_a_part_begins_with_is_said_to_have_begun_before(result):
+    part = result.sel(time=slice(result.onset_s + 1.0, None))
+    assert part.onset.at_start
+    assert f"whirl before {part.onset_s:.2f} s" in repr(part)
+    assert f"whirl from {result.onset_s:.2f} s" in repr(result)
+
+
+@pytest.mark.parametrize("time", [5.0, slice(5, 4), slice(0, 5, 2), slice("5 kg", None)])
+def test_a_time_that_is_no_part_is_refused(result, time):
+    with pytest.raises(ArgumentError, match="time: expected"):
+        result.sel(time=time)
+
+
+def test_a_time_beyond_the_run_is_refused(result):
+    with pytest.raises(dt.BagError, match="expected marks and rig states"):
+        result.sel(time=slice(100, 110))
