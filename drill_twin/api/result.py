@@ -6,6 +6,7 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 from functools import cached_property
+from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -16,15 +17,18 @@ from drill_twin.api.scenes import in_si
 from drill_twin.api.whirl import Whirl
 from drill_twin.core.arrays import Array
 from drill_twin.core.errors import ArgumentError
+from drill_twin.core.table import Table
 from drill_twin.core.units.dimension import TIME
 from drill_twin.io.bag.reader import Bag
 from drill_twin.io.bag.sensor_series import Measured
 from drill_twin.io.bag.series import MarkSeries, PoseSeries
 from drill_twin.io.bag.virtual_bags import copy_bag
 from drill_twin.io.scene_geometry import sub_analyzer
+from drill_twin.report.load_text import answers
 from drill_twin.report.recording import Recording
 from drill_twin.report.selection import Selection, open_bag
 from drill_twin.report.summary import summarise
+from drill_twin.report.text import findings
 from drill_twin.scene import Scene
 from drill_twin.whirl import Onset, Summary
 
@@ -70,6 +74,11 @@ class Result(Plots, Channels):
         if self.onset is not None:
             onset = f"whirl {'before' if self.onset.at_start else 'from'} {self.onset.time_s:.2f} s"
         return f"<Result of {name}: {self.time.size} samples to {self.recording.duration:g} s, {onset}>"
+
+    def _repr_html_(self) -> str:
+        """The same line and the rows of `summary`, for a notebook."""
+        rows = [*answers(self.summary), *findings(self.summary)]
+        return f"<p>{escape(repr(self))}</p>{Table((), rows).html()}"
 
     @property
     def path(self) -> Path:

@@ -133,6 +133,11 @@ class Simulation:
         self._reported = -1
         self.state: State | None = None
 
+    def __repr__(self) -> str:
+        """One line: scene, time, motion."""
+        at = f"{self.time:g} s, {self.state.motion}" if self.state else "not begun"
+        return f"<Simulation of {self.scene.name}: {at}>"
+
     @property
     def frame_time(self) -> float:
         """Simulated time of a frame [s], 1 / `numerics.frame_rate` in whole nanoseconds."""

@@ -75,3 +75,43 @@ def test_a_time_that_is_no_part_is_refused(result, time):
 def test_a_time_beyond_the_run_is_refused(result):
     with pytest.raises(dt.BagError, match="expected marks and rig states"):
         result.sel(time=slice(100, 110))
+
+
+def test_a_scene_is_shown_on_one_screen(monkeypatch):
+    monkeypatch.setenv("COLUMNS", "80")
+    scene = dt.load_scene("wells/s_shaped")
+    lines = str(scene).splitlines()
+    assert repr(scene) == str(scene)
+    assert len(lines) < 25
+    assert max(map(len, lines)) <= 80
+    assert lines[0] == "s_shaped: Well plan"
+    assert lines[1].split(maxsplit=1) == ["string", "3000 m, 5 sections, bit end pinned"]
+    assert "<th>weight on bit</th><td>100 kN</td>" in scene._repr_html_()
+
+
+def test_whirl_is_shown_by_its_findings(result):
+    shown = " ".join(str(result.whirl).split())
+    assert f"onset of whirl {result.onset_s:.2f} s, first at {result.onset.mark}" in shown
+    assert "mark_2 0.08" in shown
+    calm = dt.analyze(result.time, *(0.0 * result.centre[:, 0].T), "120 rpm", clearance="80 mm")
+    assert "onset of whirl none found" in " ".join(repr(calm).split())
+
+
+def test_a_result_is_a_line_and_its_findings_in_a_notebook(result):
+    assert len(repr(result).splitlines()) == 1
+    page = result._repr_html_()
+    assert f"whirl from {result.onset_s:.2f} s&gt;" in page
+    assert "<th>severity" in page
+
+
+def test_a_run_and_an_ensemble_tell_what_they_are():
+    simulation = dt.Simulation("pa6_bench")
+    assert repr(simulation) == "<Simulation of pa6_bench: not begun>"
+    simulation.advance(wob=10, rpm=60, seconds=0.5)
+    assert repr(simulation).startswith("<Simulation of pa6_bench: 0.5 s, ")
+    ensemble = dt.Ensemble("pa6_bench", {"wob": ["10 N", 40], "seed": range(3)})
+    assert repr(ensemble) == "<Ensemble of pa6_bench: 6 members, 2 of wob x 3 of seed>"
+    zipped = dt.Ensemble("pa6_bench", {"wob": ["10 N", 60], "rpm": [60, 90]}, zipped=True).run(0.5, workers=1)
+    assert repr(zipped) == "<EnsembleResult of pa6_bench: 2 members, 2 of wob with 2 of rpm>"
+    assert '<td class="number">2</td>' in zipped._repr_html_()
+    assert "onset_s" not in zipped._repr_html_()  # no member whirled

@@ -58,6 +58,13 @@ class Members:
         lengths = [len(values) for values in self.vary.values()]
         return (lengths[0],) if self.zipped else tuple(lengths)
 
+    @property
+    def told(self) -> str:
+        """Number of members, and of the values of each key, in words."""
+        between = " with " if self.zipped else " x "
+        values = between.join(f"{len(values)} of {key}" for key, values in self.vary.items())
+        return f"{len(self)} members, {values}"
+
     def __len__(self) -> int:
         """Number of members."""
         return math.prod(self.shape)

@@ -5,11 +5,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from functools import cached_property
+from html import escape
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from drill_twin.core.errors import ArgumentError, import_extra
+from drill_twin.core.table import Column, Table
 from drill_twin.runs.ensemble.members import Members
 from drill_twin.runs.ensemble.run import MemberRun
 from drill_twin.whirl import Summary
@@ -44,7 +46,18 @@ class EnsembleResult:
     def __repr__(self) -> str:
         """One line: scene, members, failures."""
         failed = f", {len(self.failed)} failed" if self.failed else ""
-        return f"<EnsembleResult of {self._members.base.name}: {len(self.members)} members{failed}>"
+        return f"<EnsembleResult of {self._members.base.name}: {self._members.told}{failed}>"
+
+    def _repr_html_(self) -> str:
+        """The same line, and the least, median and largest value of each output of one number, for a notebook."""
+        rows = []
+        for name in self.names:
+            values = self[name] if not self.dimensions[name] else np.zeros(0)
+            if np.issubdtype(values.dtype, np.number) and (known := values[np.isfinite(values)]).size:
+                spread = (f"{value:.4g}" for value in np.quantile(known, (0.0, 0.5, 1.0)))
+                rows.append((Column(name, self.units[name]).title, f"{known.size}", *spread))
+        table = Table(("output", "members", "least", "median", "largest"), rows, right=(1, 2, 3, 4))
+        return f"<p>{escape(repr(self))}</p>{table.html()}"
 
     @property
     def marks(self) -> list[str]:
