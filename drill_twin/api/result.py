@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from drill_twin.api.result_views import Channels, Cost, Named, Plots
+from drill_twin.api.result_views import Cost, Named, Plots
 from drill_twin.api.scenes import in_si
 from drill_twin.api.whirl import Whirl
 from drill_twin.core.arrays import Array
@@ -37,7 +37,7 @@ if TYPE_CHECKING:
     import xarray
 
 
-class Result(Plots, Channels):
+class Result(Plots):
     """Arrays, findings and figures of a run; of a bag with several runs, the last or the chosen one.
 
     Everything is read on first use. T samples, m marks in the order of the scene, n + 1 nodes from the bit (0) to the

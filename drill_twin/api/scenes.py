@@ -8,6 +8,10 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+from numpy.typing import ArrayLike
+
+from drill_twin.core.arrays import Array
 from drill_twin.core.errors import ArgumentError, DrillTwinError, SceneError
 from drill_twin.core.files.output import write_whole
 from drill_twin.core.units import Dimension, UnitError, parse
@@ -171,6 +175,26 @@ def in_si(name: str, value: Quantity, dimension: Dimension, unit: float = 1.0) -
     if not math.isfinite(number):
         raise ArgumentError(f"{name}: expected {dimension.expected} or a finite number, found {value!r}")
     return number
+
+
+def points_of(name: str, given: ArrayLike | str, dimension: Dimension, number: int) -> Array:
+    """Rising numbers in SI, shape (p,): an array of them, or a range as text with its unit, such as "60..390 rpm".
+
+    Args:
+        name: Name of the argument, for the message.
+        given: Numbers in SI, or a range; "60..390:30 rpm" has 30 points.
+        dimension: Dimension of the argument.
+        number: Points of a range that does not say.
+
+    Raises:
+        ArgumentError: The text is no range, or of another dimension, or the numbers do not rise.
+    """
+    if isinstance(given, str):
+        span = parse_range(name, given)
+        return np.array([in_si(name, f"{value!r} {span.unit}".strip(), dimension) for value in span.points(number)])
+    if np.any(np.diff(found := np.atleast_1d(np.asarray(given, float))) <= 0.0):
+        raise ArgumentError(f"{name}: expected values that increase, found {found.tolist()!s:.60}; sort them")
+    return found
 
 
 def range_of(scene: Scene, key: str, given: str | tuple[float, float]) -> tuple[float, float]:

@@ -115,3 +115,66 @@ def test_a_run_and_an_ensemble_tell_what_they_are():
     assert repr(zipped) == "<EnsembleResult of pa6_bench: 2 members, 2 of wob with 2 of rpm>"
     assert '<td class="number">2</td>' in zipped._repr_html_()
     assert "onset_s" not in zipped._repr_html_()  # no member whirled
+
+
+def test_a_result_draws_and_reports_itself(result, tmp_path):
+    assert result.plot().axes[0].get_ylabel() == result.plot_displacement().axes[0].get_ylabel()
+    assert result.plot("orbits").get_suptitle() == result.plot_orbits().get_suptitle()
+    with pytest.raises(ArgumentError, match='did you mean "orbits"'):
+        result.plot("orbit")
+    page = result.report(tmp_path / "report")
+    assert page == tmp_path / "report" / "report.html"
+    assert (tmp_path / "report" / "orbits.png").stat().st_size > 10_000
+    assert f"{result.onset_s:.2f} s" in page.read_text("utf-8")
+
+
+def test_a_run_without_marks_draws_what_it_has():
+    scene = dt.build_scene("bare", base="pa6_bench", string={"marks": []})
+    result = dt.Simulation(scene).run(duration=0.5)
+    assert result.plot().axes[0].get_ylabel() == result.plot_set_points().axes[0].get_ylabel()
+    with pytest.raises(ArgumentError, match="no positions of marks"):
+        result.plot_orbits()
+
+
+def test_modes_draw_and_show_themselves(monkeypatch):
+    monkeypatch.setenv("COLUMNS", "80")
+    table = dt.modes("pa6_bench", {"wob": 5}, count=3, is_compared=False)
+    lines = str(table).splitlines()
+    assert len(lines) < 20
+    assert lines[0].startswith("pa6_bench: 5 N at 2 rev/s, string on the axis.")
+    assert any(line.split()[:2] == ["lateral", "1"] for line in lines)
+    panels = table.plot().axes
+    assert len(panels) == 3
+    assert panels[0].get_title(loc="left").startswith(f"{table.modes[0].frequency:+.3g} Hz")
+
+
+def test_speeds_are_a_range_with_its_unit_or_numbers_in_si():
+    turns = np.linspace(1.0, 3.0, 5)
+    diagram = dt.campbell("pa6_bench", speeds="60..180:5 rpm", count=3)
+    assert np.allclose(diagram.speeds, math.tau * turns, rtol=1e-12)
+    same = dt.campbell("pa6_bench", speeds=list(math.tau * turns), count=3)
+    assert np.allclose(diagram.eigenvalues, same.eigenvalues, rtol=1e-9)
+    assert "1 to 3 rev/s" in str(diagram)
+    assert [line.get_xdata()[-1] for line in diagram.plot().axes[0].lines[:3]] == pytest.approx([3.0] * 3)
+    growth = dt.growth_map("pa6_bench", weights="0..20:2 N", speeds="60..120:2 rpm")
+    assert growth.lateral.shape == (2, 2)
+    assert growth.plot().axes[0].get_ylabel() == "weight on bit [N]"
+    for speeds in ("60..180", "60..180 N", [2.0, 1.0]):
+        with pytest.raises(ArgumentError, match="speeds: expected"):
+            dt.campbell("pa6_bench", speeds=speeds)
+
+
+def test_statics_draw_and_show_themselves():
+    loads = dt.statics("pa6_bench")
+    assert all(name in str(loads) for name in ("hookload", "off bottom", "drill"))
+    assert [axes.get_title(loc="left") for axes in loads.plot().axes][:2] == ["tension", "torque"]
+    assert loads["drill"].hookload == pytest.approx(loads.operations[-1].hookload)
+
+
+def test_states_compare_with_their_text(result):
+    state = result.whirl.summary.motion[-1].state
+    assert state == state.value == result.whirl.motion[-1]["state"]
+    assert result.summary.lasting_motion == result.whirl.summary.lasting_motion
+    assert dt.MotionState.FORWARD_WHIRL == "forward whirl"
+    assert dt.Regime.SMOOTH == "smooth"
+    assert f"{dt.MotionState.SPIRAL}" == "spiral"

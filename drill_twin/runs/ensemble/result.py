@@ -50,12 +50,12 @@ class EnsembleResult:
 
     def _repr_html_(self) -> str:
         """The same line, and the least, median and largest value of each output of one number, for a notebook."""
-        rows = []
-        for name in self.names:
-            values = self[name] if not self.dimensions[name] else np.zeros(0)
-            if np.issubdtype(values.dtype, np.number) and (known := values[np.isfinite(values)]).size:
-                spread = (f"{value:.4g}" for value in np.quantile(known, (0.0, 0.5, 1.0)))
-                rows.append((Column(name, self.units[name]).title, f"{known.size}", *spread))
+        columns = {name: self[name] for name in self.names if not self.dimensions[name]}
+        rows = [
+            (Column(name, self.units[name]).title, *(f"{of(known):.4g}" for of in (len, np.min, np.median, np.max)))
+            for name, values in columns.items()
+            if values.dtype.kind in "fi" and (known := values[np.isfinite(values)]).size
+        ]
         table = Table(("output", "members", "least", "median", "largest"), rows, right=(1, 2, 3, 4))
         return f"<p>{escape(repr(self))}</p>{table.html()}"
 
