@@ -63,22 +63,20 @@ class Result(Plots):
         self._bag, self._given, self._selection, self._findings = bag, scene, selection, findings
 
     @cached_property
-    def recording(self) -> Recording:
+    def recording(self) -> Recording:  # type: ignore[override]  # set once, on first use
         """The run as the report reads it."""
         return Recording(self._bag, self._given, self._selection)
 
     def __repr__(self) -> str:
         """One line: scene, length, onset."""
         name = self.scene.name if self.recording.scene_known else str(self.path)
-        onset = "no whirl"
-        if self.onset is not None:
-            onset = f"whirl {'before' if self.onset.at_start else 'from'} {self.onset.time_s:.2f} s"
-        return f"<Result of {name}: {self.time.size} samples to {self.recording.duration:g} s, {onset}>"
+        since = "before" if self.onset and self.onset.at_start else "from"
+        said = "no whirl" if self.onset_s is None else f"whirl {since} {self.onset_s:.2f} s"
+        return f"<Result of {name}: {self.time.size} samples to {self.recording.duration:g} s, {said}>"
 
     def _repr_html_(self) -> str:
         """The same line and the rows of `summary`, for a notebook."""
-        rows = [*answers(self.summary), *findings(self.summary)]
-        return f"<p>{escape(repr(self))}</p>{Table((), rows).html()}"
+        return f"<p>{escape(repr(self))}</p>{Table((), [*answers(self.summary), *findings(self.summary)]).html()}"
 
     @property
     def path(self) -> Path:
@@ -151,11 +149,8 @@ class Result(Plots):
     def whirl(self) -> Whirl:
         """Findings of the whirl analysis over time and in all."""
         found, summary = self.recording.whirl, self.recording.summary
-        empty = np.zeros((0, 0))
-        radii, precession, ratio, confidence = (
-            values if len(found) else empty
-            for values in (found.orbit_radius, found.precession, found.ratio, found.confidence)
-        )
+        columns = found.orbit_radius, found.precession, found.ratio, found.confidence
+        radii, precession, ratio, confidence = (rows if len(found) else np.zeros((0, 0)) for rows in columns)
         return Whirl(found.time, found.names, radii, precession, ratio, confidence, summary, summary.notes)
 
     @property
@@ -243,11 +238,9 @@ class Result(Plots):
         old = self._selection or Selection()
         if not isinstance(time, slice) or time.step is not None:
             raise ArgumentError(f'time: expected slice(start, end), such as slice("5 s", "10 s"), found {time!r}')
-        begin, end = (at if at is None else in_si("time", at, TIME) for at in (time.start, time.stop))
-        first, last = (
-            max(old.begin if begin is None else begin, old.begin),
-            old.end if end is None else min(end, old.end),
-        )
+        ends = (time.start, -math.inf), (time.stop, math.inf)
+        begin, end = (open_end if at is None else in_si("time", at, TIME) for at, open_end in ends)
+        first, last = max(begin, old.begin), min(end, old.end)
         if not first < last:
             raise ArgumentError(f"time: expected a start before the end, found {first:g} s and {last:g} s")
         part = Result(self._bag, self._given, replace(old, begin=first, end=last))

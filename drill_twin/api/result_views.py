@@ -101,11 +101,8 @@ class StaticLoads(Shown, Statics):
 class Channels:
     """Quantities of the rig over time, each of shape (T,)."""
 
-    if TYPE_CHECKING:
-
-        @property
-        def recording(self) -> Recording:
-            """The run as the report reads it."""
+    recording: Recording
+    """The run as the report reads it."""
 
     @property
     def set_points(self) -> CommandSeries:
@@ -118,13 +115,6 @@ class Channels:
         return self.recording.rig
 
     @property
-    def stress(self) -> StressSeries:
-        """Sections of the effect `fatigue`: `names`, `time`, `moment_x`, `moment_y` [N m], `axial_force` [N], `stress`,
-        `largest_stress` [Pa], `cycles`, `damage`, shape (T, s); `summary["fatigue"]` has the time to a damage of 1.
-        """
-        return self.recording.stress
-
-    @property
     def energy(self) -> dict[str, Array]:
         """Energy balance over time, where the scene has `numerics.audit: energy`; else empty.
 
@@ -134,9 +124,21 @@ class Channels:
         return self.recording.log.energy
 
     @property
+    def stress(self) -> StressSeries:
+        """Sections of the effect `fatigue`: `names`, `time`, `moment_x`, `moment_y` [N m], `axial_force` [N], `stress`,
+        `largest_stress` [Pa], `cycles`, `damage`, shape (T, s); `summary["fatigue"]` has the time to a damage of 1.
+        """
+        return self.recording.stress
+
+    @property
     def hookload(self) -> Array:
         """Force that holds the string at the top [N]."""
         return self.rig.hookload
+
+    @property
+    def rpm(self) -> Array:
+        """Speed of the top drive [rev/min]."""
+        return self.rig.top_drive_speed / RPM
 
     @property
     def torque(self) -> Array:
@@ -158,11 +160,6 @@ class Channels:
         """Speed of the bit [rad/s]."""
         return self.rig.bit_speed
 
-    @property
-    def rpm(self) -> Array:
-        """Speed of the top drive [rev/min]."""
-        return self.rig.top_drive_speed / RPM
-
 
 class Plots(Channels):
     """Methods that return matplotlib figures; a notebook shows them, `figure.savefig(file)` writes them."""
@@ -177,11 +174,10 @@ class Plots(Channels):
         from drill_twin.report.figures import FIGURES, left_out
 
         lacking = left_out(self.recording)
-        chosen = name or next((one for one in ("displacement", "set_points") if one not in lacking), "displacement")
-        if chosen not in FIGURES or chosen in lacking:
-            why = f" (the recording holds {lacking[chosen]})" if chosen in lacking else nearest(chosen, FIGURES)
-            known = ", ".join(one for one in FIGURES if one not in lacking)
-            raise ArgumentError(f"name: expected one of {known or 'no figures'}, found {chosen!r}{why}")
+        known = [one for one in FIGURES if one not in lacking]
+        if (chosen := name or ("displacement" if "displacement" in known else "set_points")) not in known:
+            why = f" (the recording holds {lacking[chosen]})" if chosen in lacking else nearest(chosen, known)
+            raise ArgumentError(f"name: expected one of {', '.join(known) or 'none'}, found {chosen!r}{why}")
         return draw(chosen, self.recording)
 
     def report(self, folder: str | Path) -> Path:

@@ -45,8 +45,7 @@ def load_scene(scene: str | Path, overrides: Overrides | None = None, **named: f
     Raises:
         SceneError: No such file, or not a scene; the message names file, line, key, expected and found.
     """
-    loaded, changes = load.load_scene(scene), {**(overrides or {}), **named}
-    return override(loaded, changes) if changes else loaded
+    return as_scene(load.load_scene(scene), {**(overrides or {}), **named})
 
 
 def build_scene(

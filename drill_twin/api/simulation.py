@@ -135,8 +135,7 @@ class Simulation:
 
     def __repr__(self) -> str:
         """One line: scene, time, motion."""
-        at = f"{self.time:g} s, {self.state.motion}" if self.state else "not begun"
-        return f"<Simulation of {self.scene.name}: {at}>"
+        return f"<Simulation of {self.scene.name}: {self.time:g} s, {self.state.motion if self.state else 'not begun'}>"
 
     @property
     def frame_time(self) -> float:

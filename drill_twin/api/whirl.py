@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from typing import Any, Literal
 
 import numpy as np
@@ -12,11 +12,11 @@ from numpy.typing import ArrayLike
 
 from drill_twin.api.scenes import Quantity, in_si
 from drill_twin.core.arrays import Array
-from drill_twin.core.files.plain_json import plain
 from drill_twin.core.table import Shown, Table
 from drill_twin.core.units.dimension import ANGULAR_SPEED, LENGTH
 from drill_twin.io.messages.stamps import NANOSECONDS
-from drill_twin.report.summary import of_whirl, timeline
+from drill_twin.report.load_text import number_text
+from drill_twin.report.summary import timeline
 from drill_twin.report.text import frequency_text, lasting, onset_text
 from drill_twin.whirl import AnalysisError, Analyzer, MarkInfo, MotionPeriod, Onset, Summary
 from drill_twin.whirl.analyzer import LARGEST_STAMP
@@ -80,16 +80,13 @@ class Whirl(Shown):
 
     def shown(self) -> Table:
         """Findings in words, for a prompt and a notebook."""
-        found = plain({
-            **of_whirl(self.summary), "mark_motion": self.mark_motion, "quality": self.summary.quality._asdict(),
-        })  # fmt: skip
-        radii = {mark: radius for mark, radius in self.summary.max_radius_m.items() if radius is not None}
+        of_onset = asdict(self.onset) if self.onset else {}
+        found = {**self.summary.to_dict(), **{f"onset_{key}": value for key, value in of_onset.items()}}
+        radii = (f"{mark} {number_text(radius, '{:.4g} m')}" for mark, radius in found["max_radius_m"].items())
         rows = [("motion that lasts", lasting(found)), ("onset of whirl", onset_text(found)),
-                ("whirl frequency", frequency_text(found)),
-                ("largest radius", ", ".join(f"{mark} {radius:.4g} m" for mark, radius in radii.items()) or "not seen"),
+                ("whirl frequency", frequency_text(found)), ("largest radius", ", ".join(radii)),
                 *(("note", note) for note in self.notes)]  # fmt: skip
-        span = f", {self.time[0]:g} s to {self.time[-1]:g} s" if self.time.size else ""
-        return Table((), rows, title=f"Whirl of {', '.join(self.marks) or 'no mark'}: {self.time.size} samples{span}")
+        return Table((), rows, title=f"Whirl of {', '.join(self.marks) or 'no mark'}: {self.time.size} samples")
 
     def _timeline(self, periods: tuple[MotionPeriod, ...]) -> list[dict[str, Any]]:
         end = float(self.time[-1]) if self.time.size else 0.0

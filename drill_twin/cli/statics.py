@@ -18,7 +18,6 @@ from drill_twin.core.files.output import make_folder
 from drill_twin.core.table import Table
 
 if TYPE_CHECKING:
-    from drill_twin.core.units.system import UnitSystem
     from drill_twin.dynamics.torque_drag.analysis import Statics
 
 LARGEST_MARGIN = 1e3
@@ -81,9 +80,9 @@ def statics(
         return
     with shown_progress("computing"):
         found = computed(scene, changes, without=without, trip_speed=speeds["--trip-speed"], feed=speeds["--rop"])
-    shown, data = found.scene.unit_system, statics_data(found)
+    data = statics_data(found)
     emit(
-        data, _shown(found, shown), json=json, folder=out,
+        data, _shown(found), json=json, folder=out,
         files={"statics.json": data, "statics.csv": lambda: depth_table(found).csv(),
                "statics.png": lambda: tracks(found)},
     )  # fmt: skip
@@ -115,10 +114,10 @@ def _speed(option: str, text: str) -> float:
     return value
 
 
-def _shown(found: Statics, units: UnitSystem) -> Iterator[Table | str]:
+def _shown(found: Statics) -> Iterator[Table | str]:
     from drill_twin.studies.statics import loads_table
 
-    operations, u = found.operations, units
+    operations, u = found.operations, found.scene.unit_system
     yield loads_table(found)
     yield Table(
         ("operation", "sinusoidal", "helix", "lock-up", "yield", "make-up", "stress", "shape"),

@@ -167,9 +167,7 @@ class Shown:
         """The table as text."""
         return self.shown().text()
 
-    def __str__(self) -> str:
-        """The same."""
-        return repr(self)
+    __str__ = __repr__
 
     def _repr_html_(self) -> str:
         """The table for a notebook, its title above it."""

@@ -27,7 +27,7 @@ from drill_twin.report.quantities import (
 from drill_twin.report.recording import Recording, read_recording
 from drill_twin.report.severity import never_stuck, severity
 from drill_twin.report.surface import highest_line, surface, without_spikes
-from drill_twin.whirl import BitMotion, MotionPeriod, Summary
+from drill_twin.whirl import BitMotion, MotionPeriod
 
 _OF_THE_ONSET = ("mark", "confidence", "criterion", "uncertainty_s", "dated", "at_start")
 _OF_THE_WHIRL = (
@@ -105,7 +105,7 @@ def summarise(bag: Recording | Bag | str | Path) -> dict[str, Any]:
     elif isinstance(bag, Bag):
         bag = Recording(bag)
     found, run, log = bag.summary, bag.log.info, bag.log
-    wall, kept = wall_depth(bag), without_spikes(bag)
+    onset, wall, kept = found.onset, wall_depth(bag), without_spikes(bag)
     block = block_weight(bag, kept)
     summary = {
         "run": bag.run,
@@ -114,7 +114,9 @@ def summarise(bag: Recording | Bag | str | Path) -> dict[str, Any]:
         "scene": bag.scene.name if bag.scene_known else None,
         "units": bag.units.name,
         "whirl_observable": found.observable,
-        **of_whirl(found),
+        "onset_s": found.onset_s,
+        **{f"onset_{key}": getattr(onset, key, None) for key in _OF_THE_ONSET},
+        **{key: getattr(found, key) for key in _OF_THE_WHIRL},
         "spectrum_lines": spectrum_lines(bag),
         "rotation_rev_s": found.rotation_rev_s,
         "max_radius_m": found.max_radius_m,
@@ -159,15 +161,6 @@ def summarise(bag: Recording | Bag | str | Path) -> dict[str, Any]:
     }
     result: dict[str, Any] = plain(summary)
     return result
-
-
-def of_whirl(found: Summary) -> dict[str, Any]:
-    """Fields of the onset and of the whirl, under their names in `summary.json`."""
-    return {
-        "onset_s": found.onset_s,
-        **{f"onset_{key}": getattr(found.onset, key, None) for key in _OF_THE_ONSET},
-        **{key: getattr(found, key) for key in _OF_THE_WHIRL},
-    }
 
 
 def start_utc(bag: Bag) -> str | None:

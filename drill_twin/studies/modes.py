@@ -129,17 +129,18 @@ def _change(value: float) -> str:
 
 def campbell_table(diagram: Campbell) -> Table:
     """Speeds and critical speeds for people."""
-    name, units, turns = diagram.scene.name, diagram.scene.unit_system, diagram.speeds
+    units, turns = diagram.scene.unit_system, diagram.speeds
     rows = (("speeds", units.span(turns.min(), turns.max(), "rotation")), ("critical speeds", critical_text(diagram)))
-    load = units.text(diagram.weight_on_bit, "force")
-    return Table((), rows, title=f"{name}: {diagram.eigenvalues.shape[1]} lateral modes at {load}")
+    return Table((), rows, title=f"{diagram.scene.name}: {diagram.eigenvalues.shape[1]} lateral modes")
 
 
 def critical_text(diagram: Campbell) -> str:
     """Critical speeds of a Campbell diagram in words."""
-    units = diagram.scene.unit_system
-    named = ", ".join(f"{units.text(speed, 'rotation')} (mode {mode + 1})" for mode, speed in diagram.critical)
-    return named or "none up to the largest speed"
+    named, text = diagram.critical, diagram.scene.unit_system.text
+    return (
+        ", ".join(f"{text(speed, 'rotation')} (mode {mode + 1})" for mode, speed in named)
+        or "none up to the largest speed"
+    )
 
 
 SHAPES = 6

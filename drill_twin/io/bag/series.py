@@ -109,8 +109,7 @@ class MarkSeries(JointSeries):
             ArgumentError: There is no such mark.
         """
         if name not in self.names:
-            known = ", ".join(self.names) or "none, as the record has no marks"
-            raise ArgumentError(f"marks: expected one of {known}, found {name!r}{nearest(str(name), self.names)}")
+            raise ArgumentError(f"expected one of {', '.join(self.names)}, found {name!r}{nearest(name, self.names)}")
         at = self.names.index(name)
         return Mark(self.time, *(getattr(self, column)[:, at] for column in Mark._fields[1:]))
 

@@ -61,9 +61,8 @@ class Members:
     @property
     def told(self) -> str:
         """Number of members, and of the values of each key, in words."""
-        between = " with " if self.zipped else " x "
-        values = between.join(f"{len(values)} of {key}" for key, values in self.vary.items())
-        return f"{len(self)} members, {values}"
+        values = [f"{len(values)} of {key}" for key, values in self.vary.items()]
+        return f"{len(self)} members, {(' with ' if self.zipped else ' x ').join(values)}"
 
     def __len__(self) -> int:
         """Number of members."""

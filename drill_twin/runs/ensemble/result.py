@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from drill_twin.core.errors import ArgumentError, import_extra
-from drill_twin.core.table import Column, Table
+from drill_twin.core.table import Table
 from drill_twin.runs.ensemble.members import Members
 from drill_twin.runs.ensemble.run import MemberRun
 from drill_twin.whirl import Summary
@@ -49,15 +49,8 @@ class EnsembleResult:
         return f"<EnsembleResult of {self._members.base.name}: {self._members.told}{failed}>"
 
     def _repr_html_(self) -> str:
-        """The same line, and the least, median and largest value of each output of one number, for a notebook."""
-        columns = {name: self[name] for name in self.names if not self.dimensions[name]}
-        rows = [
-            (Column(name, self.units[name]).title, *(f"{of(known):.4g}" for of in (len, np.min, np.median, np.max)))
-            for name, values in columns.items()
-            if values.dtype.kind in "fi" and (known := values[np.isfinite(values)]).size
-        ]
-        table = Table(("output", "members", "least", "median", "largest"), rows, right=(1, 2, 3, 4))
-        return f"<p>{escape(repr(self))}</p>{table.html()}"
+        """The same line, and the outputs with their units, for a notebook."""
+        return f"<p>{escape(repr(self))}</p>{Table(('output', 'unit'), self.units.items()).html()}"
 
     @property
     def marks(self) -> list[str]:

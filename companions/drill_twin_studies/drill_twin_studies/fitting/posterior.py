@@ -9,8 +9,10 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from drill_twin.core.arrays import Array
+from drill_twin.core.errors import import_extra
 from drill_twin.scene import Scene
 from drill_twin.scene.load import override
 from drill_twin.scene.overrides import full_key
@@ -18,7 +20,7 @@ from drill_twin.scene.schema import unit_at
 from drill_twin_studies.fitting.likelihood import features_goodness, noise_in
 from drill_twin_studies.fitting.record import Record
 from drill_twin_studies.fitting.sampling import Sampling, in_ranges, weighted_quantile
-from drill_twin_studies.goodness import HALF_WIDTH, Goodness, correlation_limit, goodness, limit_of_samples, sentence
+from drill_twin_studies.goodness import Goodness, correlation_limit, goodness, limit_of_samples, sentence
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -163,6 +165,31 @@ class Posterior:
         error = float(np.nanstd(self.residual(channel)))
         return predictive_band(self.runs[channel], self.sampling.weights, error, share)
 
+    @property
+    def draws(self) -> Array:
+        """Draws of equal weight [SI], shape (2000, d), drawn from `values` by their weights: many are repeated."""
+        return np.asarray(self.values[resampled(self.sampling.weights)[0]])
+
+    def plot_corner(self) -> Figure:
+        """Draws of each number over its range, and of each pair of numbers."""
+        from drill_twin_studies.fitting.figures import corner_figure
+
+        return corner_figure(self)
+
+    def to_inferencedata(self) -> Any:
+        """Draws of equal weight [SI] as groups `posterior` and `observed_data` of a DataTree, which ArviZ reads.
+
+        Draws are of one chain and repeated, so that the effective sample size of ArviZ does not hold: it is
+        `sampling.effective`.
+
+        Raises:
+            ArgumentError: arviz_base is not installed.
+        """
+        posterior = {key: column[None] for key, column in zip(self.keys, self.draws.T, strict=True)}
+        groups = {"posterior": posterior, "observed_data": dict(self.measured)}
+        dims = {channel: ["time"] for channel in self.measured}
+        return import_extra("arviz_base").from_dict(groups, coords={"time": self.time}, dims=dims)
+
     def scene_text(self, base: str | None = None) -> str:
         """YAML of the fitted scene: the differences from a scene, by default the fit's scene, by its name."""
         from drill_twin.scene.lines import yaml_text
@@ -210,11 +237,15 @@ class Posterior:
         }  # fmt: skip
 
 
+def resampled(weights: Array) -> tuple[NDArray[np.int64], np.random.Generator]:
+    """Numbers of 2,000 runs, drawn by their weights, and the generator that drew them; the same in each call."""
+    alive, generator = np.flatnonzero(weights > 1e-6 * weights.max()), np.random.default_rng(1)
+    return generator.choice(alive, 2000, p=weights[alive] / weights[alive].sum()), generator
+
+
 def predictive_band(runs: Array, weights: Array, error: float, share: float) -> tuple[Array, Array]:
     """Quantiles at each time of weighted runs, shape (N, T), widened by a Gaussian error of the model."""
-    alive = weights > 1e-6 * weights.max()
-    generator = np.random.default_rng(1)
-    drawn = generator.choice(np.flatnonzero(alive), 2000, p=weights[alive] / weights[alive].sum())
+    drawn, generator = resampled(weights)
     noisy = runs[drawn] + error * generator.standard_normal((drawn.size, 1))
     low, high = np.quantile(noisy, (0.5 - share / 2.0, 0.5 + share / 2.0), axis=0)
     return low, high
@@ -232,34 +263,3 @@ def of_law(keys: Iterable[str], scene: Scene) -> list[str]:
 def shown_number(key: str, scene: Scene) -> tuple[float, str]:
     """Size of an SI number of a scene in the units of its reader, and their name; of a factor 1 and nothing."""
     return scene.unit_system.in_unit(unit_at(scene, full_key(key, scene)))
-
-
-def fit_figure(found: Posterior) -> Figure:
-    """Record, 90 % band and best run over time, a panel for each channel; below it, its residual over the noise."""
-    from drill_twin.report.figures.style import BLUE, LIGHT, VERMILION, laid_out, styled
-    from drill_twin_studies.fitting.record import CHANNELS
-
-    channels = list(found.measured)
-    with styled():
-        figure = laid_out(1.0 + 3.4 * len(channels), f"{found.scene.name}: the record and the draws")
-        heights = {"height_ratios": [2.4, 1.0] * len(channels)}
-        panels = figure.subplots(2 * len(channels), sharex=True, squeeze=False, gridspec_kw=heights)[:, 0]
-        for axes, below, channel in zip(panels[::2], panels[1::2], channels, strict=True):
-            low, high = found.band(channel)
-            size, unit = found.scene.unit_system.in_unit(CHANNELS[channel].unit)
-            measured, best = size * found.measured[channel], size * found.runs[channel][found.best_run]
-            axes.fill_between(found.time, size * low, size * high, color=LIGHT, label="90 % band")
-            axes.plot(found.time, measured, color=BLUE, linewidth=1.0, label="record")
-            axes.plot(found.time, best, color=VERMILION, linewidth=1.0, label="best run")
-            axes.set_ylabel(f"{channel} [{unit}]")
-            fitted = found.goodness[channel]
-            if found.window is not None:  # the phase of the series is not determined
-                below.set_visible(False)
-                continue
-            below.plot(found.time, found.residual(channel) / fitted.noise, color=BLUE, linewidth=0.8)
-            below.axhspan(-HALF_WIDTH, HALF_WIDTH, color=LIGHT)
-            below.set_ylabel("residual / noise")
-            below.set_title(f"rms {fitted.ratio:.3g}, from sample to sample {fitted.correlation:+.2f}", fontsize=9.5)
-        panels[-1].set_xlabel("time [s]")
-        panels[0].legend(loc="upper right", ncols=3)
-    return figure
