@@ -167,9 +167,11 @@ def set_points_of(scene: Scene) -> tuple[str, str]:
 def scene_rows(scene: Scene) -> Iterator[tuple[str, str]]:
     """Rows of names and values that tell people what a scene is."""
     force, turn = set_points_of(scene)
-    string, units = scene.string, scene.unit_system
-    count = f"{len(string.sections)} section{'s' * (len(string.sections) > 1)}"
-    yield "string", f"{units.text(scene.length, 'length')}, {count}, bit end {string.bit_end}"
+    string, units, count = scene.string, scene.unit_system, len(scene.string.sections)
+    yield (
+        "string",
+        f"{units.text(scene.length, 'length')}, {count} section{'s' * (count > 1)}, bit end {string.bit_end}",
+    )
     if heavy := [section for section in string.sections if section.adjusted_mass is not None]:
         weights = {one.name: units.text(one.mass_per_length * GRAVITY, "force_per_length") for one in heavy}
         yield "weight in air", ", ".join(f"{name} {weight}" for name, weight in weights.items())

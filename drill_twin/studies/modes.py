@@ -136,11 +136,9 @@ def campbell_table(diagram: Campbell) -> Table:
 
 def critical_text(diagram: Campbell) -> str:
     """Critical speeds of a Campbell diagram in words."""
-    named, text = diagram.critical, diagram.scene.unit_system.text
-    return (
-        ", ".join(f"{text(speed, 'rotation')} (mode {mode + 1})" for mode, speed in named)
-        or "none up to the largest speed"
-    )
+    text = diagram.scene.unit_system.text
+    named = (f"{text(speed, 'rotation')} (mode {mode + 1})" for mode, speed in diagram.critical)
+    return ", ".join(named) or "none up to the largest speed"
 
 
 SHAPES = 6
