@@ -167,10 +167,10 @@ def set_points_of(scene: Scene) -> tuple[str, str]:
 def scene_rows(scene: Scene) -> Iterator[tuple[str, str]]:
     """Rows of names and values that tell people what a scene is."""
     force, turn = set_points_of(scene)
-    string, units, count = scene.string, scene.unit_system, len(scene.string.sections)
+    string, units, n = scene.string, scene.unit_system, len(scene.string.sections)
     yield (
         "string",
-        f"{units.text(scene.length, 'length')}, {count} section{'s' * (count > 1)}, bit end {string.bit_end}",
+        f"{units.text(scene.length, 'length')}, {n} section{'s' * (n > 1)}, bit end {string.bit_end}",
     )
     if heavy := [section for section in string.sections if section.adjusted_mass is not None]:
         weights = {one.name: units.text(one.mass_per_length * GRAVITY, "force_per_length") for one in heavy}

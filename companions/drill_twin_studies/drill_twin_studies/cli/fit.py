@@ -50,7 +50,7 @@ def fit(
 ) -> None:
     """Find numbers of a scene from a record, with intervals, correlations, and what the record does not determine."""
     import drill_twin as dt
-    from drill_twin_studies.fitting.figures import fit_figure
+    from drill_twin_studies.fitting.posterior import fit_figure
 
     ranges = options.ranges_of("--free", free)
 
