@@ -70,8 +70,7 @@ class Result(Plots):
     def __repr__(self) -> str:
         """One line: scene, length, onset."""
         name = self.scene.name if self.recording.scene_known else str(self.path)
-        since = "before" if self.onset and self.onset.at_start else "from"
-        said = "no whirl" if self.onset_s is None else f"whirl {since} {self.onset_s:.2f} s"
+        said = f"whirl {'before' if on.at_start else 'from'} {on.time_s:.2f} s" if (on := self.onset) else "no whirl"
         return f"<Result of {name}: {self.time.size} samples to {self.recording.duration:g} s, {said}>"
 
     def _repr_html_(self) -> str:

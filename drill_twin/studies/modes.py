@@ -136,8 +136,7 @@ def campbell_table(diagram: Campbell) -> Table:
 
 def critical_text(diagram: Campbell) -> str:
     """Critical speeds of a Campbell diagram in words."""
-    text = diagram.scene.unit_system.text
-    named = (f"{text(speed, 'rotation')} (mode {mode + 1})" for mode, speed in diagram.critical)
+    named = (f"{diagram.scene.unit_system.text(speed, 'rotation')} (mode {k + 1})" for k, speed in diagram.critical)
     return ", ".join(named) or "none up to the largest speed"
 
 

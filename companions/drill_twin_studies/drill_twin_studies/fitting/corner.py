@@ -18,14 +18,12 @@ def corner_figure(title: str, keys: Sequence[str], draws: Array) -> Figure:
         keys: Keys of the numbers.
         draws: Draws of equal weight, shape (N, d).
     """
-    last = len(keys) - 1
     with styled():
-        panels = laid_out(1.0 + 2.4 * len(keys), title).subplots(len(keys), len(keys), sharex="col", squeeze=False)
-        for (k, j), panel in np.ndenumerate(panels):
-            panel.set(visible=j <= k, xlabel=keys[j] * (k == last), ylabel=keys[k] * (j == 0 < k))
+        figure = laid_out(1.0 + 2.4 * len(keys), title)
+        for (k, j), panel in np.ndenumerate(figure.subplots(len(keys), len(keys), sharex="col", squeeze=False)):
+            panel.set(visible=j <= k, xlabel=keys[j] * (k == len(keys) - 1), ylabel=keys[k] * (j == 0 < k))
             if j == k:
                 panel.hist(draws[:, k], 20, color=BLUE)
             else:
                 panel.plot(draws[:, j], draws[:, k], ".", color=BLUE, markersize=2, alpha=0.3)
-    figure: Figure = panels[0, 0].figure
     return figure
