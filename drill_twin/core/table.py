@@ -108,9 +108,8 @@ class Table:
         """Plain text, as wide as the terminal or 80 characters."""
         from rich.console import Console
 
-        with (
-            console := Console(color_system=None, force_jupyter=False, highlight=False, emoji=False)
-        ).capture() as captured:
+        console = Console(color_system=None, force_jupyter=False, highlight=False, emoji=False)
+        with console.capture() as captured:
             console.print(self)
         return "\n".join(line.rstrip() for line in captured.get().rstrip().split("\n"))
 
