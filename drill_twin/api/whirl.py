@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from typing import Any, Literal
 
 import numpy as np
@@ -80,8 +80,7 @@ class Whirl(Shown):
 
     def shown(self) -> Table:
         """Findings in words, for a prompt and a notebook."""
-        of_onset = asdict(self.onset) if self.onset else {}
-        found = {**self.summary.to_dict(), **{f"onset_{key}": value for key, value in of_onset.items()}}
+        found = self.summary.to_dict() | {f"onset_{k}": getattr(self.onset, k, None) for k in Onset.__annotations__}
         radii = (f"{mark} {number_text(radius, '{:.4g} m')}" for mark, radius in found["max_radius_m"].items())
         rows = [("motion that lasts", lasting(found)), ("onset of whirl", onset_text(found)),
                 ("whirl frequency", frequency_text(found)), ("largest radius", ", ".join(radii)),

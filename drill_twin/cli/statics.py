@@ -20,8 +20,6 @@ from drill_twin.core.table import Table
 if TYPE_CHECKING:
     from drill_twin.dynamics.torque_drag.analysis import Statics
 
-LARGEST_MARGIN = 1e3
-"""Largest margin that is shown."""
 SHAPES = ("straight", "sinusoidal", "sinusoidal, helix", "helix")
 """Words for `BucklingState` in the columns of the table."""
 
@@ -155,4 +153,4 @@ def _shown(found: Statics) -> Iterator[Table | str]:
 def _ratio(margin: float) -> str:
     if not math.isfinite(margin):
         return "-"
-    return f"{margin:.3g}" if margin < LARGEST_MARGIN else "> 1000"
+    return f"{margin:.3g}" if margin < 1000.0 else "> 1000"
