@@ -131,7 +131,7 @@ def campbell_table(diagram: Campbell) -> Table:
     """Speeds and critical speeds for people."""
     units, turns = diagram.scene.unit_system, diagram.speeds
     rows = (("speeds", units.span(turns.min(), turns.max(), "rotation")), ("critical speeds", critical_text(diagram)))
-    return Table((), rows, title=f"{diagram.scene.name}: {diagram.eigenvalues.shape[1]} lateral modes")
+    return Table((), rows, title=f"{diagram.scene.name}: lateral modes at {units.text(diagram.weight_on_bit, 'force')}")
 
 
 def critical_text(diagram: Campbell) -> str:

@@ -154,6 +154,7 @@ def test_speeds_are_a_range_with_its_unit_or_numbers_in_si():
     same = dt.campbell("pa6_bench", speeds=list(math.tau * turns), count=3)
     assert np.allclose(diagram.eigenvalues, same.eigenvalues, rtol=1e-9)
     assert "1 to 3 rev/s" in str(diagram)
+    assert str(diagram).startswith("pa6_bench: lateral modes at 40 N")
     assert [line.get_xdata()[-1] for line in diagram.plot().axes[0].lines[:3]] == pytest.approx([3.0] * 3)
     growth = dt.growth_map("pa6_bench", weights="0..20:2 N", speeds="60..120:2 rpm")
     assert growth.lateral.shape == (2, 2)
