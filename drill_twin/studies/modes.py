@@ -129,9 +129,9 @@ def _change(value: float) -> str:
 
 def campbell_table(diagram: Campbell) -> Table:
     """Speeds and critical speeds for people."""
-    units, turns = diagram.scene.unit_system, diagram.speeds
+    scene, units, turns = diagram.scene, diagram.scene.unit_system, diagram.speeds
     rows = (("speeds", units.span(turns.min(), turns.max(), "rotation")), ("critical speeds", critical_text(diagram)))
-    return Table((), rows, title=f"{diagram.scene.name}: lateral modes at {units.text(diagram.weight_on_bit, 'force')}")
+    return Table((), rows, title=f"{scene.name}: lateral modes at {units.text(diagram.weight_on_bit, 'force')}")
 
 
 def critical_text(diagram: Campbell) -> str:
