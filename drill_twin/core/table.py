@@ -108,8 +108,7 @@ class Table:
         """Plain text, as wide as the terminal or 80 characters."""
         from rich.console import Console
 
-        console = Console(color_system=None, force_jupyter=False, highlight=False, emoji=False)
-        with console.capture() as captured:
+        with (console := Console(color_system=None, force_jupyter=False, highlight=False)).capture() as captured:
             console.print(self)
         return "\n".join(line.rstrip() for line in captured.get().rstrip().split("\n"))
 
