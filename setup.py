@@ -53,6 +53,7 @@ setup(
         "all": [f"{name}=={VERSION}" for name in COMPANIONS],
         "docs": ["furo", "myst-parser", "sphinx", "typos"],
         "test": [
+            "arviz-base>=0.6",
             "asyncua>=1.1.8",
             "colcon-common-extensions",
             "distributed>=2024.5",
@@ -71,6 +72,7 @@ setup(
             "types-PyYAML",
             "xarray",
         ],
+        "arviz": [f"drill_twin_studies=={VERSION}", "arviz-base>=0.6"],  # up to Python 3.11 the last is 0.8
         "dask": ["distributed>=2024.5"],
         "foxglove": [f"drill_twin_dashboard=={VERSION}"],
         "las": ["lasio>=0.31"],

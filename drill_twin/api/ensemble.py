@@ -60,6 +60,10 @@ class Ensemble:
         self.scene = with_resolution(as_scene(scene, overrides))
         self.members = expand(self.scene, vary, zipped=zipped)
 
+    def __repr__(self) -> str:
+        """One line: scene and members."""
+        return f"<Ensemble of {self.scene.name}: {self.members.told}>"
+
     def run(
         self,
         duration: Quantity | None = None,

@@ -4,26 +4,33 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from functools import cached_property
+from html import escape
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from drill_twin.api.result_views import Cost, Plots
+from drill_twin.api.result_views import Cost, Named, Plots
+from drill_twin.api.scenes import in_si
 from drill_twin.api.whirl import Whirl
 from drill_twin.core.arrays import Array
 from drill_twin.core.errors import ArgumentError
+from drill_twin.core.table import Table
+from drill_twin.core.units.dimension import TIME
 from drill_twin.io.bag.reader import Bag
 from drill_twin.io.bag.sensor_series import Measured
-from drill_twin.io.bag.series import CommandSeries, MarkSeries, PoseSeries, RigSeries, StressSeries
+from drill_twin.io.bag.series import MarkSeries, PoseSeries
 from drill_twin.io.bag.virtual_bags import copy_bag
 from drill_twin.io.scene_geometry import sub_analyzer
+from drill_twin.report.load_text import answers
 from drill_twin.report.recording import Recording
 from drill_twin.report.selection import Selection, open_bag
 from drill_twin.report.summary import summarise
+from drill_twin.report.text import findings
 from drill_twin.scene import Scene
-from drill_twin.whirl import Summary
+from drill_twin.whirl import Onset, Summary
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -56,15 +63,19 @@ class Result(Plots):
         self._bag, self._given, self._selection, self._findings = bag, scene, selection, findings
 
     @cached_property
-    def recording(self) -> Recording:
+    def recording(self) -> Recording:  # type: ignore[override]  # set once, on first use
         """The run as the report reads it."""
         return Recording(self._bag, self._given, self._selection)
 
     def __repr__(self) -> str:
         """One line: scene, length, onset."""
         name = self.scene.name if self.recording.scene_known else str(self.path)
-        onset = "no whirl" if self.onset_s is None else f"whirl from {self.onset_s:.2f} s"
-        return f"<Result of {name}: {self.time.size} samples to {self.recording.duration:g} s, {onset}>"
+        said = f"whirl {'before' if on.at_start else 'from'} {on.time_s:.2f} s" if (on := self.onset) else "no whirl"
+        return f"<Result of {name}: {self.time.size} samples to {self.recording.duration:g} s, {said}>"
+
+    def _repr_html_(self) -> str:
+        """The same line and the rows of `summary`, for a notebook."""
+        return f"<p>{escape(repr(self))}</p>{Table((), [*answers(self.summary), *findings(self.summary)]).html()}"
 
     @property
     def path(self) -> Path:
@@ -128,44 +139,6 @@ class Result(Plots):
         return analyzer.checked_summary()
 
     @property
-    def set_points(self) -> CommandSeries:
-        """Set-points as commanded: `time`, `weight_on_bit` [N], `rotation` [rad/s], each of shape (T,)."""
-        return self.recording.commands
-
-    @property
-    def rig(self) -> RigSeries:
-        """Rig and bit as they moved: angles [rad], speeds [rad/s], torques [N m], forces [N], each of shape (T,)."""
-        return self.recording.rig
-
-    @property
-    def stress(self) -> StressSeries:
-        """Sections of the effect `fatigue`: `names`, `time`, `moment_x`, `moment_y` [N m], `axial_force` [N], `stress`,
-        `largest_stress` [Pa], `cycles`, `damage`, each of shape (T, s); empty without it. `summary["fatigue"]` has the
-        time to a damage of 1.
-        """
-        return self.recording.stress
-
-    @property
-    def hookload(self) -> Array:
-        """Force that holds the string at the top [N], shape (T,)."""
-        return self.rig.hookload
-
-    @property
-    def torque(self) -> Array:
-        """Torque of the top drive on the string [N m], shape (T,)."""
-        return self.rig.top_drive_torque
-
-    @property
-    def bit_torque(self) -> Array:
-        """Torque of the rock on the bit [N m], shape (T,)."""
-        return self.rig.bit_torque
-
-    @property
-    def weight_on_bit(self) -> Array:
-        """Weight on bit as applied [N], positive = compression, shape (T,)."""
-        return self.rig.bit_force
-
-    @property
     def wall_force(self) -> Array:
         """Normal force of the wall on the string at the marks [N], shape (T, m)."""
         force: Array = np.linalg.norm(self.marks.wall_force, axis=-1)
@@ -175,26 +148,19 @@ class Result(Plots):
     def whirl(self) -> Whirl:
         """Findings of the whirl analysis over time and in all."""
         found, summary = self.recording.whirl, self.recording.summary
-        empty = np.zeros((0, 0))
-        radii, precession, ratio, confidence = (
-            values if len(found) else empty
-            for values in (found.orbit_radius, found.precession, found.ratio, found.confidence)
-        )
+        columns = found.orbit_radius, found.precession, found.ratio, found.confidence
+        radii, precession, ratio, confidence = (rows if len(found) else np.zeros((0, 0)) for rows in columns)
         return Whirl(found.time, found.names, radii, precession, ratio, confidence, summary, summary.notes)
+
+    @property
+    def onset(self) -> Onset | None:
+        """Onset of whirl: time, mark, confidence, criterion; None where there was none."""
+        return (self._findings or self.recording.summary).onset
 
     @property
     def onset_s(self) -> float | None:
         """Onset of whirl [s]; None where there was none."""
-        return (self._findings or self.recording.summary).onset_s
-
-    @property
-    def energy(self) -> dict[str, Array]:
-        """Energy balance over time, where the scene has `numerics.audit: energy`; else empty.
-
-        `time` [s] and each value of the balance, shape (K,), K about once a simulated second: `stored_...`, `work_...`
-        and `dissipated_...` by effect [J], `residual` as a share of `scale_J`.
-        """
-        return self.recording.log.energy
+        return None if self.onset is None else self.onset.time_s
 
     @property
     def cost(self) -> Cost:
@@ -204,9 +170,9 @@ class Result(Plots):
         return Cost(*(summary[key] for key in keys))
 
     @cached_property
-    def summary(self) -> dict[str, Any]:
-        """All findings in plain types: the content of `summary.json` (`drill_twin.report.summarise`)."""
-        return summarise(self.recording)
+    def summary(self) -> Named:
+        """All findings in plain types, by key or as attributes: the content of `summary.json`."""
+        return Named(summarise(self.recording))
 
     def to_xarray(self) -> xarray.Dataset:
         """Arrays of marks, rig, set-points and whirl as a dataset with named dimensions and units.
@@ -255,6 +221,30 @@ class Result(Plots):
         from drill_twin.api.animation import animate
 
         return animate(self, path, begin, end, speed)
+
+    def sel(self, time: slice) -> Result:
+        """A part of the run, analysed by itself: motion, frequency and onset are found in the part alone.
+
+        >>> result.sel(time=slice("5 s", "10 s")).centre
+
+        Args:
+            time: Start and end [s], or text with a unit; None: as far as the run goes.
+
+        Raises:
+            ArgumentError: No slice of two rising times.
+            BagError: Nothing lies between them.
+        """
+        old = self._selection or Selection()
+        if not isinstance(time, slice) or time.step is not None:
+            raise ArgumentError(f'time: expected slice(start, end), such as slice("5 s", "10 s"), found {time!r}')
+        ends = (time.start, -math.inf), (time.stop, math.inf)
+        begin, end = (open_end if at is None else in_si("time", at, TIME) for at, open_end in ends)
+        first, last = max(begin, old.begin), min(end, old.end)
+        if not first < last:
+            raise ArgumentError(f"time: expected a start before the end, found {first:g} s and {last:g} s")
+        part = Result(self._bag, self._given, replace(old, begin=first, end=last))
+        _ = part.recording
+        return part
 
     def to_bag(self, folder: str | Path) -> Path:
         """Write the messages of the run to a new bag folder; returns the folder.

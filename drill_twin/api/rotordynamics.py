@@ -6,18 +6,19 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
-import numpy as np
+from numpy.typing import ArrayLike
 
-from drill_twin.api.scenes import Overrides, as_scene, range_of, with_resolution
+from drill_twin.api.result_views import CampbellDiagram, GrowthPlane, Modes
+from drill_twin.api.scenes import Overrides, as_scene, points_of, range_of, with_resolution
 from drill_twin.core.arrays import Array
-from drill_twin.core.errors import ArgumentError, RunError, SceneError
+from drill_twin.core.errors import RunError, SceneError
+from drill_twin.core.units.dimension import ANGULAR_SPEED, FORCE
 from drill_twin.dynamics.discretisation.kernel_arguments import SPATIAL, form_of
 from drill_twin.dynamics.discretisation.resolution import LONG
 from drill_twin.dynamics.rotordynamics import campbell as _campbell
 from drill_twin.dynamics.rotordynamics import modes as _modes
 from drill_twin.dynamics.rotordynamics.assembly import Assembly, Extent
 from drill_twin.dynamics.rotordynamics.assembly_modes import table_of
-from drill_twin.dynamics.rotordynamics.campbell import Campbell, GrowthMap
 from drill_twin.dynamics.rotordynamics.equations import (
     TIME_DEPENDENT,
     EquationsOfMotion,
@@ -126,7 +127,7 @@ def modes(
     without: Sequence[str] = (),
     count: int = _modes.COUNT,
     is_compared: bool = True,
-) -> ModeTable:
+) -> Modes:
     """Damped modes of the string, turning in balance under the final set-points of a scene.
 
     Each mode is computed on a mesh twice as fine too, unless the fine mesh has too many unknowns: its `change`. Of a
@@ -150,16 +151,16 @@ def modes(
     own = steady_scene(scene, overrides, without)
     command = final_command(own)
     if own.length >= LONG and form_of(own) == SPATIAL and own.rig.weight_on_bit.at == "bit":
-        return table_of(own, command, fastest_of(command), _sliding, count)
+        return Modes(*table_of(own, command, fastest_of(command), _sliding, count))
     equations = EquationsOfMotion(own)
-    table = _modes.modes(equations, command, resting_in(equations), count)
+    table = Modes(*_modes.modes(equations, command, resting_in(equations), count))
     if not is_compared:
         return table
     finer = EquationsOfMotion(meshed(own, 2 * equations.model.rod.length.size))
     if finer.unknowns > (MOST_COMPARED if table.on_axis else MOST_AT_REST):
         return table
     try:
-        return _modes.compared(table, _modes.modes(finer, command, resting_in(finer), finer.unknowns))
+        return Modes(*_modes.compared(table, _modes.modes(finer, command, resting_in(finer), finer.unknowns)))
     except RunError:  # no balance is found on the finer mesh: the changes stay unknown
         return table
 
@@ -168,42 +169,44 @@ def campbell(
     scene: Scene | str | Path,
     overrides: Overrides | None = None,
     *,
-    speeds: Array,
+    speeds: ArrayLike | str,
     without: Sequence[str] = (),
     count: int = 6,
     numbered_at: float | None = None,
-) -> Campbell:
-    """Lateral modes over the speed of rotation [rad/s], shape (p,), and critical speeds.
+) -> CampbellDiagram:
+    """Lateral modes over the speed of rotation, and critical speeds.
 
-    Arguments and errors as of `modes`; `numbered_at` is the speed at which the modes have the numbers of that table,
-    the first if it is left out.
+    >>> campbell("pa6_bench", speeds="60..390 rpm").plot()
+
+    Arguments and errors as of `modes`; `speeds` are numbers [rad/s], shape (p,), or a range as text, of 60 points if it
+    does not say ("60..390:30 rpm"); `numbered_at` is the speed [rad/s] at which the modes have the numbers of that
+    table, the first if it is left out.
     """
     own = steady_scene(scene, overrides, without)
     equations, weight = EquationsOfMotion(own), own.rig.weight_on_bit.value
-    return _campbell.campbell(equations, weight, np.asarray(speeds, float), count, numbered_at)
+    turns = points_of("speeds", speeds, ANGULAR_SPEED, 60)
+    return CampbellDiagram(*_campbell.campbell(equations, weight, turns, count, numbered_at))
 
 
 def growth_map(
     scene: Scene | str | Path,
     overrides: Overrides | None = None,
     *,
-    weights: Array,
-    speeds: Array,
+    weights: ArrayLike | str,
+    speeds: ArrayLike | str,
     without: Sequence[str] = (),
     progress: Callable[[int], None] | None = None,
-) -> GrowthMap:
+) -> GrowthPlane:
     """Largest growth rate over weights on bit [N], shape (w,), and speeds [rad/s], shape (p,).
 
-    Arguments and errors as of `modes`; `progress` is called with the number of loads done.
+    As `modes`; ranges as text ("1..80 N") have 30 points if they do not say; `progress` takes the number of loads done.
 
     Raises:
         ArgumentError: Weights or speeds do not increase.
     """
-    for name, values in (("weights", weights), ("speeds", speeds)):
-        if not np.all(np.diff(np.asarray(values, float)) > 0.0):
-            raise ArgumentError(f"{name}: expected values that increase, found {list(values)!s:.60}; sort them")
+    loads, turns = points_of("weights", weights, FORCE, 30), points_of("speeds", speeds, ANGULAR_SPEED, 30)
     equations = EquationsOfMotion(steady_scene(scene, overrides, without))
-    return _campbell.growth_map(equations, np.asarray(weights, float), np.asarray(speeds, float), progress)
+    return GrowthPlane(*_campbell.growth_map(equations, loads, turns, progress))
 
 
 def whirl_states(

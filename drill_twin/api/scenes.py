@@ -8,6 +8,10 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+from numpy.typing import ArrayLike
+
+from drill_twin.core.arrays import Array
 from drill_twin.core.errors import ArgumentError, DrillTwinError, SceneError
 from drill_twin.core.files.output import write_whole
 from drill_twin.core.units import Dimension, UnitError, parse
@@ -27,20 +31,21 @@ Overrides = Mapping[str, float | str]
 effect out."""
 
 
-def load_scene(scene: str | Path, overrides: Overrides | None = None) -> Scene:
+def load_scene(scene: str | Path, overrides: Overrides | None = None, **named: float | str) -> Scene:
     """Load a scene from a file, or by the name of an installed one (`scene_names`).
 
-    >>> scene = load_scene("pa6_bench", {"rig.rotation.value": "120 rpm", "wob": 60})
+    >>> scene = load_scene("pa6_bench", wob="60 N", rpm=120)
+    >>> scene = load_scene("pa6_bench", {"effects.bow": "off", "hole.radius": "90 mm"})
 
     Args:
         scene: Name or file.
         overrides: Values that replace the file's values.
+        named: The same, for keys without a dot: `wob`, `rpm`, `duration`, `accuracy`, `units`.
 
     Raises:
         SceneError: No such file, or not a scene; the message names file, line, key, expected and found.
     """
-    loaded = load.load_scene(scene)
-    return override(loaded, overrides) if overrides else loaded
+    return as_scene(load.load_scene(scene), {**(overrides or {}), **named})
 
 
 def build_scene(
@@ -138,6 +143,8 @@ def with_resolution(scene: Scene) -> Scene:
     return resolve(scene).scene
 
 
+RPM = math.tau / 60.0
+"""SI value of a revolution per minute [rad/s]."""
 Quantity = float | str
 """Number in the documented unit, or text with its unit, such as `"40 N"`; a time without one is in s."""
 
@@ -167,6 +174,26 @@ def in_si(name: str, value: Quantity, dimension: Dimension, unit: float = 1.0) -
     if not math.isfinite(number):
         raise ArgumentError(f"{name}: expected {dimension.expected} or a finite number, found {value!r}")
     return number
+
+
+def points_of(name: str, given: ArrayLike | str, dimension: Dimension, number: int) -> Array:
+    """Rising numbers in SI, shape (p,): an array of them, or a range as text with its unit, such as "60..390 rpm".
+
+    Args:
+        name: Name of the argument, for the message.
+        given: Numbers in SI, or a range; "60..390:30 rpm" has 30 points.
+        dimension: Dimension of the argument.
+        number: Points of a range that does not say.
+
+    Raises:
+        ArgumentError: The text is no range, or of another dimension, or the numbers do not rise.
+    """
+    if isinstance(given, str):
+        span = parse_range(name, given)
+        return np.array([in_si(name, f"{value!r} {span.unit}".strip(), dimension) for value in span.points(number)])
+    if np.any(np.diff(found := np.atleast_1d(np.asarray(given, float))) <= 0.0):
+        raise ArgumentError(f"{name}: expected values that increase, found {found.tolist()!s:.60}; sort them")
+    return found
 
 
 def range_of(scene: Scene, key: str, given: str | tuple[float, float]) -> tuple[float, float]:

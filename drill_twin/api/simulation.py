@@ -11,7 +11,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from drill_twin.api.scenes import Overrides, Quantity, as_scene, in_si, with_resolution
+from drill_twin.api.scenes import RPM, Overrides, Quantity, as_scene, in_si, with_resolution
 from drill_twin.core.arrays import Array
 from drill_twin.core.errors import ArgumentError, RunError
 from drill_twin.core.units.dimension import ANGULAR_SPEED, FORCE, SPEED, TIME
@@ -46,10 +46,6 @@ class CompileProgress:
         """Erase the line of a terminal."""
         if self._width and sys.stderr.isatty():
             print(f"\r{'':<{self._width}}\r", end="", file=sys.stderr, flush=True)
-
-
-RPM = math.tau / 60.0
-"""SI value of a revolution per minute [rad/s]."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -136,6 +132,10 @@ class Simulation:
         self._run = SessionRun(self.scene, self._bag)
         self._reported = -1
         self.state: State | None = None
+
+    def __repr__(self) -> str:
+        """One line: scene, time, motion."""
+        return f"<Simulation of {self.scene.name}: {self.time:g} s, {self.state.motion if self.state else 'not begun'}>"
 
     @property
     def frame_time(self) -> float:

@@ -6,10 +6,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
+from drill_twin.api.result_views import StaticLoads
 from drill_twin.api.rotordynamics import final_command, steady_scene
 from drill_twin.api.scenes import Overrides
 from drill_twin.dynamics.torque_drag import analysis
-from drill_twin.dynamics.torque_drag.analysis import Statics
 from drill_twin.dynamics.torque_drag.over_depth import OverDepth, over_depth
 from drill_twin.dynamics.torque_drag.soft_string import FEED, TRIP_SPEED, Operation, operations
 from drill_twin.report.quantities import string_weight
@@ -24,7 +24,7 @@ def statics(
     trip_speed: float = TRIP_SPEED,
     feed: float = FEED,
     only: Sequence[Operation] = (),
-) -> Statics:
+) -> StaticLoads:
     """Hookload, torque, loads along the string and margins when tripping, rotating, sliding and drilling.
 
     >>> loads = statics("wells/s_shaped")["trip out"]
@@ -48,7 +48,7 @@ def statics(
     # A load at the top is carried on to the bit together with the weight of the string.
     hanging = string_weight(own) if own.rig.weight_on_bit.at == "top" else 0.0
     wanted = tuple(only) or operations(command.weight_on_bit + hanging, command.rotation, trip_speed, feed)
-    return analysis.analyse(own, wanted)
+    return StaticLoads(own, analysis.analyse(own, wanted).operations)
 
 
 def statics_over_depth(

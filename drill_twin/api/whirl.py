@@ -12,9 +12,12 @@ from numpy.typing import ArrayLike
 
 from drill_twin.api.scenes import Quantity, in_si
 from drill_twin.core.arrays import Array
+from drill_twin.core.table import Shown, Table
 from drill_twin.core.units.dimension import ANGULAR_SPEED, LENGTH
 from drill_twin.io.messages.stamps import NANOSECONDS
+from drill_twin.report.load_text import number_text
 from drill_twin.report.summary import timeline
+from drill_twin.report.text import frequency_text, lasting, onset_text
 from drill_twin.whirl import AnalysisError, Analyzer, MarkInfo, MotionPeriod, Onset, Summary
 from drill_twin.whirl.analyzer import LARGEST_STAMP
 
@@ -29,8 +32,8 @@ LATEST = LARGEST_STAMP / NANOSECONDS
 """Latest time that a stamp can hold [s]: 146 years."""
 
 
-@dataclass(frozen=True, eq=False)
-class Whirl:
+@dataclass(frozen=True, eq=False, repr=False)
+class Whirl(Shown):
     """Whirl over time and in all; T samples, m marks."""
 
     time: Array
@@ -74,6 +77,15 @@ class Whirl:
     def mark_motion(self) -> dict[str, list[dict[str, Any]]]:
         """Motion states of each mark in order, by its name, with the keys of `motion`."""
         return {mark: self._timeline(periods) for mark, periods in self.summary.mark_motion.items()}
+
+    def shown(self) -> Table:
+        """Findings in words, for a prompt and a notebook."""
+        found = self.summary.to_dict() | {f"onset_{k}": getattr(self.onset, k, None) for k in Onset.__annotations__}
+        radii = (f"{mark} {number_text(radius, '{:.4g} m')}" for mark, radius in found["max_radius_m"].items())
+        rows = [("motion that lasts", lasting(found)), ("onset of whirl", onset_text(found)),
+                ("whirl frequency", frequency_text(found)), ("largest radius", ", ".join(radii)),
+                *(("note", note) for note in self.notes)]  # fmt: skip
+        return Table((), rows, title=f"Whirl of {', '.join(self.marks) or 'no mark'}: {self.time.size} samples")
 
     def _timeline(self, periods: tuple[MotionPeriod, ...]) -> list[dict[str, Any]]:
         end = float(self.time[-1]) if self.time.size else 0.0

@@ -57,17 +57,7 @@ def modes(
     import numpy as np
 
     from drill_twin.api import rotordynamics
-    from drill_twin.dynamics.discretisation.resolution import mesh, resolution_of
-    from drill_twin.studies.modes import (
-        campbell_data,
-        campbell_figure,
-        growth_data,
-        growth_figure,
-        modes_data,
-        response_data,
-        response_figure,
-        shapes_figure,
-    )
+    from drill_twin.studies import modes as studies
 
     changes = options.overrides(change, wob=wob, rpm=rpm, units=units)
     own = rotordynamics.steady_scene(scene, changes, without)
@@ -87,30 +77,29 @@ def modes(
         if growth:
             speeds, loads = np.linspace(0.0, fastest, growth + 1)[1:], np.linspace(0.0, heaviest, growth)
             growth_rates = rotordynamics.growth_map(own, weights=loads, speeds=speeds)
-    result, named = modes_data(table), own.name
-    arc = table.assembly.equations.model.rod.arc if table.assembly else mesh(own, resolution_of(own)[0]).arc
-    figures = {"modes.png": lambda: shapes_figure(table, arc, named, own.unit_system)}
+    result, figures = studies.modes_data(table), {"modes.png": lambda: studies.shapes_figure(table)}
     if response is not None:
-        result["response"] = response_data(response)
-        figures["response.png"] = lambda: response_figure(response, table, own)
+        result["response"] = studies.response_data(response)
+        figures["response.png"] = lambda: studies.response_figure(response, table)
     if diagram is not None:
-        result["campbell"] = campbell_data(diagram)
-        figures["campbell.png"] = lambda: campbell_figure(diagram, named, own.unit_system)
+        result["campbell"] = studies.campbell_data(diagram)
+        figures["campbell.png"] = lambda: studies.campbell_figure(diagram)
     if growth_rates is not None:
-        result["growth"] = growth_data(growth_rates)
-        figures["growth.png"] = lambda: growth_figure(growth_rates, named, own.unit_system)
+        result["growth"] = studies.growth_data(growth_rates)
+        figures["growth.png"] = lambda: studies.growth_figure(growth_rates)
     emit(result, _shown(table, diagram, own), json=json, folder=out, files={"modes.json": result, **figures})
 
 
 def _shown(table: ModeTable, diagram: Campbell | None, scene: Scene) -> Iterator[Table | str]:
     from drill_twin.dynamics.discretisation.notes import notes_on_rotors
     from drill_twin.dynamics.rotordynamics.assembly_modes import in_trough
+    from drill_twin.studies.modes import critical_text, modes_table
 
     units, swings = scene.unit_system, [mode for mode in table.modes if in_trough(table, mode)]
     own = [mode for mode in table.modes if not in_trough(table, mode)]
-    yield _table(table, own, scene)
+    yield modes_table(table, own)
     if swings:
-        yield _table(table, swings, scene, "swings of what lies on the wall, in the trough of the hole")
+        yield modes_table(table, swings, "swings of what lies on the wall, in the trough of the hole")
     yield from _sentences(table)
     yield from notes_on_rotors(scene)
     if table.assembly is not None:
@@ -125,8 +114,7 @@ def _shown(table: ModeTable, diagram: Campbell | None, scene: Scene) -> Iterator
             "which lowers critical speeds"
         )
     if diagram is not None:
-        named = ", ".join(f"{units.text(speed, 'rotation')} (mode {mode + 1})" for mode, speed in diagram.critical)
-        yield f"critical speeds: {named or 'none up to the largest speed'}"
+        yield f"critical speeds: {critical_text(diagram)}"
 
 
 def _resonances(modes: Sequence[Mode], scene: Scene, command: Command) -> Table:
@@ -148,45 +136,6 @@ def _resonances(modes: Sequence[Mode], scene: Scene, command: Command) -> Table:
         title=f"resonances: rotation in {scene.unit_system.rotation} at which an excitation of an order meets a mode "
         f"(1: unbalance, bend; 3: cones of a roller cone bit; {blades}); *: within {NEAR_ROTATION:.0%} of the rotation",
     )  # fmt: skip
-
-
-def _table(table: ModeTable, modes: Sequence[Mode], scene: Scene, only: str = "") -> Table:
-    command, part, units = table.balance.command, table.assembly, scene.unit_system
-    rows = []
-    for mode in modes:
-        sense = ""
-        if mode.kind == "lateral" and table.on_axis and abs(mode.frequency) > 1e-9:
-            sense = "forward" if mode.frequency * command.rotation >= 0.0 else "backward"
-        shown = [f"{mode.kind} {mode.number}", sense, f"{abs(mode.frequency):.4g}"]
-        shown += [_change(mode.change.imag / math.tau), f"{mode.growth:+.4g}", _change(mode.change.real)]
-        if part is not None:
-            at = part.equations.model.rod.arc[abs(mode.shape).argmax()]
-            lateral = (
-                mode.plane, units.number(mode.eigenvalue.imag, "rotation"), units.number(at, "length", ".0f"),
-                f"{100.0 * mode.share:.0f}",
-            )  # fmt: skip
-            shown = [shown[0], *(lateral if mode.kind == "lateral" else [""] * 4), *shown[2:4], f"{mode.growth:+.2g}"]
-        rows.append((*shown, f"{mode.damping_ratio:.2g}"))
-    off = "in balance" if scene.effects.wall is None else "on the wall"
-    place = "on the axis" if table.on_axis else off
-    title = (
-        f"{scene.name}: {units.set_point(command.weight_on_bit, command.rotation)}, string {place}. "
-        "Frequency in Hz, growth in 1/s (- decays, + grows), +- change between two meshes, one twice as fine as the "
-        "other, or rounding where it is more, damping ratio."
-    )
-    if part is None:
-        return Table(("mode", "whirl", "frequency", "+-", "growth", "+-", "damping"), rows, title=title,
-                     right=(2, 3, 4, 5, 6))  # fmt: skip
-    title += (
-        f" Lateral modes belong to the assembly: critical speed, place of the largest motion in {units.length} from "
-        "the bit, share of the kinetic energy in the collars in %."
-    )
-    columns = ("mode", "plane", units.rotation, "at", "%", "Hz", "+-", "growth", "damping")
-    return Table(columns, rows, title=f"{scene.name}: {only}" if only else title, right=range(2, 9))
-
-
-def _change(value: float) -> str:
-    return "?" if math.isnan(value) else min(f"{abs(value):.1g}", f"{abs(value):.0e}", key=len)
 
 
 def _assembly(table: ModeTable, part: Assembly, units: UnitSystem) -> Iterator[str]:

@@ -4,9 +4,7 @@
 from __future__ import annotations
 
 import math
-import re
 import sys
-from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
@@ -25,6 +23,7 @@ if TYPE_CHECKING:
 def scenes(json: options.JsonOption = False) -> None:
     """List the installed scenes."""
     from drill_twin.scene import load_scene, presets, well_scenes
+    from drill_twin.scene.schema import first_sentence, set_points_of
 
     loaded = {name: (path, load_scene(path)) for name, path in (presets() | well_scenes()).items()}
     data = [{"file": str(path), **_facts(scene), "scene": name} for name, (path, scene) in loaded.items()]
@@ -32,9 +31,9 @@ def scenes(json: options.JsonOption = False) -> None:
         (
             name,
             scene.unit_system.text(scene.length, "length"),
-            *_set_points(scene),
+            *set_points_of(scene),
             f"{scene.rig.duration:g} s",
-            _first_sentence(scene.description),
+            first_sentence(scene.description),
         )
         for name, (_, scene) in loaded.items()
     )
@@ -53,6 +52,7 @@ def check(
     """Check a scene file, and print each problem in a line: its place, what was expected, what was found."""
     from drill_twin.dynamics.discretisation.notes import notes_on
     from drill_twin.scene import load_scene, scene_path
+    from drill_twin.scene.schema import scene_rows
     from drill_twin.scene.set_points import Schedule
 
     try:
@@ -70,7 +70,7 @@ def check(
         print(described.to_yaml(), end="")
     else:
         notes = [("note", note) for note in notes_on(described)]
-        say(Table((), [("scene", f"{scene_path(scene)} is right"), *_lines(described), *notes]))
+        say(Table((), [("scene", f"{scene_path(scene)} is right"), *scene_rows(described), *notes]))
         if schedule.record is not None:
             print(schedule.record.report)
 
@@ -87,45 +87,6 @@ def schema(
         return
     check_new(out / "scene.schema.json", replace=replace)
     write_file(out / "scene.schema.json", schema_text())
-
-
-def _first_sentence(text: str) -> str:
-    return re.split(r"(?<=[.:]) ", " ".join(text.split()), maxsplit=1)[0].rstrip(":")
-
-
-def _set_points(scene: Scene) -> tuple[str, str]:
-    force, turn, units = scene.rig.weight_on_bit, scene.rig.rotation, scene.unit_system
-    largest, speed = units.text(force.value, "force"), units.text(turn.value, "rotation")
-    return ("recorded" if force.shape == "table" else largest, "recorded" if turn.shape == "table" else speed)
-
-
-def _lines(scene: Scene) -> Iterator[tuple[str, str]]:
-    from drill_twin.core.units.dimension import GRAVITY
-
-    force, turn = _set_points(scene)
-    string, units = scene.string, scene.unit_system
-    yield "string", f"{units.text(scene.length, 'length')}, {len(string.sections)} sections, bit end {string.bit_end}"
-    if heavy := [section for section in string.sections if section.adjusted_mass is not None]:
-        weights = {one.name: units.text(one.mass_per_length * GRAVITY, "force_per_length") for one in heavy}
-        yield "weight in air", ", ".join(f"{name} {weight}" for name, weight in weights.items())
-    yield "marks", ", ".join(f"{mark.name} ({units.text(mark.distance_from_bit, 'length')})" for mark in string.marks)
-    tilt = math.degrees(scene.hole.top_inclination)
-    yield "hole", f"radius {units.text(scene.hole.radius, 'offset')}, inclined by {tilt:g} degrees at the top"
-    if block := scene.rig.block:
-        yield "block", "moved by the auto-driller" if block.auto_driller else units.text(block.value, "rate")
-    if not block or block.auto_driller:
-        yield "weight on bit", force
-    yield "rotation", turn
-    yield "duration", f"{scene.rig.duration:g} s"
-    yield "effects", ", ".join(scene.effect_names)
-    friction = getattr(scene.effects, "wall_friction", None)
-    if friction and friction.intervals:
-        cased = (f"{one.coefficient:g} from {units.span(one.top, one.bottom, 'length')}" for one in friction.intervals)
-        yield "friction", f"{friction.coefficient:g}; {', '.join(cased)}"
-    if scene.sensors:
-        surface = ["surface"] if scene.sensors.surface else []
-        yield "sensors", ", ".join([*(sub.name for sub in scene.sensors.subs), *surface])
-    yield "elements, step", f"{scene.numerics.elements}, {scene.numerics.step}"
 
 
 def _facts(scene: Scene) -> dict[str, Any]:

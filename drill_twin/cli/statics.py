@@ -4,8 +4,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator
-from operator import attrgetter
+from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -19,17 +18,10 @@ from drill_twin.core.files.output import make_folder
 from drill_twin.core.table import Table
 
 if TYPE_CHECKING:
-    from drill_twin.core.units.system import UnitSystem
     from drill_twin.dynamics.torque_drag.analysis import Statics
 
-_NOTHING, _LARGEST_MARGIN, SMALL = 1e-4, 1e3, 1.0
-"""Share of the largest number of a column below which it is the residual of a balance; largest margin that is shown;
-force of the wall below which a contact carries nothing [N], chosen."""
-_COLUMNS = (
-    *(("hookload", "force"), ("soft.hookload", "force"), ("surface_torque", "torque")),
-    *(("soft.surface_torque", "torque"), ("neutral_point", "length"), ("stretch", "length")),
-)
-"""Quantities of an operation in the first table, and their kinds of units."""
+SMALL = 1.0
+"""Force of the wall below which a contact carries nothing [N], chosen."""
 SHAPES = ("straight", "sinusoidal", "sinusoidal, helix", "helix")
 """Words for `BucklingState` in the columns of the table."""
 
@@ -88,11 +80,11 @@ def statics(
         return
     with shown_progress("computing"):
         found = computed(scene, changes, without=without, trip_speed=speeds["--trip-speed"], feed=speeds["--rop"])
-    shown, data = found.scene.unit_system, statics_data(found)
+    data = statics_data(found)
     emit(
-        data, _shown(found, shown), json=json, folder=out,
+        data, _shown(found), json=json, folder=out,
         files={"statics.json": data, "statics.csv": lambda: depth_table(found).csv(),
-               "statics.png": lambda: tracks(found, shown)},
+               "statics.png": lambda: tracks(found)},
     )  # fmt: skip
 
 
@@ -123,36 +115,11 @@ def _speed(option: str, text: str) -> float:
     return value
 
 
-def _set_point(found: Statics, units: UnitSystem) -> str:
-    """Weight and speed of slide and drill; of a scene that gives the weight at the top, that at the bit too."""
-    rig, last = found.scene.rig, found.operations[-1].operation
-    text = f"slide and drill with {units.set_point(rig.weight_on_bit.value, rig.rotation.value)}"
-    if rig.weight_on_bit.at != "top" or not last.is_on_bottom:
-        return text
-    return f"{text}, at the top: {units.text(last.weight_on_bit, 'force')} at the bit"
+def _shown(found: Statics) -> Iterator[Table | str]:
+    from drill_twin.studies.statics import PART, loads_table, parts_of
 
-
-def _shown(found: Statics, units: UnitSystem) -> Iterator[Table | str]:
-    from drill_twin.studies.statics import PART, parts_of
-
-    operations, u = found.operations, units
-
-    def column(values: Iterable[float], quantity: str = "") -> list[str]:
-        shown = [units.show(value, quantity) if quantity else value for value in values]
-        nothing = _NOTHING * max(abs(value) for value in shown)
-        return [f"{value if abs(value) > nothing else 0.0:.4g}" for value in shown]
-
-    yield Table(
-        ("operation", "hookload", "soft", "torque", "soft", "neutral", "stretch", "turns"),
-        zip(
-            [loads.operation.name for loads in operations],
-            *(column(map(attrgetter(name), operations), quantity) for name, quantity in _COLUMNS),
-            column(loads.twist / math.tau for loads in operations), strict=True,
-        ),
-        title=f"{found.scene.name}: {_set_point(found, u)}; in {u.force}, {u.torque}, {u.length}; neutral point from "
-        "the bit; soft: string without bending stiffness",
-        right=range(1, 8),
-    )  # fmt: skip
+    operations, u = found.operations, found.scene.unit_system
+    yield loads_table(found)
     yield Table(
         ("operation", "sinusoidal", "helix", "lock-up", "yield", "make-up", "stress", "shape"),
         [
@@ -219,4 +186,4 @@ def _shown(found: Statics, units: UnitSystem) -> Iterator[Table | str]:
 def _ratio(margin: float) -> str:
     if not math.isfinite(margin):
         return "-"
-    return f"{margin:.3g}" if margin < _LARGEST_MARGIN else "> 1000"
+    return f"{margin:.3g}" if margin < 1000.0 else "> 1000"

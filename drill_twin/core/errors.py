@@ -147,7 +147,7 @@ class CheckpointError(DrillTwinError):
 
 
 _EXTRAS = {"xarray": ("xarray", "to_xarray"), "lasio": ("las", "LAS file"), "distributed": ("dask", "--dask"),
-           "pandas": ("xarray", "to_pandas")}  # fmt: skip
+           "pandas": ("xarray", "to_pandas"), "arviz_base": ("arviz", "to_inferencedata")}  # fmt: skip
 """Package -> its extra, and what it is for."""
 
 
@@ -155,7 +155,7 @@ def import_extra(package: str) -> Any:
     """Import a package.
 
     Args:
-        package: `xarray`, `pandas`, `lasio` or `distributed`.
+        package: `xarray`, `pandas`, `lasio`, `distributed` or `arviz_base`.
 
     Raises:
         ArgumentError: The package is not installed.

@@ -104,6 +104,14 @@ class Table:
         yield table
         yield Text()
 
+    def text(self) -> str:
+        """Plain text, as wide as the terminal or 80 characters."""
+        from rich.console import Console
+
+        with (console := Console(color_system=None, force_jupyter=False, highlight=False)).capture() as captured:
+            console.print(self)
+        return "\n".join(line.rstrip() for line in captured.get().rstrip().split("\n"))
+
     def markdown(self) -> str:
         """Markdown, lines joined and not ended: a pipe in a cell is escaped."""
         return "\n".join([self.markdown_head(), *map(markdown_row, self.rows)])
@@ -145,6 +153,25 @@ class Table:
             for row in self.rows
         )
         return f"<table>{f'<thead><tr>{head}</tr></thead>' if head else ''}<tbody>{body}</tbody></table>"
+
+
+class Shown:
+    """Object that a prompt and a notebook show as a table of one screen."""
+
+    def shown(self) -> Table:
+        """Table of what the object is."""
+        raise NotImplementedError
+
+    def __repr__(self) -> str:
+        """The table as text."""
+        return self.shown().text()
+
+    __str__ = __repr__
+
+    def _repr_html_(self) -> str:
+        """The table for a notebook, its title above it."""
+        table = self.shown()
+        return f"<p>{escape(table.title)}</p>{table.html()}"
 
 
 def markdown_row(cells: Sequence[object]) -> str:

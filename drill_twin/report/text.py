@@ -58,8 +58,8 @@ def findings(summary: Summary) -> Iterator[Row]:
             yield from rows(summary)
         return
     yield "motion that lasts", lasting(summary)
-    yield "onset of whirl", _onset(summary)
-    yield "whirl frequency", _frequency(summary)
+    yield "onset of whirl", onset_text(summary)
+    yield "whirl frequency", frequency_text(summary)
     if summary["spectrum_lines"]:
         yield "lines of the spectrum", _lines(summary)
     yield "whirl ratio", number_text(summary["whirl_ratio"], "{:+.3f}", "none")
@@ -155,7 +155,8 @@ def lasting(summary: Summary) -> str:
     return f"{state}, the shape of the string (its marks at the end: {', '.join(marks)})"
 
 
-def _onset(summary: Summary) -> str:
+def onset_text(summary: Summary) -> str:
+    """Onset of whirl in words."""
     if summary["onset_s"] is None:
         return _no_onset(summary)
     if summary.get("onset_at_start"):
@@ -187,7 +188,8 @@ def interval(summary: Summary) -> str:
     return "" if found is None else f"{found[0]:+.3f} to {found[1]:+.3f} Hz"
 
 
-def _frequency(summary: Summary) -> str:
+def frequency_text(summary: Summary) -> str:
+    """Whirl frequency in words."""
     frequency, changes = summary["whirl_frequency_hz"], summary["whirl_frequency_changes"]
     if irregular(summary):
         over = f": {found} in windows, at {summary['frequency_mark']}" if (found := interval(summary)) else ""

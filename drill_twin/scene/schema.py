@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Scene: the complete input of a run, validated as a whole."""
 
+import math
+import re
 from collections.abc import Iterator
 from typing import Annotated, Literal, NamedTuple
 
@@ -9,6 +11,8 @@ from pydantic import Field
 
 from drill_twin.core.numerals import whole_number
 from drill_twin.core.severity import DEFAULT, Bounds
+from drill_twin.core.table import Shown, Table
+from drill_twin.core.units.dimension import GRAVITY
 from drill_twin.core.units.system import UnitSystem, unit_system
 from drill_twin.scene.blocks.effects import Effects
 from drill_twin.scene.blocks.hole import Hole
@@ -41,7 +45,7 @@ class MarkPlace(NamedTuple):
     """Lateral distance of the centred string from the wall [m]."""
 
 
-class Scene(Part):
+class Scene(Shown, Part):
     """String, hole, rig, effects and numerics of a run; floats are SI, text in a file has its unit."""
 
     name: Annotated[Label, Field(min_length=1)]
@@ -139,9 +143,56 @@ class Scene(Part):
             for mark in self.string.marks
         )
 
+    def shown(self) -> Table:
+        """Rows of `scene_rows`, for a prompt and a notebook."""
+        return Table((), scene_rows(self), title=f"{self.name}: {first_sentence(self.description)}".removesuffix(": "))
+
     def to_yaml(self) -> str:
         """Resolved scene as text, SI units and defaults written out; `parse_scene` reads it to an equal scene."""
         return yaml_text(self.model_dump(mode="json", exclude_none=True))
+
+
+def first_sentence(text: str) -> str:
+    """First sentence of a description."""
+    return re.split(r"(?<=[.:]) ", " ".join(text.split()), maxsplit=1)[0].rstrip(":")
+
+
+def set_points_of(scene: Scene) -> tuple[str, str]:
+    """Weight on bit and speed of a scene in words."""
+    force, turn, units = scene.rig.weight_on_bit, scene.rig.rotation, scene.unit_system
+    largest, speed = units.text(force.value, "force"), units.text(turn.value, "rotation")
+    return ("recorded" if force.shape == "table" else largest, "recorded" if turn.shape == "table" else speed)
+
+
+def scene_rows(scene: Scene) -> Iterator[tuple[str, str]]:
+    """Rows of names and values that tell people what a scene is."""
+    force, turn = set_points_of(scene)
+    string, units, n = scene.string, scene.unit_system, len(scene.string.sections)
+    yield (
+        "string",
+        f"{units.text(scene.length, 'length')}, {n} section{'s' * (n > 1)}, bit end {string.bit_end}",
+    )
+    if heavy := [section for section in string.sections if section.adjusted_mass is not None]:
+        weights = {one.name: units.text(one.mass_per_length * GRAVITY, "force_per_length") for one in heavy}
+        yield "weight in air", ", ".join(f"{name} {weight}" for name, weight in weights.items())
+    yield "marks", ", ".join(f"{mark.name} ({units.text(mark.distance_from_bit, 'length')})" for mark in string.marks)
+    tilt = math.degrees(scene.hole.top_inclination)
+    yield "hole", f"radius {units.text(scene.hole.radius, 'offset')}, inclined by {tilt:g} degrees at the top"
+    if block := scene.rig.block:
+        yield "block", "moved by the auto-driller" if block.auto_driller else units.text(block.value, "rate")
+    if not block or block.auto_driller:
+        yield "weight on bit", force
+    yield "rotation", turn
+    yield "duration", f"{scene.rig.duration:g} s"
+    yield "effects", ", ".join(scene.effect_names)
+    friction = getattr(scene.effects, "wall_friction", None)
+    if friction and friction.intervals:
+        cased = (f"{one.coefficient:g} from {units.span(one.top, one.bottom, 'length')}" for one in friction.intervals)
+        yield "friction", f"{friction.coefficient:g}; {', '.join(cased)}"
+    if scene.sensors:
+        surface = ["surface"] if scene.sensors.surface else []
+        yield "sensors", ", ".join([*(sub.name for sub in scene.sensors.subs), *surface])
+    yield "elements, step", f"{scene.numerics.elements}, {scene.numerics.step}"
 
 
 def number_at(scene: Scene, key: str) -> float | None:

@@ -5,19 +5,19 @@ from __future__ import annotations
 
 import cmath
 import math
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 from matplotlib.colors import TwoSlopeNorm
 from matplotlib.figure import Figure
 
-from drill_twin.core.arrays import Array
-from drill_twin.core.units.system import UnitSystem
+from drill_twin.core.table import Table
+from drill_twin.dynamics.discretisation.resolution import mesh, resolution_of
 from drill_twin.dynamics.rotordynamics.campbell import Campbell, GrowthMap
 from drill_twin.dynamics.rotordynamics.forced_response import BEND, JOINT, OFFSET, ForcedResponse
-from drill_twin.dynamics.rotordynamics.modes import LATERAL, ModeTable
+from drill_twin.dynamics.rotordynamics.modes import LATERAL, Mode, ModeTable
 from drill_twin.report.figures.style import BLUE, GREY, INK, MARK_COLOURS, PURPLE, VERMILION, laid_out, styled
-from drill_twin.scene import Scene
 
 
 def modes_data(table: ModeTable) -> dict[str, Any]:
@@ -88,6 +88,65 @@ def growth_data(growth: GrowthMap) -> dict[str, Any]:
     return data
 
 
+def modes_table(table: ModeTable, modes: Sequence[Mode] | None = None, only: str = "") -> Table:
+    """Table of modes for people.
+
+    Args:
+        table: All modes.
+        modes: The modes shown; None: all.
+        only: What these modes are, in place of the full title.
+    """
+    command, part, scene, units = table.balance.command, table.assembly, table.scene, table.scene.unit_system
+    rows = []
+    for mode in table.modes if modes is None else modes:
+        sense = ""
+        if mode.kind == "lateral" and table.on_axis and abs(mode.frequency) > 1e-9:
+            sense = "forward" if mode.frequency * command.rotation >= 0.0 else "backward"
+        shown = [f"{mode.kind} {mode.number}", sense, f"{abs(mode.frequency):.4g}"]
+        shown += [_change(mode.change.imag / math.tau), f"{mode.growth:+.4g}", _change(mode.change.real)]
+        if part is not None:
+            at = part.equations.model.rod.arc[abs(mode.shape).argmax()]
+            lateral = (
+                mode.plane, units.number(mode.eigenvalue.imag, "rotation"), units.number(at, "length", ".0f"),
+                f"{100.0 * mode.share:.0f}",
+            )  # fmt: skip
+            shown = [shown[0], *(lateral if mode.kind == "lateral" else [""] * 4), *shown[2:4], f"{mode.growth:+.2g}"]
+        rows.append((*shown, f"{mode.damping_ratio:.2g}"))
+    off = "in balance" if scene.effects.wall is None else "on the wall"
+    place = "on the axis" if table.on_axis else off
+    title = (
+        f"{scene.name}: {units.set_point(command.weight_on_bit, command.rotation)}, string {place}. "
+        "Frequency in Hz, growth in 1/s (- decays, + grows), +- change between two meshes, one twice as fine as the "
+        "other, or rounding where it is more, damping ratio."
+    )
+    if part is None:
+        return Table(("mode", "whirl", "frequency", "+-", "growth", "+-", "damping"), rows, title=title,
+                     right=(2, 3, 4, 5, 6))  # fmt: skip
+    title += (
+        f" Lateral modes belong to the assembly: critical speed, place of the largest motion in {units.length} from "
+        "the bit, share of the kinetic energy in the collars in %."
+    )
+    columns = ("mode", "plane", units.rotation, "at", "%", "Hz", "+-", "growth", "damping")
+    return Table(columns, rows, title=f"{scene.name}: {only}" if only else title, right=range(2, 9))
+
+
+def _change(value: float) -> str:
+    return "?" if math.isnan(value) else min(f"{abs(value):.1g}", f"{abs(value):.0e}", key=len)
+
+
+def campbell_table(diagram: Campbell) -> Table:
+    """Speeds and critical speeds for people."""
+    scene, units, turns = diagram.scene, diagram.scene.unit_system, diagram.speeds
+    rows = (("speeds", units.span(turns.min(), turns.max(), "rotation")), ("critical speeds", critical_text(diagram)))
+    return Table((), rows, title=f"{scene.name}: lateral modes at {units.text(diagram.weight_on_bit, 'force')}")
+
+
+def critical_text(diagram: Campbell) -> str:
+    """Critical speeds of a Campbell diagram in words."""
+    named = (f"{diagram.scene.unit_system.text(speed, 'rotation')} (mode {k + 1})" for k, speed in diagram.critical)
+    return ", ".join(named) or "none up to the largest speed"
+
+
 SHAPES = 6
 """Largest number of mode shapes in a figure, so that each panel can be read."""
 FLOOR = 1e-6
@@ -100,13 +159,15 @@ PLACES = 200
 """Number of places of the assembly at which its largest clearance is sought; not measured."""
 
 
-def shapes_figure(table: ModeTable, arc: Array, name: str, units: UnitSystem) -> Figure:
+def shapes_figure(table: ModeTable) -> Figure:
     """Lateral mode shapes along the string, bit at the bottom: component along the largest point and across it."""
-    lateral, command = table.of(LATERAL)[:SHAPES], table.balance.command
+    lateral, command, scene = table.of(LATERAL)[:SHAPES], table.balance.command, table.scene
+    units = scene.unit_system
+    arc = table.assembly.equations.model.rod.arc if table.assembly else mesh(scene, resolution_of(scene)[0]).arc
     end = table.assembly.extent.cut if table.assembly else arc[-1]
     with styled():
         at = units.set_point(command.weight_on_bit, command.rotation)
-        figure = laid_out(4.2, f"{name}: lateral modes at {at}")
+        figure = laid_out(4.2, f"{scene.name}: lateral modes at {at}")
         panels = figure.subplots(1, max(len(lateral), 1), sharey=True, squeeze=False)[0]
         for panel, mode in zip(panels, lateral, strict=False):
             panel.plot(mode.shape.real, units.show(arc, "length"), color=BLUE)
@@ -121,13 +182,13 @@ def shapes_figure(table: ModeTable, arc: Array, name: str, units: UnitSystem) ->
     return figure
 
 
-def response_figure(response: ForcedResponse, table: ModeTable, scene: Scene) -> Figure:
+def response_figure(response: ForcedResponse, table: ModeTable) -> Figure:
     """Amplitudes and side forces over the speed for unbalance (left) and bend, critical speeds dotted.
 
     Amplitudes beyond the clearance are pale, as the response is linear, and the wall would limit them; so are critical
     speeds of the pipe above the collars.
     """
-    command, units = table.balance.command, scene.unit_system
+    command, scene, units = table.balance.command, table.scene, table.scene.unit_system
     turns = units.show(response.speeds, "rotation")
     offset, bend = (units.text(size, "offset", ".2g") for size in (OFFSET, BEND))
     causes = (f"mass centre {offset} off", f"lowest joint bent by {bend} in {units.text(JOINT, 'length')}")
@@ -184,8 +245,9 @@ def response_figure(response: ForcedResponse, table: ModeTable, scene: Scene) ->
     return figure
 
 
-def campbell_figure(diagram: Campbell, name: str, units: UnitSystem) -> Figure:
+def campbell_figure(diagram: Campbell) -> Figure:
     """Frequency and growth of the lateral modes over the speed of rotation; critical speeds marked."""
+    name, units = diagram.scene.name, diagram.scene.unit_system
     turns, hertz = units.show(diagram.speeds, "rotation"), diagram.eigenvalues.imag / math.tau
     with styled():
         figure = laid_out(5.0, f"{name}: Campbell diagram at {units.text(diagram.weight_on_bit, 'force')}")
@@ -204,8 +266,9 @@ def campbell_figure(diagram: Campbell, name: str, units: UnitSystem) -> Figure:
     return figure
 
 
-def growth_figure(growth: GrowthMap, name: str, units: UnitSystem) -> Figure:
+def growth_figure(growth: GrowthMap) -> Figure:
     """Largest growth rate over weight on bit and speed, with its zero line; beside it the growth of torsion."""
+    name, units = growth.scene.name, growth.scene.unit_system
     maps = [(growth.lateral, "lateral: onset of whirl")]
     if growth.torsional is not None:
         maps.append((growth.torsional, "torsion: onset of stick-slip"))

@@ -4,6 +4,8 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
+from operator import attrgetter
 from typing import Any
 
 import numpy as np
@@ -12,7 +14,6 @@ from matplotlib.ticker import MaxNLocator
 
 from drill_twin.core.arrays import Array, number_or_none
 from drill_twin.core.table import Column, Table
-from drill_twin.core.units.system import UnitSystem
 from drill_twin.dynamics.torque_drag.analysis import OperationLoads, Statics
 from drill_twin.dynamics.torque_drag.soft_string import CHEN, BucklingState
 from drill_twin.report.figures.style import BLUE, GREEN, GREY, ORANGE, PURPLE, VERMILION, blank, styled
@@ -123,8 +124,9 @@ def depth_table(found: Statics) -> Table:
 COLOURS = (BLUE, VERMILION, GREEN, PURPLE, ORANGE)
 
 
-def tracks(found: Statics, units: UnitSystem) -> Figure:
+def tracks(found: Statics) -> Figure:
     """Figure of all operations; the soft string is dashed."""
+    units = found.scene.unit_system
     with styled():
         figure = blank(7.2, f"{found.scene.name}: torque and drag")
         panels = [figure.add_axes((0.08 + 0.235 * k, 0.08, 0.195, 0.75)) for k in range(4)]
@@ -167,3 +169,44 @@ def tracks(found: Statics, units: UnitSystem) -> Figure:
         figure.legend(*tension.get_legend_handles_labels(), loc="upper left", bbox_to_anchor=(0.07, 0.935), ncols=5)
         figure.text(0.975, 0.905, "dashed: soft string", ha="right", color=GREY, fontsize=9)
     return figure
+
+
+_NOTHING = 1e-4
+"""Share of the largest number of a column below which it is the residual of a balance."""
+_COLUMNS = (
+    *(("hookload", "force"), ("soft.hookload", "force"), ("surface_torque", "torque")),
+    *(("soft.surface_torque", "torque"), ("neutral_point", "length"), ("stretch", "length")),
+)
+"""Quantities of an operation in the first table, and their kinds of units."""
+
+
+def _set_point(found: Statics) -> str:
+    """Weight and speed of slide and drill; of a scene that gives the weight at the top, that at the bit too."""
+    units = found.scene.unit_system
+    rig, last = found.scene.rig, found.operations[-1].operation
+    text = f"slide and drill with {units.set_point(rig.weight_on_bit.value, rig.rotation.value)}"
+    if rig.weight_on_bit.at != "top" or not last.is_on_bottom:
+        return text
+    return f"{text}, at the top: {units.text(last.weight_on_bit, 'force')} at the bit"
+
+
+def loads_table(found: Statics) -> Table:
+    """Hookload, torque and stretch of each operation, for people."""
+    operations, u = found.operations, found.scene.unit_system
+
+    def column(values: Iterable[float], quantity: str = "") -> list[str]:
+        shown = [u.show(value, quantity) if quantity else value for value in values]
+        nothing = _NOTHING * max(abs(value) for value in shown)
+        return [f"{value if abs(value) > nothing else 0.0:.4g}" for value in shown]
+
+    return Table(
+        ("operation", "hookload", "soft", "torque", "soft", "neutral", "stretch", "turns"),
+        zip(
+            [loads.operation.name for loads in operations],
+            *(column(map(attrgetter(name), operations), quantity) for name, quantity in _COLUMNS),
+            column(loads.twist / math.tau for loads in operations), strict=True,
+        ),
+        title=f"{found.scene.name}: {_set_point(found)}; in {u.force}, {u.torque}, {u.length}; neutral point from "
+        "the bit; soft: string without bending stiffness",
+        right=range(1, 8),
+    )  # fmt: skip

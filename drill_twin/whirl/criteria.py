@@ -18,11 +18,11 @@ which are kept.
 from __future__ import annotations
 
 import math
-from enum import Enum, IntEnum
+from enum import IntEnum, StrEnum
 from typing import Self
 
 
-class MotionState(Enum):
+class MotionState(StrEnum):
     """Motion of a mark or of the string: the seven states of the paper's Fig. 7, the swing, rest, and not observable.
 
     The first that applies holds, after the hysteresis of the thresholds below; each docstring is the criterion.
@@ -73,7 +73,7 @@ class MotionState(Enum):
     within an eighth of a revolution are not told apart, and irregular motion keeps its name."""
 
 
-class BitMotion(Enum):
+class BitMotion(StrEnum):
     """Motion of the bit."""
 
     UNKNOWN = "not observable"

@@ -137,7 +137,7 @@ def table_of(scene: Scene, command: Command, fastest: float, resting: FindBalanc
     others = [mode for kind in (TORSIONAL, AXIAL) for mode in listed(found, count)[0] if mode.kind == kind]
     kept, growing, creeping = listed([*lateral, *others], max(count, len(lateral)))
     balance = Balance(command, assembly.u, assembly.linearised(command.rotation))
-    return ModeTable(balance, False, kept, growing, creeping, reach, assembly)
+    return ModeTable(scene, balance, False, kept, growing, creeping, reach, assembly)
 
 
 def _nearest(mode: Mode, others: list[Mode]) -> tuple[int, complex]:

@@ -24,6 +24,7 @@ from drill_twin.dynamics.rotordynamics.eigenvalues import (
 from drill_twin.dynamics.rotordynamics.equations import EquationsOfMotion
 from drill_twin.dynamics.rotordynamics.modes import balance, is_vertical
 from drill_twin.dynamics.rotordynamics.turning_frame import TurningFrame
+from drill_twin.scene import Scene
 from drill_twin.scene.set_points.command import Command
 
 SPARE = 6
@@ -33,6 +34,7 @@ SPARE = 6
 class Campbell(NamedTuple):
     """Lateral modes over speeds of rotation; p speeds, m modes."""
 
+    scene: Scene
     weight_on_bit: float
     """[N]."""
     speeds: Array
@@ -89,7 +91,7 @@ def campbell(
             apart = np.abs(values[beside][:, None] - found[None, :]) / scale
             chosen = linear_sum_assignment(1.0 - mac(shapes, vectors) + apart)[1]
         values[k], shapes = found[chosen], vectors[:, chosen]
-    return Campbell(weight_on_bit, speeds, values, critical_speeds(speeds, values))
+    return Campbell(equations.scene, weight_on_bit, speeds, values, critical_speeds(speeds, values))
 
 
 def critical_speeds(speeds: Array, eigenvalues: ComplexArray) -> tuple[tuple[int, float], ...]:
@@ -112,6 +114,7 @@ BASIS = 8
 class GrowthMap(NamedTuple):
     """Growth rates over a grid of w loads and p speeds."""
 
+    scene: Scene
     weights: Array
     """Weight on bit [N], shape (w,)."""
     speeds: Array
@@ -177,7 +180,7 @@ def growth_map(
                 torsional[i, k] = found[0].real.max()
         if progress is not None:
             progress(i + 1)
-    return GrowthMap(weights, speeds, lateral, torsional)
+    return GrowthMap(equations.scene, weights, speeds, lateral, torsional)
 
 
 def _frame_on_axis(equations: EquationsOfMotion, found: str) -> TurningFrame:

@@ -32,6 +32,7 @@ from drill_twin.dynamics.rotordynamics.eigenvalues import (
 from drill_twin.dynamics.rotordynamics.equations import EquationsOfMotion, Linearised
 from drill_twin.dynamics.rotordynamics.turning_frame import HoleFrame, TurningFrame
 from drill_twin.dynamics.solver.linearisation import STIFFNESS
+from drill_twin.scene import Scene
 from drill_twin.scene.set_points.command import Command
 
 if TYPE_CHECKING:
@@ -117,18 +118,18 @@ class Balance(NamedTuple):
 class ModeTable(NamedTuple):
     """Modes about a balance."""
 
+    scene: Scene
     balance: Balance
     on_axis: bool
     """True if the string is on the axis of the hole, so that frequencies of lateral modes have a sense."""
     modes: tuple[Mode, ...]
-    """Lateral, then torsional, then axial modes. Each kind has the modes of the smallest eigenvalues, and the mode that
-    grows fastest; in a large string fewer of some kind."""
+    """Lateral, torsional, axial: of each kind the smallest eigenvalues and the mode that grows fastest."""
     growing: dict[str, int]
     """Number of modes that grow, by kind."""
     creeping: dict[str, float]
-    """Decay [1/s] of the slowest motion without oscillation, by kind, where there is such a motion; it is no mode."""
+    """Decay [1/s] of the slowest motion without oscillation, by kind, where there is one; it is no mode."""
     reach: float
-    """Size of the eigenvalues up to which all are computed [rad/s]; less than infinity in a large string."""
+    """Size of the eigenvalues up to which all are computed [rad/s]; finite in a large string."""
     assembly: Assembly | None = None
     """The part of a long string whose lateral modes these are; None: the whole string."""
 
@@ -143,11 +144,9 @@ class ModeTable(NamedTuple):
     def nearest_critical(self) -> float:
         """Critical speed nearest to the rotation [rad/s], of its collars; NaN without one or without rotation."""
         rotation = self.balance.command.rotation
-        speeds = (
-            abs(mode.eigenvalue.imag)
-            for mode in self.of(LATERAL)
-            if mode.of_collars and (not self.on_axis or mode.frequency * rotation > 0.0)  # on the axis: forward ones
-        )
+        collars = [mode for mode in self.of(LATERAL) if mode.of_collars]
+        forward = (mode for mode in collars if not self.on_axis or mode.frequency * rotation > 0.0)
+        speeds = (abs(mode.eigenvalue.imag) for mode in forward)
         return min(speeds, key=lambda speed: abs(speed - abs(rotation)), default=math.nan) if rotation else math.nan
 
 
@@ -221,7 +220,7 @@ def modes(
     else:
         all_modes = coupled_modes(equations, np.arange(equations.unknowns), pencil, delay)
         reach = _reach(all_modes, equations.unknowns)
-    return ModeTable(found, on_axis, *listed(all_modes, count), reach)
+    return ModeTable(equations.scene, found, on_axis, *listed(all_modes, count), reach)
 
 
 def listed(all_modes: list[Mode], count: int) -> tuple[tuple[Mode, ...], dict[str, int], dict[str, float]]:

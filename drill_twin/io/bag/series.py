@@ -5,11 +5,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
 
 from drill_twin.core.arrays import Array
-from drill_twin.core.errors import MessageError
+from drill_twin.core.errors import ArgumentError, MessageError, nearest
 from drill_twin.core.rig_channels import RIG_JOINTS
 from drill_twin.dynamics.twin.frame import RigState
 from drill_twin.io.bag.time_series import Column, Rows, Series, checked
@@ -64,6 +65,23 @@ class JointSeries(Series):
         raise NotImplementedError
 
 
+class Mark(NamedTuple):
+    """A mark over time: the columns of `MarkSeries` for it alone."""
+
+    time: Array
+    """[s], shape (T,)."""
+    position: Array
+    """[m], shape (T, 3)."""
+    spin: Array
+    """[rad], not wrapped, shape (T,)."""
+    velocity: Array
+    """[m/s], shape (T, 3)."""
+    spin_rate: Array
+    """[rad/s], shape (T,)."""
+    wall_force: Array
+    """[N], shape (T, 3)."""
+
+
 class MarkSeries(JointSeries):
     """`/marks/state`; m marks. NaN where the messages have no z, spin, velocity or force."""
 
@@ -83,6 +101,17 @@ class MarkSeries(JointSeries):
         self._marks: list[tuple[str, ...]] = []
         self._layout: tuple[str, ...] = ()
         self._layout_marks: tuple[str, ...] = ()
+
+    def __getitem__(self, name: str) -> Mark:
+        """A mark by its name.
+
+        Raises:
+            ArgumentError: There is no such mark.
+        """
+        if name not in self.names:
+            raise ArgumentError(f"expected one of {', '.join(self.names)}, found {name!r}{nearest(name, self.names)}")
+        at = self.names.index(name)
+        return Mark(self.time, *(getattr(self, column)[:, at] for column in Mark._fields[1:]))
 
     def _values(self, states: JointStates) -> tuple[Array, tuple[str, ...]]:
         if states.names != self._layout or not states.position.size:

@@ -58,6 +58,12 @@ class Members:
         lengths = [len(values) for values in self.vary.values()]
         return (lengths[0],) if self.zipped else tuple(lengths)
 
+    @property
+    def told(self) -> str:
+        """Number of members, and of the values of each key, in words."""
+        values = [f"{len(values)} of {key}" for key, values in self.vary.items()]
+        return f"{len(self)} members, {(' with ' if self.zipped else ' x ').join(values)}"
+
     def __len__(self) -> int:
         """Number of members."""
         return math.prod(self.shape)

@@ -5,11 +5,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from functools import cached_property
+from html import escape
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from drill_twin.core.errors import ArgumentError, import_extra
+from drill_twin.core.table import Table
 from drill_twin.runs.ensemble.members import Members
 from drill_twin.runs.ensemble.run import MemberRun
 from drill_twin.whirl import Summary
@@ -44,7 +46,11 @@ class EnsembleResult:
     def __repr__(self) -> str:
         """One line: scene, members, failures."""
         failed = f", {len(self.failed)} failed" if self.failed else ""
-        return f"<EnsembleResult of {self._members.base.name}: {len(self.members)} members{failed}>"
+        return f"<EnsembleResult of {self._members.base.name}: {self._members.told}{failed}>"
+
+    def _repr_html_(self) -> str:
+        """The same line, and the outputs with their units, for a notebook."""
+        return f"<p>{escape(repr(self))}</p>{Table(('output', 'unit'), self.units.items()).html()}"
 
     @property
     def marks(self) -> list[str]:

@@ -9,8 +9,10 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from drill_twin.core.arrays import Array
+from drill_twin.core.errors import import_extra
 from drill_twin.scene import Scene
 from drill_twin.scene.load import override
 from drill_twin.scene.overrides import full_key
@@ -163,6 +165,31 @@ class Posterior:
         error = float(np.nanstd(self.residual(channel)))
         return predictive_band(self.runs[channel], self.sampling.weights, error, share)
 
+    @property
+    def draws(self) -> Array:
+        """Draws of equal weight [SI], shape (2000, d), drawn from `values` by their weights: many are repeated."""
+        return np.asarray(self.values[resampled(self.sampling.weights)[0]])
+
+    def plot_corner(self) -> Figure:
+        """Draws of each number over its range, and of each pair of numbers."""
+        from drill_twin_studies.fitting.corner import corner_figure
+
+        return corner_figure(f"{self.scene.name}: draws of the numbers, in SI", self.keys, self.draws)
+
+    def to_inferencedata(self) -> Any:
+        """Draws of equal weight [SI] as groups `posterior` and `observed_data` of a DataTree, which ArviZ reads.
+
+        Draws are of one chain and repeated, so that the effective sample size of ArviZ does not hold: it is
+        `sampling.effective`.
+
+        Raises:
+            ArgumentError: arviz_base is not installed.
+        """
+        posterior = {key: column[None] for key, column in zip(self.keys, self.draws.T, strict=True)}
+        groups = {"posterior": posterior, "observed_data": dict(self.measured)}
+        dims = {channel: ["time"] for channel in self.measured}
+        return import_extra("arviz_base").from_dict(groups, coords={"time": self.time}, dims=dims)
+
     def scene_text(self, base: str | None = None) -> str:
         """YAML of the fitted scene: the differences from a scene, by default the fit's scene, by its name."""
         from drill_twin.scene.lines import yaml_text
@@ -210,11 +237,15 @@ class Posterior:
         }  # fmt: skip
 
 
+def resampled(weights: Array) -> tuple[NDArray[np.int64], np.random.Generator]:
+    """Numbers of 2,000 runs, drawn by their weights, and the generator that drew them; the same in each call."""
+    alive, generator = np.flatnonzero(weights > 1e-6 * weights.max()), np.random.default_rng(1)
+    return generator.choice(alive, 2000, p=weights[alive] / weights[alive].sum()), generator
+
+
 def predictive_band(runs: Array, weights: Array, error: float, share: float) -> tuple[Array, Array]:
     """Quantiles at each time of weighted runs, shape (N, T), widened by a Gaussian error of the model."""
-    alive = weights > 1e-6 * weights.max()
-    generator = np.random.default_rng(1)
-    drawn = generator.choice(np.flatnonzero(alive), 2000, p=weights[alive] / weights[alive].sum())
+    drawn, generator = resampled(weights)
     noisy = runs[drawn] + error * generator.standard_normal((drawn.size, 1))
     low, high = np.quantile(noisy, (0.5 - share / 2.0, 0.5 + share / 2.0), axis=0)
     return low, high

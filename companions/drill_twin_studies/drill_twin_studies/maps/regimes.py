@@ -3,7 +3,7 @@
 
 import math
 from collections.abc import Iterable
-from enum import Enum
+from enum import StrEnum
 from typing import NamedTuple
 
 from drill_twin.whirl import MotionState, Summary, criteria
@@ -39,7 +39,7 @@ class TorsionalSpeeds(NamedTuple):
         return abs(self.bit - self.top) > BEHIND * abs(self.top)
 
 
-class Regime(Enum):
+class Regime(StrEnum):
     """Motion of the string at the end of a run; the codes in a map follow this order."""
 
     SMOOTH = "smooth"
