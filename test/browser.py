@@ -114,6 +114,10 @@ class Browser:
             "Emulation.setDeviceMetricsOverride", width=width, height=height, deviceScaleFactor=1, mobile=width < 500
         )
 
+    def on_paper(self):
+        """Show the page as it is printed."""
+        self._call("Emulation.setEmulatedMedia", media="print")
+
     def text(self, name):
         return self.value(f"document.getElementById('{name}').textContent")
 

@@ -64,3 +64,23 @@ def test_charts_take_the_place_of_the_pictures(shown, width):
     assert found["letters"] >= 12.0
     assert found["pictures"] == 0
     assert found["width"] <= found["screen"]
+
+
+PRINTED = """(() => {
+  const shown = (what) => [...document.querySelectorAll(what)].filter((box) => box.getClientRects().length);
+  return { width: document.documentElement.scrollWidth, screen: innerWidth, pictures: shown(".picture").length,
+    charts: shown(".chart").length, view: shown("#view").length,
+    widest: Math.max(...shown(".picture img").map((image) => image.getBoundingClientRect().width)) };
+})()"""
+
+
+def test_a_page_on_paper_has_its_pictures_and_nothing_that_is_pressed(known_report, browse):
+    """An A4 sheet has 186 mm within its margins, 703 pixels."""
+    browser = browse(known_report.page.as_uri(), 703, live=False)
+    until(lambda: browser.value("document.querySelectorAll('.charted').length > 0"), "plotly")
+    browser.on_paper()
+    found = browser.value(PRINTED)
+    assert found["width"] <= found["screen"]
+    assert found["widest"] <= found["screen"]
+    assert found["pictures"] > 3
+    assert found["charts"] == found["view"] == 0
