@@ -66,7 +66,7 @@ def test_arrays_have_the_documented_shapes(result, bench_scene):
     assert result.cost.elements == 8
     assert result.cost.steps > samples
     assert result.energy == {}
-    assert re.fullmatch(r"<Result of pa6_bench: 300 samples to 3 s, whirl from 0\.\d\d s>", repr(result))
+    assert re.fullmatch(r"<Result of pa6_bench: 300 samples to 3 s, whirl before 0\.\d\d s>", repr(result))
 
 
 def test_wall_forces_push_a_mark_to_the_axis(result):

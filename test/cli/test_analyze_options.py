@@ -34,7 +34,7 @@ def test_a_table_has_no_clearance_of_marks(tmp_path):
 
 
 def test_every_mark_has_its_timeline(bench_run):
-    result = ran(bench_run.bag)
+    result = ran(bench_run.bag, "--all")
     assert result.exit_code == 0, result.output
     assert all(result.stdout.count(f"mark_{k}") >= 2 for k in range(1, 5))
     assert "what decided it" in result.stdout

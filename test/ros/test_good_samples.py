@@ -153,9 +153,9 @@ def test_estimates_go_on_while_a_rig_is_silent(bench, estimator):
 def test_a_rig_that_parts_from_the_model_is_a_warning(bench, estimator):
     found, rig = bench.collect(ESTIMATE_STATE), MeasuringRig(bench)
     rig.measure(400)
-    status = rig.until_told(lambda status: status.level != Level.OK, hookload=3000.0)
+    words = "that none of the numbers explains: they are held as they were"  # a busy machine may be too slow at first
+    status = rig.until_told(lambda status: words in status.text, hookload=3000.0)
     assert status.level == Level.WARN
-    assert "that none of the numbers explains: they are held as they were" in status.text
     last = estimated(found[-1])
     assert (last["trust"], last["alarm"]) == (Level.WARN, 1.0)
 

@@ -1,24 +1,26 @@
 # SPDX-License-Identifier: Apache-2.0
 """Checks of an installation and of the nodes in a domain, for `drill-twin ros doctor`; only `graph` needs rclpy."""
 
+import drill_twin.ros.doctor.installation as own
 from drill_twin.core.errors import DrillTwinError
 from drill_twin.ros.core.stop_request import StopRequest
-from drill_twin.ros.doctor.installation import ROS, Check, Verdict, installation, ros_installation, ros_present
 
 
-def examine(seconds: float) -> list[Check]:
+def examine(seconds: float) -> list[own.Check]:
     """Check the installation and, where ROS is there, listen to the domain for a time [s]; 0: do not listen."""
-    checks = [*installation(), *ros_installation()]
-    broken = any(check.verdict is Verdict.PROBLEM and check.section == ROS for check in checks)
-    if seconds and ros_present() and not broken:
+    checks = [*own.installation(), *own.ros_installation()]
+    broken = any(check.verdict is own.Verdict.PROBLEM and check.section == own.ROS for check in checks)
+    if seconds and own.ros_present() and not broken:
         try:
             checks += _examine_domain(seconds)
         except DrillTwinError as error:
-            checks.append(Check(ROS, "node", str(error), Verdict.PROBLEM, "mend this first, then ask again"))
+            checks.append(
+                own.Check(own.ROS, "node", str(error), own.Verdict.PROBLEM, "mend this first, then ask again")
+            )
     return checks
 
 
-def _examine_domain(seconds: float) -> list[Check]:
+def _examine_domain(seconds: float) -> list[own.Check]:
     from rclpy.executors import SingleThreadedExecutor
     from rclpy.node import Node
 
