@@ -217,7 +217,7 @@ def test_a_block_of_nulls_is_no_set_point_and_a_file_beside_the_record_names_its
     assert [one["left_out"] for one in summary["columns"]] == [
         [], ["11 of -9999 (rows 21 to 31)"], [], ["1 of -555 (row 5)"],
     ]  # fmt: skip
-    analyze(path, channel=["rotation=RPM [rpm]"])
+    analyze(path, channel=["rotation=RPM [rpm]"], everything=True)
     told = capsys.readouterr()
     assert "taken as weight_on_bit in klbs; no measurement: 11 of" in " ".join(told.out.split())
     assert "write well.csv.yaml beside it, a line each: rotation: 'RPM [rpm]'" in " ".join(told.err.split())
