@@ -285,7 +285,7 @@ class Bench:
     def keeps_real_time(self, simulator: Process, seconds: float) -> None:
         """Check over some simulated seconds that a simulator holds real time, if it has a processor.
 
-        A busy machine may give the loop less than it needs; it is at fault only where it had nine tenths of a processor.
+        A busy machine may give the loop less than it needs; it is at fault only where it had most of a processor.
         """
         first, spent, begun = self.simulated_time(), simulator.loop_time, time.monotonic()
         end = first + seconds

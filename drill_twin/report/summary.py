@@ -204,10 +204,11 @@ def _missed_speed(bag: Recording) -> Iterator[str]:
     wanted = np.interp(bag.rig.time[late], bag.commands.time, bag.commands.rotation)
     aim, speed = float(wanted.mean()), float(bag.rig.top_drive_speed[late].mean())
     if np.ptp(wanted) <= RESTS * abs(aim) and abs(speed - aim) > MISSED * abs(aim):
+        more = "" if abs(speed) > abs(aim) else ", a higher `rig.top_drive.torque_limit`"
         yield (
             f"the top drive missed its set-point of {bag.units.text(aim, 'rotation')}: it turned at "
             f"{bag.units.text(speed, 'rotation')} on average over the last {min(LATE, bag.duration):g} s; a longer "
-            "run, a higher `rig.top_drive.torque_limit` or other gains may reach it"
+            f"run{more} or other gains may reach it"
         )
 
 

@@ -10,7 +10,7 @@ from drill_twin.core.severity import Grade, told
 from drill_twin.report.load_text import Row, Summary, answers, applied, units_of
 from drill_twin.report.text import findings, irregular, radius_text, transient
 from drill_twin.whirl import MotionState
-from drill_twin.whirl.criteria import CONTACT_RADIUS
+from drill_twin.whirl.criteria import CONTACT_RADIUS, SUSTAIN
 
 _DOES = {
     MotionState.AT_REST: "does not turn", MotionState.FIXED_AXIS: "turns about a fixed axis",
@@ -27,6 +27,8 @@ _ON_THE_WALL = {MotionState.ROLLING, MotionState.CREEPING, MotionState.IMPACTS}
 _STUCK = {
     "yes": "The bit stuck and slipped", "likely": "The bit probably stuck and slipped", "no": "No stick-slip was found",
 }  # fmt: skip
+_FAR = 0.5
+"""Radius over the clearance from which a string without whirl is said to be off the axis: chosen, not measured."""
 _NAMED = 3
 """Marks at the wall that are named; more are counted."""
 _ROWS = 5
@@ -41,6 +43,7 @@ def verdict(summary: Summary, bag: str = "") -> list[str]:
     """
     severity, units = summary["severity"], units_of(summary)
     which = f"Run {summary['run']} of {summary['runs']}. " * (summary["runs"] > 1)
+    which += "The bag is not whole. " * bool(summary["truncated"])
     found = [which + (_whirl(summary) if summary["whirl_observable"] else _torsion(summary))]
     found.append(f"Severity {told(severity, units)}." if severity else "Severity unknown: nothing has a grade.")
     matters = summary["onset_s"] is not None or (severity and severity["grade"] >= Grade.MEDIUM)
@@ -75,7 +78,10 @@ def _whirl(summary: Summary) -> str:
         why = next((text for name, text in findings(summary) if name == "onset of whirl"), "none found")
         if why != "none found":
             return f"Whirl: {why}."
-        return f"No whirl was found in {summary['duration_s']:.3g} s: {does}."
+        turns = abs(summary["rotation_rev_s"] or 0.0) * summary["duration_s"]
+        if turns < SUSTAIN:
+            return f"Whirl: not known, as the string turned {turns:.2g} times in {summary['duration_s']:.3g} s."
+        return f"No whirl was found in {summary['duration_s']:.3g} s: {does}{_bent(summary)}."
     when = "from the start of what was analysed" if summary.get("onset_at_start") else f"from {onset:.2f} s"
     if ended:
         return f"Whirl {when} to {summary['whirl_end_s']:.2f} s, and none since: {does}."
@@ -85,6 +91,14 @@ def _whirl(summary: Summary) -> str:
         changes = ", still changing" * bool(summary["whirl_frequency_changes"])
         does += f"{way} at {abs(frequency):.2f} Hz{changes}"
     return f"Whirl {when}: {does}{_at_the_wall(summary) if state not in _ON_THE_WALL else ''}."
+
+
+def _bent(summary: Summary) -> str:
+    """Clause on a string that was far off the axis though it did not whirl; empty where it was not."""
+    if (found := widest(summary)) is None or not (room := summary["clearance_m"].get(found[0])):
+        return ""
+    mark, radius = found
+    return f"; {mark} was up to {radius / room:.0%} of the clearance off the axis" if radius > _FAR * room else ""
 
 
 def _at_the_wall(summary: Summary) -> str:

@@ -64,6 +64,15 @@ def test_a_run_that_cannot_show_whirl_is_not_said_to_have_none(summary):
     assert said(summary, onset_s=None, quality=quality)[0].startswith("Whirl: not observable: 3.1 samples")
 
 
+def test_a_string_without_whirl_that_is_bent_to_the_wall_is_said_to_be(summary):
+    radii, room = {"a": 0.089, "b": 0.02}, {"a": 0.1, "b": 0.1}
+    calm = {"onset_s": None, "lasting_motion": "rotation about a fixed axis", "clearance_m": room}
+    assert said(summary, **calm, max_radius_m=radii)[0].endswith("axis; a was up to 89% of the clearance off the axis.")
+    assert said(summary, **calm, max_radius_m={"a": 0.01})[0].endswith(": the string turns about a fixed axis.")
+    assert said(summary, **calm, truncated=True)[0].startswith("The bag is not whole. No whirl was found")
+    assert said(summary, **calm, duration_s=0.05)[0].startswith("Whirl: not known, as the string turned ")
+
+
 @pytest.mark.parametrize("state", MotionState)
 def test_every_state_of_motion_has_words(summary, state):
     whirl = said(summary, lasting_motion=state.value)[0]

@@ -109,7 +109,8 @@ class MarkSeries(JointSeries):
             ArgumentError: There is no such mark.
         """
         if name not in self.names:
-            raise ArgumentError(f"expected one of {', '.join(self.names)}, found {name!r}{nearest(name, self.names)}")
+            near = nearest(name, self.names) if isinstance(name, str) else ""
+            raise ArgumentError(f"expected one of {', '.join(self.names)}, found {name!r}{near}")
         at = self.names.index(name)
         return Mark(self.time, *(getattr(self, column)[:, at] for column in Mark._fields[1:]))
 
