@@ -184,7 +184,7 @@ def test_a_flood_of_commands_does_not_hold_up_time(bench):
         "node = Node('flood', context=init_context([], StopRequest()));"
         "publisher = node.create_publisher(JointState, 'rig/command', 10);"
         "raw = CommandEncoder().command(0, Command(40.0, 12.0)); begun = time.monotonic(); sent = 0\n"
-        "while sent < 120_000:\n"
+        "while sent < 900_000:\n"
         "    while sent < (time.monotonic() - begun) * 10_000: publisher.publish(raw); sent += 1\n"
         "    time.sleep(0.001)\n"
     )
@@ -192,13 +192,13 @@ def test_a_flood_of_commands_does_not_hold_up_time(bench):
     bench.until_status("simulator", lambda status: float(status.values["simulated_time"]) > 1.0)
     memory = simulator.memory
     bench.keeps_real_time(simulator, 8.0)
-    assert flooder.wait() == 0, flooder.text
-    status = bench.until_status("simulator", bool)
+    # The weight follows its command at the rate of the scene.
+    status = bench.until_status("simulator", lambda status: float(status.values["weight_on_bit"]) == 40.0)
+    flooder.kill()
     assert int(status.values["commands_accepted"]) > 5000
     assert (
         int(status.values["dropped"]) > 0
     )  # the queue holds fewer than ten thousand; the number of dropped ones is reported
-    assert float(status.values["weight_on_bit"]) == 40.0
     assert simulator.memory - memory < 10 * MEGABYTE
     assert simulator.end() == 0, simulator.text
 
