@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from matplotlib.figure import Figure
 
-from drill_twin.core.arrays import Array
+from drill_twin.core.arrays import Array, number_or_none
 from drill_twin.core.errors import ArgumentError, TableError
 from drill_twin.core.numerals import number
 from drill_twin.core.table import Table
@@ -123,7 +123,7 @@ def over_depth_data(found: OverDepth, points: Mapping[str, Points], fits: Mappin
     return {
         "scene": found.scene.name, "depth_m": found.depth.tolist(), "friction": found.friction.tolist(),
         "cased": [[part.top, part.bottom] for part in found.casing],
-        "hookload_n": {one.name: np.where(np.isnan(rows), None, rows).tolist()
+        "hookload_n": {one.name: [[number_or_none(load) for load in row] for row in rows.tolist()]
                        for one, rows in zip(found.operations, found.hookload, strict=True)},
         "torque_off_bottom_nm": found.torque.tolist(),
         "measured": {
