@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from matplotlib.figure import Figure
 
-from drill_twin.core.arrays import Array
+from drill_twin.core.arrays import Array, number_or_none
 from drill_twin.core.errors import ArgumentError, TableError
 from drill_twin.core.numerals import number
 from drill_twin.core.table import Table
@@ -123,7 +123,8 @@ def over_depth_data(found: OverDepth, points: Mapping[str, Points], fits: Mappin
     return {
         "scene": found.scene.name, "depth_m": found.depth.tolist(), "friction": found.friction.tolist(),
         "cased": [[part.top, part.bottom] for part in found.casing],
-        "hookload_n": {one.name: rows.tolist() for one, rows in zip(found.operations, found.hookload, strict=True)},
+        "hookload_n": {one.name: [[number_or_none(load) for load in row] for row in rows.tolist()]
+                       for one, rows in zip(found.operations, found.hookload, strict=True)},
         "torque_off_bottom_nm": found.torque.tolist(),
         "measured": {
             load: {"depth_m": one.depth.tolist(), "value": one.value.tolist(), "rows_on_bottom": one.on_bottom,
@@ -146,17 +147,17 @@ def _fit_data(fit: FrictionFit) -> dict[str, Any]:
 def shown(found: OverDepth, points: Mapping[str, Points], fits: Mapping[str, FrictionFit]) -> Iterator[Table | str]:
     """Loads at the depth of the scene, and the factors of friction that the measured points mean."""
     units = found.scene.unit_system
-    names = [one.name for one in found.operations]
     rows = (
-        (f"{friction:.3g}", *(units.number(found.hookload[o, f, -1], "force") for o in range(len(names))),
+        (f"{friction:.3g}", *("locked" if math.isnan(load) else units.number(load, "force")
+                              for load in found.hookload[:, f, -1].tolist()),
          units.number(found.torque[f, -1], "torque"))
         for f, friction in enumerate(found.friction.tolist())
     )  # fmt: skip
     depth = units.text(found.scene.length, "length")
     yield Table(
-        ("friction", *names, "torque"), rows, right=range(5),
+        ("friction", *(one.name for one in found.operations), "torque"), rows, right=range(5),
         title=f"{found.scene.name}, soft string, bit at {depth}: hookload in {units.force}, torque off bottom in "
-        f"{units.torque}",
+        f"{units.torque}" + "; locked: friction holds the string" * bool(np.isnan(found.hookload[:, :, -1]).any()),
     )  # fmt: skip
     for load, fit in fits.items():
         yield f"measured {load}: {_said(found, fit)}"
@@ -192,7 +193,8 @@ def _said(found: OverDepth, fit: FrictionFit) -> str:
     if not fit.parts:
         return f"no load of these {count} points depends on friction"
     values = ", ".join(
-        f"{PARTS[part]} {value:.3g}" + (f" +- {error:.2g}" if math.isfinite(error) else ", error not known")
+        f"{PARTS[part]} {value:.3g}{' (at its bound)' * (value in {0.0, LARGEST})}"
+        + (f" +- {error:.2g}" if math.isfinite(error) else ", error not known")
         for part, value, error in zip(fit.parts, fit.friction.tolist(), fit.error.tolist(), strict=True)
     )
     text = f"friction {values} (least squares, {count} points, 95 %)"

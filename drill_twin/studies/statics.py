@@ -37,9 +37,9 @@ def _operation(scene: Scene, loads: OperationLoads) -> dict[str, Any]:
         "rotation_rad_s": operation.rotation,
         "axial_speed_m_s": operation.axial_speed,
         "hookload_n": loads.hookload,
-        "hookload_soft_string_n": loads.soft.hookload,
+        "hookload_soft_string_n": number_or_none(loads.soft.hookload),
         "surface_torque_nm": loads.surface_torque,
-        "surface_torque_soft_string_nm": loads.soft.surface_torque,
+        "surface_torque_soft_string_nm": number_or_none(loads.soft.surface_torque),
         "bit_torque_nm": loads.bit_torque,
         "neutral_point_m": loads.neutral_point,
         "stretch_m": loads.stretch,
@@ -173,6 +173,8 @@ def tracks(found: Statics) -> Figure:
 
 _NOTHING = 1e-4
 """Share of the largest number of a column below which it is the residual of a balance."""
+_ROUNDING = 1e-9
+"""Number up to which a column has rounding only, in units of the table; chosen: balances leave torques of 1e-16."""
 _COLUMNS = (
     *(("hookload", "force"), ("soft.hookload", "force"), ("surface_torque", "torque")),
     *(("soft.surface_torque", "torque"), ("neutral_point", "length"), ("stretch", "length")),
@@ -196,8 +198,8 @@ def loads_table(found: Statics) -> Table:
 
     def column(values: Iterable[float], quantity: str = "") -> list[str]:
         shown = [u.show(value, quantity) if quantity else value for value in values]
-        nothing = _NOTHING * max(abs(value) for value in shown)
-        return [f"{value if abs(value) > nothing else 0.0:.4g}" for value in shown]
+        nothing = max(_NOTHING * float(np.fmax.reduce(np.abs(shown), initial=0.0)), _ROUNDING)
+        return ["locked" if math.isnan(value) else f"{0.0 if abs(value) <= nothing else value:.4g}" for value in shown]
 
     return Table(
         ("operation", "hookload", "soft", "torque", "soft", "neutral", "stretch", "turns"),
@@ -207,6 +209,7 @@ def loads_table(found: Statics) -> Table:
             column(loads.twist / math.tau for loads in operations), strict=True,
         ),
         title=f"{found.scene.name}: {_set_point(found)}; in {u.force}, {u.torque}, {u.length}; neutral point from "
-        "the bit; soft: string without bending stiffness",
+        "the bit; soft: string without bending stiffness"
+        + "; locked: friction holds the string" * any(math.isnan(loads.soft.hookload) for loads in operations),
         right=range(1, 8),
     )  # fmt: skip

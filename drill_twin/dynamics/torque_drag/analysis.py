@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from drill_twin.core.arrays import Array
-from drill_twin.core.errors import RunError
+from drill_twin.core.errors import ArgumentError, RunError, nearest
 from drill_twin.dynamics.discretisation.discretise import axis_at, contact_radius
 from drill_twin.dynamics.discretisation.resolution import MOST, resolution_of
 from drill_twin.dynamics.rotordynamics.equations import TIME_DEPENDENT, EquationsOfMotion
@@ -150,9 +150,11 @@ class Statics:
         """Loads in an operation, by its name.
 
         Raises:
-            KeyError: There is no such operation.
+            ArgumentError: There is no such operation.
         """
-        return {loads.operation.name: loads for loads in self.operations}[name]
+        if name in (known := {loads.operation.name: loads for loads in self.operations}):
+            return known[name]
+        raise ArgumentError(f'expected one of {", ".join(known)}, found "{name}"{nearest(str(name), known)}')
 
 
 def steady(scene: Scene) -> Scene:

@@ -11,6 +11,7 @@ from scipy.optimize import least_squares
 from scipy.stats import t as student
 
 from drill_twin.core.arrays import Array
+from drill_twin.core.errors import ArgumentError, nearest, shortened
 from drill_twin.dynamics.rotordynamics.equations import EquationsOfMotion
 from drill_twin.dynamics.torque_drag.analysis import hole_and_string, steady
 from drill_twin.dynamics.torque_drag.soft_string import Operation, operations, soft_string
@@ -19,12 +20,14 @@ from drill_twin.scene import Scene
 
 OWN = 1e-12
 """Difference from the coefficient of the law from which an interval has its own."""
-LARGEST = 5.0
-"""Largest coefficient of friction [-], as for `drill_twin scene new --friction`."""
+LEAST_LOAD, LARGEST = 1e-9, 5.0
+"""Least measured hookload [N], as a rig that holds a string reads more than 0; largest coefficient of friction [-], as
+for `drill_twin scene new --friction`."""
 PLACES = 60
 """Most depths at which a fit computes loads; between them loads are linear in depth. Chosen, not measured."""
-CONFIDENT, APART = 0.95, 0.1
-"""Probability of the intervals of a fit, and the largest error of factors that count as known [-]; chosen."""
+CONFIDENT, APART, STEP = 0.95, 0.1, 1e-4
+"""Probability of the intervals of a fit; the largest error of factors that count as known [-]; the step of a factor in
+derivatives, and the distance from its bound within which a factor is put on it [-]; chosen."""
 FELT = 1e-4
 """Change of the loads by a factor of 1, over the largest load, below which no load depends on the factor; chosen."""
 BINS, LEAST_IN_BIN = 5, 3
@@ -55,9 +58,9 @@ class FrictionFit(NamedTuple):
     parts: tuple[str, ...]
     """`cased` and `open`, either of them, or `both`, one factor for all of the hole; none if no load depends on any."""
     friction: Array
-    """Shape (parts,)."""
+    """Shape (parts,); 0 or `LARGEST` at its bound."""
     error: Array
-    """Shape (parts,)."""
+    """Shape (parts,); of the linear problem without bounds; infinite where the points leave a factor open."""
     apart: Array
     """Errors of cased and open where they cannot be told apart, shape (2,); else shape (0,)."""
     residual: Array
@@ -82,13 +85,15 @@ class OverDepth:
     operations: tuple[Operation, ...]
     """Trip out, trip in, off bottom."""
     hookload: Array
-    """[N], shape (o, f, d)."""
+    """[N], shape (o, f, d); NaN where the string locks."""
     torque: Array
     """While it rotates off bottom [N m], shape (f, d)."""
 
     def curves(self, load: str) -> tuple[Array, Operation]:
         """Loads for each coefficient, shape (f, d), and their operation; `load` as in `fit`."""
         names = [operation.name for operation in self.operations]
+        if load not in (known := (*names, "torque")):
+            raise ArgumentError(f'expected a load of {", ".join(known)}, found "{load}"{nearest(str(load), known)}')
         k = names.index("off bottom" if load == "torque" else load)
         return (self.torque if load == "torque" else self.hookload[k]), self.operations[k]
 
@@ -110,12 +115,24 @@ class OverDepth:
             load: Name of an operation, whose hookload is measured [N], or `torque`, off bottom [N m].
             depth: Measured depths of the bit [m], shape (p,).
             measured: Measured loads, shape (p,).
+
+        Raises:
+            ArgumentError: No such load, values that are no finite numbers, a depth outside of the string, a hookload
+                of 0 or less, or not as many loads as depths.
         """
-        of, start, known = _Loads(self, load, depth), float(self.friction.mean()), np.zeros(0)
-        rows = np.array([np.interp(depth, self.depth, row) for row in self.curves(load)[0]])
+        depth = _numbers("depths [m]", depth, 0.0, self.scene.length * (1.0 + 1e-6))
+        measured = _numbers(
+            f"measured loads, {load}", measured, -math.inf if load == "torque" else LEAST_LOAD, math.inf
+        )
+        if depth.size != measured.size:
+            raise ArgumentError(f"expected a load a depth, found {measured.size} loads and {depth.size} depths")
+        of, start, step, known = _Loads(self, load, depth), float(self.friction.mean()), APART, np.zeros(0)
+        rows = np.nan_to_num([np.interp(depth, self.depth, row) for row in self.curves(load)[0]], nan=-math.inf)
         beyond = int(np.sum((measured < rows.min(axis=0)) | (measured > rows.max(axis=0))))
+        while not np.isfinite(of(np.full(2, start + step))).all():  # a measured load is of a string that slides
+            start, step = 0.5 * start, 0.5 * step
         base = of(np.full(2, start))
-        slopes = np.column_stack([of(start + APART * part) - base for part in np.eye(2)]) / APART
+        slopes = np.column_stack([of(start + step * part) - base for part in np.eye(2)]) / step
         felt = np.abs(slopes).max(axis=0) > FELT * np.abs(measured).max()
         if not felt.any():
             return FrictionFit((), known, known, known, measured - base, beyond, ())
@@ -154,9 +171,11 @@ def _least(of: _Loads, parts: Array, measured: Array, start: float) -> tuple[Any
     """Least squares, errors of the factors and of a load; `parts` (2, k) makes cased and open of k factors."""
     factors, lost = parts.shape[1], measured.size - parts.shape[1]
     best = least_squares(
-        lambda own: of(parts @ own) - measured, np.full(factors, start), bounds=(0.0, LARGEST), diff_step=1e-4
-    )
-    if lost < 1:
+        lambda own: of(parts @ own) - measured, np.full(factors, start), bounds=(0.0, LARGEST),
+        jac=lambda own: np.array([of(parts @ own) - of(parts @ (own - h)) for h in STEP * np.eye(factors)]).T / STEP,
+    )  # fmt: skip
+    best.x = np.where(best.x < STEP, 0.0, np.where(best.x > LARGEST - STEP, LARGEST, best.x))
+    if lost < 1 or np.linalg.matrix_rank(best.jac) < factors:
         return best, np.full(factors, math.inf), math.inf
     scatter = float(student.ppf(0.5 + 0.5 * CONFIDENT, lost)) * math.sqrt(2.0 * best.cost / lost)
     return best, scatter * np.sqrt(np.diag(np.linalg.pinv(best.jac.T @ best.jac))), scatter
@@ -175,6 +194,23 @@ def _trend(parts: tuple[str, ...], best: Any, scatter: float, depth: Array) -> I
                 break
 
 
+def _numbers(name: str, values: Any, low: float, high: float) -> Array:
+    """Numbers as an array (n,).
+
+    Raises:
+        ArgumentError: They are none, or not all finite and from `low` to `high`.
+    """
+    try:
+        found = np.asarray(values, float)
+    except (TypeError, ValueError):
+        found = np.zeros(0)
+    wrong = ~(np.isfinite(found) & (found >= low) & (found <= high))
+    if found.ndim != 1 or not found.size or wrong.any():
+        told = f"{found[wrong][0]:g}" if found.ndim == 1 and wrong.any() else shortened(repr(values), 80)
+        raise ArgumentError(f"{name}: expected a list of finite numbers from {low:g} to {high:g}, found {told}")
+    return found
+
+
 def over_depth(scene: Scene, friction: Sequence[float], depths: int) -> OverDepth:
     """Loads of the lower part of a string whose bit is on its way down.
 
@@ -182,10 +218,15 @@ def over_depth(scene: Scene, friction: Sequence[float], depths: int) -> OverDept
         scene: The scene; elements given or `auto`.
         friction: Coefficients on the wall; an interval with a coefficient of its own, such as a casing, keeps its own.
         depths: Number of depths, evenly spaced down to the depth of the scene.
+
+    Raises:
+        ArgumentError: Coefficients that are not finite numbers from 0 to `LARGEST`, or no depth.
     """
+    coefficients = _numbers("friction", friction, 0.0, LARGEST)
+    _numbers("depths", [depths], 1.0, math.inf)
     equations = EquationsOfMotion(steady(scene))
     law = getattr(scene.effects, "wall_friction", None)
-    depth, coefficients = np.linspace(0.0, scene.length, depths + 1)[1:], np.asarray(friction, float)
+    depth = np.linspace(0.0, scene.length, depths + 1)[1:]
     wanted = tuple(operations(0.0, 1.0))
     hookload = np.empty((len(wanted), coefficients.size, depths))
     torque = np.empty((coefficients.size, depths))

@@ -129,7 +129,7 @@ def buckling_loads(bending: Array, pressing: Array, weight: Array, clearance: Ar
 ITERATIONS = 4
 """Of the tension at the middle of an element."""
 MOST_WEIGHT = 1e8
-"""Weight on bit [N] that no hole transmits."""
+"""Compression [N] that no pipe transmits: where friction and helix add up to it, the string is locked."""
 
 
 class HoleAndString(NamedTuple):
@@ -164,7 +164,10 @@ class HoleAndString(NamedTuple):
 
 
 class SoftString(NamedTuple):
-    """Soft string in an operation: tension and torque at the nodes from the bit up, shape (n + 1,)."""
+    """Soft string in an operation: tension and torque at the nodes from the bit up, shape (n + 1,).
+
+    NaN from the node up at which the string locks (`MOST_WEIGHT`): no push from above reaches the bit.
+    """
 
     tension: Array
     """[N]."""
@@ -175,12 +178,12 @@ class SoftString(NamedTuple):
 
     @property
     def hookload(self) -> float:
-        """Tension at the top [N]."""
+        """Tension at the top [N]; NaN of a string that locks."""
         return float(self.tension[-1])
 
     @property
     def surface_torque(self) -> float:
-        """Torque at the top [N m]."""
+        """Torque at the top, with the sign of the rotation [N m]; NaN of a string that locks."""
         return float(self.torque[-1])
 
 
@@ -192,9 +195,9 @@ def soft_string(string: HoleAndString, operation: Operation, bit_torque: float =
     Args:
         string: Elements.
         operation: The operation; at zero speed there is no friction.
-        bit_torque: Torque at the bit [N m].
+        bit_torque: Torque at the bit, with the sign of the rotation [N m].
     """
-    around = abs(operation.rotation) * string.radius
+    around = operation.rotation * string.radius
     speed = np.maximum(np.hypot(operation.axial_speed, around), 1e-300)
     along = operation.axial_speed / speed * string.friction
     turning = around / speed * string.friction * string.radius
@@ -217,7 +220,8 @@ def soft_string(string: HoleAndString, operation: Operation, bit_torque: float =
         side.append(force)
         tension.append(above)
         torque.append(torque[-1] + lever * force * length)
-    return SoftString(np.array(tension), np.array(torque), np.array(side))
+    kept = np.where(np.logical_or.accumulate(np.array(tension) <= -MOST_WEIGHT), np.nan, 1.0)
+    return SoftString(kept * tension, kept * torque, kept[1:] * side)
 
 
 def lock_up_weight(string: HoleAndString, operation: Operation) -> float:
@@ -233,7 +237,7 @@ def straight_weight(string: HoleAndString, operation: Operation) -> float:
 
     def straight(soft: SoftString) -> bool:
         tension = 0.5 * (soft.tension[1:] + soft.tension[:-1])
-        return string.buckling(tension).margins(tension)[0] > 1.0
+        return math.isfinite(soft.hookload) and string.buckling(tension).margins(tension)[0] > 1.0
 
     return _largest_weight(string, operation, straight)
 

@@ -22,7 +22,7 @@ WELL = "wells/vertical_3000"
 
 
 def said_of(found, points, fits):
-    return "\n".join(map(str, shown(found, points, fits)))
+    return "\n".join(one if isinstance(one, str) else one.text() for one in shown(found, points, fits))
 
 
 @pytest.fixture(scope="module")
@@ -204,3 +204,80 @@ def test_a_single_point_has_a_factor_without_an_error(found):
     points = {"trip out": Points(np.array([2500.0]), trip(0.3, 0.3, "trip out", np.array([2500.0])))}
     said = said_of(found, points, fits_of(found, points))
     assert "friction cased and open hole 0.3, error not known (least squares, 1 points" in said
+
+
+def test_a_factor_at_its_bound_has_the_error_of_the_linear_problem(found):
+    """Noise of 1 % takes the factor of a smooth casing below 0; the derivative there tells its error."""
+    depth = np.linspace(900.0, 2950.0, 14)
+    base = trip(0.0, 0.25, "trip out", depth)
+    slopes = (trip(0.01, 0.25, "trip out", depth) - base, trip(0.0, 0.26, "trip out", depth) - base)
+    spread = np.linalg.inv(1e4 * np.array(slopes) @ np.array(slopes).T)
+    bound = 0
+    for seed in range(8):
+        loads = base * (1.0 + 0.01 * np.random.default_rng(seed).normal(size=depth.size))
+        fit = found.fit("trip out", depth, loads)
+        if fit.parts != ("cased", "open") or fit.friction[0] > 0.0:
+            assert fit.apart.size or fit.friction[0] > 1e-4
+            continue
+        bound += 1
+        scatter = 2.179 * np.sqrt(fit.residual @ fit.residual / 12.0)
+        assert fit.error == pytest.approx(scatter * np.sqrt(np.diag(spread)), rel=0.1)
+        assert fit.error[0] > 0.015
+        points = {"trip out": Points(depth, loads)}
+        assert "friction cased 0 (at its bound) +- 0.0" in said_of(found, points, {"trip out": fit})
+    assert bound >= 2
+
+
+def test_a_fit_takes_lists(found):
+    depth, load = found.depth[3:].tolist(), found.hookload[0, 1, 3:].tolist()
+    assert found.fit("trip out", depth, load).friction == pytest.approx([0.25, 0.25], abs=0.01)
+
+
+NAN = float("nan")
+
+
+@pytest.mark.parametrize(
+    ("load", "depth", "measured", "words"),
+    [
+        ("tripout", [1e3, 2e3], [5e5, 6e5], 'trip out, trip in, off bottom, torque, found "tripout", did you mean'),
+        ("trip out", [1e3, NAN], [5e5, 6e5], "depths .*expected a list of finite numbers from 0 to 3000, found nan"),
+        ("trip out", [1e3, 2e3], [5e5, NAN], "loads, trip out: expected a list of finite numbers .*found nan"),
+        ("torque", [1e3, 2e3], [5e5, NAN], "loads, torque: expected a list of finite numbers .*found nan"),
+        ("trip out", [1e3, 2e3], [5e5, 0.0], "loads, trip out: .* found 0"),
+        ("trip in", [1e3, 2e3], [5e5, -2e3], "loads, trip in: .* found -2000"),
+        ("trip out", [1e3, 4e3], [5e5, 6e5], "depths .*to 3000, found 4000"),
+        ("trip out", [1e3, 2e3], [5e5], "a load a depth, found 1 loads and 2 depths"),
+        ("trip out", [], [], r"depths .*found \[\]"),
+        ("trip out", [[1e3]], [[5e5]], r"depths .*found \[\[1000"),
+        ("trip out", ["deep"], [5e5], r"depths .*found \['deep'\]"),
+    ],
+)
+def test_measured_loads_that_cannot_be_fitted_are_refused(found, load, depth, measured, words):
+    with pytest.raises(ArgumentError, match=words):
+        found.fit(load, depth, measured)
+
+
+@pytest.mark.parametrize("friction", [[], [-0.1], [0.2, NAN], [6.0], 0.2, ["much"], None])
+def test_friction_that_is_no_list_of_coefficients_is_refused(friction):
+    with pytest.raises(ArgumentError, match=r"friction: expected a list of finite numbers from 0 to 5, found"):
+        dt.statics_over_depth("wells/s_shaped", friction)
+    with pytest.raises(ArgumentError, match="depths: expected"):
+        dt.statics_over_depth("wells/s_shaped", [0.2], depths=0)
+
+
+def test_a_string_that_locks_is_neither_drawn_nor_fitted():
+    """With friction of 2 the string holds in `s_shaped` from 1500 m on; points of 0.3 are fitted all the same."""
+    found = dt.statics_over_depth("wells/s_shaped", [0.2, 2.0], depths=4)
+    assert np.isnan(found.hookload[1, 1]).tolist() == [False, True, True, True]
+    assert np.isfinite(found.hookload[[0, 2]]).all()
+    depth = np.linspace(1000.0, 2900.0, 6)
+    points = {"trip in": Points(depth, trip(0.3, 0.3, "trip in", depth))}
+    fits = fits_of(found, points)
+    assert fits["trip in"].friction == pytest.approx([0.3] * len(fits["trip in"].parts), abs=5e-3)
+    assert fits["trip in"].beyond == 0
+    said = said_of(found, points, fits)
+    assert "locked: friction holds the string" in " ".join(said.split())
+    assert [line.split()[2] for line in said.splitlines() if line.split()[:1] == ["2"]] == ["locked"]
+    assert over_depth_data(found, points, fits)["hookload_n"]["trip in"][1][1:] == [None] * 3
+    lines = broomstick(found, points, fits).axes[0].lines
+    assert min(np.nanmin(line.get_xdata()) for line in lines if len(line.get_xdata())) > -1e4  # [kN]

@@ -14,7 +14,7 @@ from variants import one_of
 
 import drill_twin as dt
 from drill_twin.cli.app import app
-from drill_twin.core.errors import RunError
+from drill_twin.core.errors import ArgumentError, RunError
 from drill_twin.dynamics.rotordynamics.equations import EquationsOfMotion
 from drill_twin.dynamics.torque_drag.analysis import Statics, hole_and_string, steady
 from drill_twin.dynamics.torque_drag.sliding_balance import SlidingBalance
@@ -28,6 +28,7 @@ from drill_twin.dynamics.torque_drag.soft_string import (
 )
 from drill_twin.physics.effects.wall_friction import WallFriction
 from drill_twin.scene import Scene, well_scenes
+from drill_twin.studies.statics import loads_table, statics_data
 
 
 @pytest.fixture(scope="module")
@@ -66,6 +67,51 @@ def test_torque_only_when_rotating(found: Statics) -> None:
     assert found["off bottom"].twist > 0.0
     for name in ("trip out", "trip in", "slide"):
         assert abs(found[name].surface_torque) < 1.0
+
+
+def test_a_string_that_turns_backwards_has_the_opposite_torque(found: Statics) -> None:
+    elements = hole_and_string(found.scene, SlidingBalance(EquationsOfMotion(steady(found.scene))).equations.model)
+    for operation in (found[name].operation for name in ("off bottom", "drill")):
+        forward = soft_string(elements, operation, 4e3)
+        reverse = soft_string(elements, operation._replace(rotation=-operation.rotation), -4e3)
+        assert reverse.torque == pytest.approx(-forward.torque, rel=1e-12)
+        assert reverse.tension == pytest.approx(forward.tension, rel=1e-12)
+    turning = found["off bottom"].operation
+    backwards = dt.statics(found.scene, only=[turning._replace(rotation=-turning.rotation)])["off bottom"]
+    assert backwards.soft.surface_torque == pytest.approx(-found["off bottom"].soft.surface_torque, rel=1e-9)
+    assert backwards.surface_torque == pytest.approx(backwards.soft.surface_torque, rel=0.05)
+
+
+def test_an_unknown_operation_is_told_with_the_known_ones(found: Statics) -> None:
+    with pytest.raises(ArgumentError, match=r'one of trip out, trip in, .* "tripout", did you mean "trip out"') as told:
+        found["tripout"]
+    assert "off bottom, slide, drill" in str(told.value)
+
+
+def test_a_string_that_locks_has_no_load(found: Statics) -> None:
+    """Friction of 3 holds the string when it slides in: the bound of its compression is no load."""
+    elements = hole_and_string(found.scene, SlidingBalance(EquationsOfMotion(steady(found.scene))).equations.model)
+    slide = found["slide"]
+    locked = soft_string(elements._replace(friction=np.full_like(elements.friction, 3.0)), slide.operation)
+    assert math.isnan(locked.hookload)
+    assert math.isfinite(locked.tension[0])
+    assert np.nanmin(locked.tension) > -1e8
+    shown = Statics(found.scene, (found["trip out"], slide._replace(soft=locked)))
+    row = loads_table(shown).text().splitlines()
+    assert [line.split()[2] for line in row if line.startswith("slide ")] == ["locked"]
+    assert "locked: friction holds the string" in " ".join(" ".join(row).split())
+    assert "locked" not in loads_table(found).text()
+    assert statics_data(shown)["operations"][1]["hookload_soft_string_n"] is None
+
+
+def test_rounding_is_printed_as_zero(found: Statics) -> None:
+    """Without rotation each torque and twist is 0, beside rounding of 1e-16 N m."""
+    still = Statics(found.scene, tuple(found[name] for name in ("trip out", "trip in", "slide")))
+    assert 0.0 < max(abs(loads.surface_torque) for loads in still.operations) < 1e-9
+    lines = [line.split() for line in loads_table(still).text().splitlines()]
+    rows = [line for line in lines if line[:1] == ["slide"] or line[:2] in (["trip", "out"], ["trip", "in"])]
+    assert len(rows) == 3
+    assert [(row[-5], row[-1]) for row in rows] == [("0", "0")] * 3
 
 
 def test_neutral_point_and_stretch(found: Statics) -> None:
