@@ -17,7 +17,6 @@ from drill_twin.core.errors import SceneError
 from drill_twin.core.numerals import NUMBER
 from drill_twin.core.units import parse
 from drill_twin.core.units.dimension import LENGTH
-from drill_twin.core.units.parse import short
 from drill_twin.physics.effects.bit_torque_stribeck import BITS
 
 INCH, POUND_PER_FOOT, FOOT_POUND = 0.0254, 1.48816394, 1.3558179
@@ -145,8 +144,8 @@ def plan_bit(text: str) -> tuple[str, str]:
     kind = bit_type(words)
     if re.search(r"\d", words) or not (kind or words.strip(" .,").lower() in {"", "bit"}):
         raise SceneError(
-            f'--bit: expected a diameter and a type of bit, {", ".join(BITS)}, as "8 1/2 in pdc", found '
-            f'"{short(text)}"; leave the type of another bit out, and give sliding, sticking and decay in the scene'
+            f'--bit: expected diameter and type, {", ".join(BITS)}, as "8 1/2 in pdc", found "{text[:60]}"; leave '
+            "another type out, and give its law in the scene"
         )
     return kind, size
 

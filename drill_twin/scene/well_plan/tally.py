@@ -108,7 +108,7 @@ def read_tally(file: Path, system: str, bottom: float) -> list[TallyPiece]:
             f'"{REST}", found {len(open_rows)} of {len(rows)}'
         )
     if len(bits := [row for row in rows if _kind(row) == "bit"]) > 1:
-        raise SceneError(f"{bits[1].place}, kind: expected one bit, found a second; take it out, or call it `reamer`")
+        raise SceneError(f"{bits[1].place}: expected one bit, found another; take it out, or call it reamer")
     if total > bottom * (1.0 + 1e-9) or (open_rows and total >= bottom):
         last = (open_rows or rows)[-1]
         raise SceneError(

@@ -93,7 +93,7 @@ def test_a_tally_from_the_top_down_without_a_bit_is_turned_and_told(tmp_path: Pa
 
 
 @pytest.mark.parametrize(("options", "told"), [
-    ([], "bit: no type named, its law is sliding 0.4, sticking 0.5; --bit names one\n"),
+    ([], "bit: no type named, its law is sliding 0.4; --bit names one\n"),
     (["--bit", "12 in Tricone"], "bit: roller_cone\n"),
 ])  # fmt: skip
 def test_the_law_of_the_bit_is_told(tmp_path: Path, options: list[str], told: str) -> None:

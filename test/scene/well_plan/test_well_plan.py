@@ -236,7 +236,7 @@ def test_the_bit_of_a_tally_has_its_own_diameter_and_no_other(tmp_path: Path, ho
     for bit, found in ((f"{hole} tricone", "6 in roller_cone"), ("6 in pdc", "6 in roller_cone"), (hole, "6 in")):
         with pytest.raises(SceneError, match=rf"line 2: expected the bit of --bit \({bit}\), found {found}.*correct"):
             made(tmp_path, tally=rows, hole=hole, bit=bit)
-    with pytest.raises(SceneError, match=r"line 3, kind: expected one bit, found a second; take it out"):
+    with pytest.raises(SceneError, match=r"line 3: expected one bit, found another; take it out"):
         made(tmp_path, tally=rows.replace(",collar", ",bit,1,6,2,,,,\n,collar"), hole=hole)
 
 
