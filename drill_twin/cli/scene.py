@@ -129,7 +129,7 @@ def new(
         typer.Option(
             "--bit",
             metavar="DIAMETER TYPE",
-            help='Bit, as "8 1/2 in pdc": what the tally does not name of diameter and pdc, roller_cone, hybrid or bicentre.',
+            help='Bit, as "8 1/2 in pdc": what the tally lacks of diameter and pdc, roller_cone, hybrid or bicentre.',
         ),
     ] = "",
     depth: Annotated[
