@@ -129,7 +129,7 @@ def new(
         typer.Option(
             "--bit",
             metavar="DIAMETER TYPE",
-            help='Bit, as "8 1/2 in pdc": diameter, if not the hole\'s, and pdc, roller_cone, hybrid or bicentre.',
+            help='Bit, as "8 1/2 in pdc": what the tally lacks of diameter and pdc, roller_cone, hybrid or bicentre.',
         ),
     ] = "",
     depth: Annotated[
@@ -184,6 +184,9 @@ def new(
         remark(f"{tally}: not used: {', '.join(unread)}")
     if from_top(rows):
         remark(f"{tally}: turned round, as it begins with drill pipe or ends with the bit")
+    law = data["effects"]["bit_torque_stribeck"]
+    none = f"no type named, its law is sliding {law.get('sliding')}; --bit names one"
+    remark(f"bit: {law.get('bit', none)}")
     for told in (told for told in TOOLS.values() if told in scene.provenance):
         remark(told)
     long, sections = scene.unit_system.text(scene.length, "length"), len(scene.string.sections)

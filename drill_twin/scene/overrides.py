@@ -51,7 +51,12 @@ def apply_overrides(lines: Lines, overrides: Mapping[str, float | str]) -> None:
                 f"{lines.name}: override: wob: expected a weight on bit from 0, found {str(given)[:60]}; a bit that is "
                 "pulled is given by rig.weight_on_bit.value"
             )
-        if key == "wob" and _is_bare(given) and overrides.get("units", lines.data.get("units")) == "field":
+        if (
+            key == "wob"
+            and _is_bare(given)
+            and float(given)
+            and overrides.get("units", lines.data.get("units")) == "field"
+        ):
             raise SceneError(
                 f"{lines.name}: override: wob: expected a weight on bit with its unit in a scene of field units, as "
                 f'"25 klbf", found "{given}", which would be in N'

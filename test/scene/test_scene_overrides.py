@@ -28,6 +28,8 @@ def test_a_bare_weight_is_refused_where_field_units_are_meant(changed):
     assert scene.rig.weight_on_bit.value == pytest.approx(444.8, abs=0.1)
     with pytest.raises(SceneError, match=r'wob: expected a weight on bit with its unit .*"25 klbf", found "25"'):
         changed(overrides={"units": "field", "wob": "25"})
+    none = changed(overrides={"units": "field", "wob": "0", "rpm": "0"}).rig
+    assert (none.weight_on_bit.value, none.rotation.value) == (0.0, 0.0)
 
 
 def test_items_of_a_list_are_named_by_number_or_name(changed):

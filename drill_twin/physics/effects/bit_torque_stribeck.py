@@ -75,7 +75,11 @@ class BitTorqueStribeck(EffectConfig):
     @model_validator(mode="before")
     @classmethod
     def _has_the_numbers_of_its_type(cls, data: Any) -> Any:
-        return BITS.get(str(data.get("bit")), {}) | data if isinstance(data, dict) else data
+        if not isinstance(data, dict) or data.get("bit") is None:
+            return data
+        if (kind := str(data["bit"]).lower()) not in BITS:
+            raise refuse(f"`bit`: expected a type, {', '.join(BITS)}, found {show(data['bit'])}")
+        return BITS[kind] | data | {"bit": kind}
 
     @model_validator(mode="after")
     def _sticks_harder_than_it_slides(self) -> Self:

@@ -9,9 +9,12 @@ size, good enough for a plan.
 from __future__ import annotations
 
 import math
+import re
 from operator import itemgetter
 from typing import Any, NamedTuple
 
+from drill_twin.core.errors import SceneError
+from drill_twin.core.numerals import NUMBER
 from drill_twin.core.units import parse
 from drill_twin.core.units.dimension import LENGTH
 from drill_twin.physics.effects.bit_torque_stribeck import BITS
@@ -76,6 +79,10 @@ _CASING = (
     "18 5/8", "20",
 )  # fmt: skip
 """Outer diameters of API 5CT casing [in]; no bore of such casing is an outer diameter within `SAME`."""
+_BITS = {"bicentre": "bicentre bicenter", "hybrid": "hybrid", "pdc": "pdc", "roller_cone": "rollercone tricone"}
+"""Words by type of bit, without spaces and hyphens; a hybrid and a bi-centre bit may be called PDC beside."""
+_PLAN_BIT = re.compile(rf"(?ais)({NUMBER}(?:\s+\d+/\d+|/\d+)?\s*(?:(?:in|inch|mm|cm|m|ft)(?![a-z])|[\"'″”′’])?)?(.*)")
+"""Diameter of a bit with its unit, and its type."""
 ROCK = {"specific_energy": "170 MPa"}
 """Specific energy of the rock (25 ksi): a stand-in, to be replaced by a measured value."""
 BIT_TORQUE = {"sliding": 0.4, "sticking": 0.5, "decay": "0.9 s/rad"}
@@ -121,10 +128,26 @@ def casing_size(diameter: float) -> str:
     return next((size for size in _CASING if same(parse(f"{size} in", LENGTH), diameter, SAME)), "")
 
 
-def bit_type(word: str) -> str:
-    """Type of bit that a word names, as a scene has it (`roller_cone` for `Roller cone`); empty: none."""
-    word = word.strip().lower().replace(" ", "_").replace("-", "_")
-    return word if word in BITS else ""
+def bit_type(text: str) -> str:
+    """Type of bit in a text, as a scene has it (`roller_cone` for `8 1/2 in Roller-cone bit`); empty: none."""
+    letters = re.sub("[^a-z]", "", text.lower())
+    return next((kind for kind, named in _BITS.items() for word in named.split() if word in letters), "")
+
+
+def plan_bit(text: str) -> tuple[str, str]:
+    """Type of the bit of a plan, and the text of its diameter; each empty where the plan has none.
+
+    Raises:
+        SceneError: The words beside the diameter name no type.
+    """
+    size, words = _PLAN_BIT.findall(text.strip())[0]
+    kind = bit_type(words)
+    if re.search(r"\d", words) or not (kind or words.strip(" .,").lower() in {"", "bit"}):
+        raise SceneError(
+            f'--bit: expected diameter and type, {", ".join(BITS)}, as "8 1/2 in pdc", found "{text[:60]}"; leave '
+            "another type out, and give its law in the scene"
+        )
+    return kind, size
 
 
 def bit_law(kind: str) -> dict[str, Any]:

@@ -11,14 +11,14 @@ import numpy as np
 
 from drill_twin.core.errors import SceneError
 from drill_twin.core.units import parse
-from drill_twin.core.units.dimension import ANGULAR_SPEED, DENSITY, FORCE, LENGTH, Dimension
-from drill_twin.core.units.parse import short, split
+from drill_twin.core.units.dimension import ANGULAR_SPEED, DENSITY, FORCE, LENGTH, VISCOSITY
+from drill_twin.core.units.parse import short
 from drill_twin.core.units.system import typed_in_pounds, unit_system
 from drill_twin.physics.model.survey import dogleg
 from drill_twin.scene import Scene
 from drill_twin.scene.load import build_scene
-from drill_twin.scene.well_plan.catalogue import INCH, bit_law, bit_type, casing_size
-from drill_twin.scene.well_plan.table import Row, read_table
+from drill_twin.scene.well_plan.catalogue import INCH, SAME, bit_law, bit_type, casing_size, plan_bit, same
+from drill_twin.scene.well_plan.table import Row, quantity, read_table
 from drill_twin.scene.well_plan.tally import TOOLS, TallyPiece, marks, read_tally
 
 NAMES: dict[str, tuple[str, ...]] = {
@@ -41,9 +41,9 @@ def read_survey(file: Path, system: str) -> list[dict[str, float]]:
         SceneError: A row that goes back, repeats another, jumps, or cannot be read; with file, line and remedy.
     """
     rows = read_table(file, NAMES, ("md", "inclination", "azimuth"), system)
-    if not rows:
-        raise SceneError(f"{file}: expected at least two stations, found none")
     stations = [_station(row) for row in rows]
+    if not rows or (len(rows) == 1 and stations[0]["depth"] == 0.0):
+        raise SceneError(f"{file}: expected at least two stations, found {len(rows)}; add them down to the bit")
     first = stations[0]
     if first["depth"] > 0.0:
         if first["inclination"] > math.radians(1.0):
@@ -127,8 +127,8 @@ class WellPlan(NamedTuple):
     casing: tuple[str, ...] = ()
     """Inner diameter and shoe of each casing from the top down: `12.415 in to 1500 m`; after `ID` any diameter."""
     bit: str = ""
-    """Diameter and type of the bit, as `8 1/2 in pdc`, or one of them. Without a diameter the bit has the hole's;
-    without a type it has the type in its kind in the tally, as `PDC bit`, else the law `BIT_TORQUE`."""
+    """Diameter and type of the bit, as `8 1/2 in pdc`, or one of them. Without a diameter the bit has the tally's, else
+    the hole's; without a type the one of its kind or name in the tally, as `PDC bit`, else the law `BIT_TORQUE`."""
     depth: str = ""
     """Measured depth of the bit; empty: the last station."""
     mud: str = "1.2 sg"
@@ -156,7 +156,7 @@ class WellPlan(NamedTuple):
         stations = read_survey(self.survey, self.units)
         shown = self.units or ("field" if typed_in_pounds(self.weight_on_bit) else "")
         system = unit_system(shown or "si")
-        bottom = _quantity("--depth", self.depth, LENGTH) if self.depth else stations[-1]["depth"]
+        bottom = quantity("--depth", self.depth, LENGTH) if self.depth else stations[-1]["depth"]
         if bottom > stations[-1]["depth"]:
             raise SceneError(
                 f"--depth: expected a bit within the survey ({system.text(stations[-1]['depth'], 'length', '.6g')}), "
@@ -164,17 +164,16 @@ class WellPlan(NamedTuple):
             )
         pieces = read_tally(self.tally, self.units, bottom)
         length = math.fsum(piece.length for piece in pieces)
-        hole = _quantity("--hole", self.hole, LENGTH)
+        hole = quantity("--hole", self.hole, LENGTH)
         if hole > WIDEST:
             raise SceneError(f'--hole: expected a diameter of at most {WIDEST:g} m, found "{short(self.hole)}"')
         casing = self._casing()
         _check_fit(pieces, hole, casing)
-        kind, size = self._bit(pieces)
-        bit = _quantity("--bit", size, LENGTH) if size else hole
-        if bit > hole * (1.0 + 1e-9):
-            raise SceneError(f"--bit: expected at most the hole ({short(self.hole)}), found {short(self.bit)}")
-        weight = _quantity("--wob", self.weight_on_bit, FORCE, 0.0, "" if self.units == "field" else "N")
-        turn = _quantity("--rpm", self.rotation, ANGULAR_SPEED, 0.0, "rpm")
+        kind, bit = self._bit(pieces, hole)
+        if quantity("--viscosity", self.viscosity, VISCOSITY) <= 0.0:
+            raise SceneError(f'--viscosity: expected a viscosity above 0, found "{short(self.viscosity)}"')
+        weight = quantity("--wob", self.weight_on_bit, FORCE, 0.0, "" if self.units == "field" else "N")
+        turn = quantity("--rpm", self.rotation, ANGULAR_SPEED, 0.0, "rpm")
         straight = all(station["inclination"] == 0.0 for station in stations)
         axis: dict[str, Any] = {} if straight else {"survey": as_block(stations)}
         intervals = [
@@ -204,7 +203,7 @@ class WellPlan(NamedTuple):
             },
             "effects": {
                 "gravity": {}, "stretch": {}, "torsion": {}, "eccentricity": {"offset": "1 mm" if long else "0.1 mm"},
-                "mud": {"density": f"{_quantity('--mud', self.mud, DENSITY):g} kg/m^3", "viscosity": self.viscosity},
+                "mud": {"density": f"{quantity('--mud', self.mud, DENSITY):g} kg/m^3", "viscosity": self.viscosity},
                 "internal_damping": dict.fromkeys(("bending_time", "stretch_time", "torsion_time"), "1 ms"),
                 "added_mass": {"confined": True}, "quadratic_drag": {}, "rotation_drag": {}, "viscous_drag": {},
                 "wall": {"stiffness": "1e10 N/m^2.5" if long else "1e8 N/m^2.5"},
@@ -214,15 +213,21 @@ class WellPlan(NamedTuple):
             "numerics": {"frame_rate": "50 Hz" if long else "200 Hz"},
         }  # fmt: skip
 
-    def _bit(self, pieces: list[TallyPiece]) -> tuple[str, str]:
-        """Type of the bit, empty if none is named, and the text of its diameter."""
-        size, _, word = self.bit.strip().rpartition(" ")
-        if kind := bit_type(word):
-            return kind, size
-        kinds = (
-            bit_type(piece.row.text("kind").lower().removesuffix("bit")) for piece in pieces if piece.kind == "bit"
-        )
-        return next(kinds, ""), self.bit
+    def _bit(self, pieces: list[TallyPiece], hole: float) -> tuple[str, float]:
+        """Type of the bit, empty if none is named, and its diameter [m], of plan and tally, which must agree."""
+        kind, size = plan_bit(self.bit)
+        bit = quantity("--bit", size, LENGTH) if size else hole
+        if bit > hole * (1.0 + 1e-9):
+            raise SceneError(f"--bit: expected at most the hole ({short(self.hole)}), found {short(self.bit)}")
+        for piece in [piece for piece in pieces if piece.kind == "bit"]:
+            own = bit_type(piece.row.text("kind")) or bit_type(piece.row.text("name"))
+            if (size and not same(bit, piece.widest, SAME)) or (kind and own not in {"", kind}):
+                raise SceneError(
+                    f"{piece.row.place}: expected the bit of --bit ({short(self.bit)}), found "
+                    f"{piece.row.in_unit('od', piece.widest, 'diameter')} {own or 'bit'}; correct the row, or --bit"
+                )
+            return kind or own, bit if size else piece.widest
+        return kind, bit
 
     def _cased_friction(self, casing: list[tuple[float, float, float]]) -> dict[str, Any]:
         if self.cased_friction is None:
@@ -244,7 +249,7 @@ class WellPlan(NamedTuple):
             if not shoe:
                 raise SceneError(f'--casing: expected ID and shoe as "12.415 in to 1500 m", found "{short(casing)}"')
             bore = inner.strip().removeprefix("ID ")
-            diameter, depth = _quantity("--casing", bore, LENGTH), _quantity("--casing", shoe, LENGTH)
+            diameter, depth = quantity("--casing", bore, LENGTH), quantity("--casing", shoe, LENGTH)
             if bore == inner.strip() and (size := casing_size(diameter)):
                 raise SceneError(
                     f'--casing "{short(casing)}": expected the inner diameter of the casing, found {size} in, an outer '
@@ -283,15 +288,3 @@ def _check_fit(pieces: list[TallyPiece], hole: float, casing: list[tuple[float, 
                 "and casing"
             )
         depth -= piece.length
-
-
-def _quantity(option: str, text: str, dimension: Dimension, least: float = -math.inf, bare: str = "") -> float:
-    try:
-        value = parse(text if split(text, dimension)[1] else f"{text} {bare}", dimension)
-    except SceneError as error:
-        raise SceneError(f"{option}: {error}") from None
-    if dimension is LENGTH and value <= 0.0:
-        raise SceneError(f'{option}: expected a length above 0, found "{short(text)}"')
-    if value < least:
-        raise SceneError(f'{option}: expected {dimension.article} from {least:g}, found "{short(text)}"')
-    return value

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""CSV tables of a well plan: columns by their headings, numbers with the units of one system."""
+"""CSV tables of a well plan: columns by their headings, numbers with the units of one system; its options."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from drill_twin.core.errors import SceneError
 from drill_twin.core.files.foreign_file import ForeignFile
 from drill_twin.core.units import UnitError, factor_of, parse
 from drill_twin.core.units.dimension import ANGLE, LENGTH, LINEAR_MASS, Dimension
-from drill_twin.core.units.parse import is_unit, name_and_unit, split, unit_here
+from drill_twin.core.units.parse import is_unit, name_and_unit, short, split, unit_here
 from drill_twin.scene.records.rows import delimiter_of, used_lines
 
 MOST_ROWS = 10_000
@@ -132,3 +132,21 @@ def read_table(file: Path, names: dict[str, tuple[str, ...]], needed: tuple[str,
             cells = [re.sub(_DECIMAL_COMMA, r"\1.\2", cell) for cell in cells]
         rows.append(Row(place, dict(zip(columns, cells, strict=False)), units, system, tuple(unread)))
     return rows
+
+
+def quantity(option: str, text: str, dimension: Dimension, least: float = -math.inf, bare: str = "") -> float:
+    """Number of an option in SI; one without a unit is in `bare`, and a 0 needs none.
+
+    Raises:
+        SceneError: The text is no such number, is below `least`, or is a length not above 0.
+    """
+    try:
+        number, unit = split(text, dimension)
+        value = parse(text if unit else f"{text} {bare if number else dimension.unit}", dimension)
+    except SceneError as error:
+        raise SceneError(f"{option}: {error}") from None
+    if dimension is LENGTH and value <= 0.0:
+        raise SceneError(f'{option}: expected a length above 0, found "{short(text)}"')
+    if value < least:
+        raise SceneError(f'{option}: expected {dimension.article} from {least:g}, found "{short(text)}"')
+    return value

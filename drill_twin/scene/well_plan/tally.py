@@ -107,6 +107,8 @@ def read_tally(file: Path, system: str, bottom: float) -> list[TallyPiece]:
             f"{open_rows[1].place if open_rows else file}: expected rows from the bit up, at most one with the length "
             f'"{REST}", found {len(open_rows)} of {len(rows)}'
         )
+    if len(bits := [row for row in rows if _kind(row) == "bit"]) > 1:
+        raise SceneError(f"{bits[1].place}: expected one bit, found another; take it out, or call it reamer")
     if total > bottom * (1.0 + 1e-9) or (open_rows and total >= bottom):
         last = (open_rows or rows)[-1]
         raise SceneError(

@@ -81,6 +81,15 @@ def test_a_number_beside_a_type_takes_its_place_and_without_a_type_none_is_assum
             BitTorqueStribeck.model_validate(wrong)
 
 
+def test_a_type_is_checked_before_its_numbers_in_any_case():
+    """One error, which lists the types."""
+    assert BitTorqueStribeck.model_validate({"bit": "PDC", "radius": 0.07}).sliding == 0.7
+    for wrong in ("tricone", 3, True):
+        with pytest.raises(ValidationError, match="`bit`: expected a type, pdc, roller_cone, hybrid, bicentre") as told:
+            BitTorqueStribeck.model_validate({"bit": wrong, "radius": 0.07})
+        assert told.value.error_count() == 1
+
+
 def test_a_scene_file_names_a_type(tmp_path):
     numbers = "sliding: ~, sticking: ~, decay: ~"
     text = f"base: two_mass\nname: typed\neffects: {{bit_torque_stribeck: {{bit: hybrid, {numbers}}}}}\n"

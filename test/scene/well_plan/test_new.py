@@ -92,6 +92,15 @@ def test_a_tally_from_the_top_down_without_a_bit_is_turned_and_told(tmp_path: Pa
     assert [section.name for section in load_scene(file).string.sections] == ["sub", "collar", "dp"]
 
 
+@pytest.mark.parametrize(("options", "told"), [
+    ([], "bit: no type named, its law is sliding 0.4; --bit names one\n"),
+    (["--bit", "12 in Tricone"], "bit: roller_cone\n"),
+])  # fmt: skip
+def test_the_law_of_the_bit_is_told(tmp_path: Path, options: list[str], told: str) -> None:
+    said = CliRunner().invoke(app, ["scene", "new", str(tmp_path / "mine.yaml"), *OPTIONS, *options])
+    assert told in said.stderr
+
+
 def test_columns_of_a_tally_that_are_not_used_are_named(tmp_path: Path) -> None:
     """And a second column of the same kind: the first one counts."""
     tally, file = tmp_path / "tally.csv", tmp_path / "mine.yaml"

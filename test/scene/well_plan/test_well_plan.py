@@ -210,18 +210,49 @@ def test_a_bit_as_wide_as_the_hole_is_held_in_it(tmp_path: Path) -> None:
 
 
 def test_a_bit_is_of_the_type_that_plan_or_tally_names(tmp_path: Path) -> None:
-    """Diameter, type, or both; the plan's word comes before the tally's."""
+    """Diameter, type, or both, in any spelling; what the plan lacks is the tally's, else the hole's."""
     rows = "{}bit,1,12,3,,,,\ncollar,rest,8,3,,,,\n"
-    for named, bit, kind, third in (
-        ("", "", None, 12.25), ("", "pdc", "pdc", 12.25), ("PDC ", "", "pdc", 12.25), ("PDC ", "12 in", "pdc", 12.0),
-        ("roller-cone ", "", "roller_cone", 12.25), ("PDC ", "12 1/8 in hybrid", "hybrid", 12.125),
+    for named, bit, kind in (
+        ("", "", None), ("", "pdc", "pdc"), ("PDC ", "", "pdc"), ("PDC ", "12 in", "pdc"), ("PDC ", "12 in pdc", "pdc"),
+        ("roller-cone ", "", "roller_cone"), ("12 in PDC ", "", "pdc"), ("matrix pdc ", "304.8 mm", "pdc"),
+        ("bi-centre ", "", "bicentre"), ("PDC bicenter ", "", "bicentre"), ("tricone ", "", "roller_cone"),
+        ("", '12" Tri-cone bit', "roller_cone"), ("", "12in roller cone", "roller_cone"), ("", "bicenter", "bicentre"),
     ):  # fmt: skip
         law = made(tmp_path, tally=HEADING + rows.format(named), bit=bit).effects.bit_torque_stribeck
-        assert law.bit == kind
-        assert law.radius == pytest.approx(third * INCH / 3.0, rel=1e-5)
-        assert law.sliding == {None: 0.4, "pdc": 0.7, "roller_cone": 0.2, "hybrid": 0.45}[kind]
-    with pytest.raises(SceneError, match="--bit: expected"):
-        made(tmp_path, bit="12 in drag")
+        assert law.bit == kind, (named, bit)
+        assert law.radius == pytest.approx(12.0 * INCH / 3.0, rel=1e-5)
+        assert law.sliding == {None: 0.4, "pdc": 0.7, "roller_cone": 0.2, "bicentre": 0.8}[kind]
+    law = made(tmp_path, bit="12 1/8 in hybrid").effects.bit_torque_stribeck
+    assert (law.bit, law.radius) == ("hybrid", pytest.approx(12.125 * INCH / 3.0, rel=1e-5))
+    assert made(tmp_path).effects.bit_torque_stribeck.radius == pytest.approx(12.25 * INCH / 3.0, rel=1e-5)
+
+
+@pytest.mark.parametrize("hole", ["12 1/4 in", "8 1/2 in"])
+def test_the_bit_of_a_tally_has_its_own_diameter_and_no_other(tmp_path: Path, hole: str) -> None:
+    """A pilot bit below a reamer, and a bit less than its hole; the name of the row may have its type."""
+    rows = f"name,{HEADING}tricone,bit,1,6,2,,,,\n,collar,rest,6,2,,,,\n"
+    law = made(tmp_path, tally=rows, hole=hole).effects.bit_torque_stribeck
+    assert (law.bit, law.radius) == ("roller_cone", pytest.approx(2.0 * INCH, rel=1e-5))
+    for bit, found in ((f"{hole} tricone", "6 in roller_cone"), ("6 in pdc", "6 in roller_cone"), (hole, "6 in")):
+        with pytest.raises(SceneError, match=rf"line 2: expected the bit of --bit \({bit}\), found {found}.*correct"):
+            made(tmp_path, tally=rows, hole=hole, bit=bit)
+    with pytest.raises(SceneError, match=r"line 3: expected one bit, found another; take it out"):
+        made(tmp_path, tally=rows.replace(",collar", ",bit,1,6,2,,,,\n,collar"), hole=hole)
+
+
+@pytest.mark.parametrize("bit", ["8 1/2 in pcd", "8.5 in drag", "impregnated", "IADC 517", "pdc 8 1/2 in", "8 1/2 kg"])
+def test_a_bit_that_is_not_understood_is_told_the_types(tmp_path: Path, bit: str) -> None:
+    with pytest.raises(
+        SceneError, match=f'^--bit: expected .*pdc, roller_cone, hybrid, bicentre, .*found "{bit}"; leave'
+    ):
+        made(tmp_path, bit=bit)
+
+
+def test_no_weight_and_no_rotation_need_no_unit_in_field_units(tmp_path: Path) -> None:
+    scene = made(tmp_path, units="field", weight_on_bit="0", rotation="0")
+    assert (scene.rig.weight_on_bit.value, scene.rig.rotation.value) == (0.0, 0.0)
+    with pytest.raises(SceneError, match="--wob: expected a force"):
+        made(tmp_path, units="field", weight_on_bit="1")
 
 
 def test_what_is_modelled_of_a_motor_and_a_reamer_is_told(tmp_path: Path) -> None:
@@ -314,6 +345,8 @@ MISTAKES = {
     "the same in mm": ({"casing": ("244.5 mm to 900 m",)}, r"--casing .*found 9 5/8 in, an outer diameter of API 5CT"),
     "pulled": ({"weight_on_bit": "-12 klb"}, r'--wob: expected a force from 0, found "-12 klb"'),
     "left-handed": ({"rotation": "-120 rpm"}, r'--rpm: expected a speed of rotation from 0, found "-120 rpm"'),
+    "thin mud": ({"viscosity": "0 cP"}, r'^--viscosity: expected a viscosity above 0, found "0 cP"'),
+    "one station": ({"survey": "md [m],inc,azi\n0,0,0\n"}, r"survey.csv: expected at least two stations, found 1; add"),
     "unit": ({"hole": "12 kg"}, r"--hole: .*12 kg"),
 }  # fmt: skip
 
