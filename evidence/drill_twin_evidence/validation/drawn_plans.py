@@ -42,7 +42,7 @@ class Drawn:
 
     @property
     def agrees(self) -> bool:
-        """Whether both are within `CLOSE`; an unknown ratio is not."""
+        """True where both are within `CLOSE`; an unknown ratio is not."""
         return all(abs(ratio - 1.0) < CLOSE for ratio in (self.hookload, self.torque))
 
 
