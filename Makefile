@@ -128,13 +128,13 @@ KILLS := 50
 PYTEST := ROS_PYTHON_CHECK_FIELDS=1 $(PYTHON) -m pytest
 
 # Two workers share the files, and three those of the nodes (WITH_ROS), which run beside them with more right to the processor: they wait for
-# processes half of their time, which the others fill. A job in the background would ignore Ctrl-C, which some tests send (env). Long
-# ones, which kill and load the nodes, want the machine for themselves. A test of processes that fails, or whose worker dies, is run
-# once more and reported as such: a machine that others use may keep a node from its processor for seconds.
+# processes half of their time, which the others fill. A job in the background would ignore Ctrl-C, which some tests send (env).
+# A test of processes that fails, or whose worker dies, is run once more and reported as such: a machine that others use may keep a node from its processor for seconds.
 # Files in the order of their names, not of their numbers of tests: the few that compile most are then not the last.
 # `make test` runs the tests of the package; those of the evidence (`testpaths` has both) go with the long ones.
 ROS_PYTEST := $(PYTEST) --reruns 1 --reruns-delay 3 -rR
 BESIDE := out/test_without_ros.log
+BESIDE_LONG := out/test_long_without_ros.log
 WITH_ROS := test/ros $(wildcard companions/*/test/ros)
 
 test: setup-test
@@ -149,11 +149,16 @@ test: setup-test
 quick: setup-test
 	@$(PYTEST) -q $(addprefix --ignore=,$(WITH_ROS)) -m 'not long and not process and not compiles' test companions
 
+# The long tests of nodes wait for most of their time: the others run beside them, with less right to the processor.
 test-long: setup-test
-	@found=0; \
-	$(PYTEST) -n 2 --dist loadfile $(addprefix --ignore=,$(WITH_ROS)) -m long test companions || found=$$?; \
-	$(PYTEST) -n 2 --dist loadfile evidence/test || found=$$?; \
+	@mkdir -p out; found=0; echo 'long tests with ROS; the others run beside these and are shown when all are over'; \
+	( failed=0; \
+	  nice -n 5 env --default-signal=INT $(PYTEST) -n 2 --dist loadfile $(addprefix --ignore=,$(WITH_ROS)) -m long test companions || failed=$$?; \
+	  nice -n 5 env --default-signal=INT $(PYTEST) -n 2 --dist loadfile evidence/test || failed=$$?; \
+	  exit $$failed ) > $(BESIDE_LONG) 2>&1 & \
 	$(ROS_PYTEST) $(WITH_ROS) -m long || found=$$?; \
+	wait $$! || found=$$?; \
+	cat $(BESIDE_LONG); \
 	exit $$found
 
 evidence: setup-test
