@@ -193,6 +193,8 @@ FIELDS: dict[str, dict[str, Strategy | Callable[[Scale], Strategy]]] = {
     "rock_floor": {
         "stiffness": lambda s: log(1e3 * s.load / s.length, min(1e7 * s.load / s.length, 1e12)),
         "damping": lambda s: or_zero(1e-3 * s.mass * s.frequency, 100.0 * s.mass * s.frequency),
+        "lobes": just(3.0),
+        "lobe_height": just(0.0),
     },
     "bit_cutting": {
         "threshold": or_zero(1e-6, 1e-3),
