@@ -232,6 +232,7 @@ FIELDS: dict[str, dict[str, Strategy | Callable[[Scale], Strategy]]] = {
         "fall": log(0.1, 100.0),
     },
     "bit_torque_stribeck": {
+        "bit": just(None),
         "radius": lambda s: log(0.1 * s.radius, s.radius),
         "sliding": or_zero(0.01, 1.0),
         "sticking": between(1.0, 2.0),
