@@ -80,8 +80,7 @@ def findings_shown(
     yield ""
     if not everything:
         yield Table((), list(first_rows(summary)))
-        for trouble in limitations(summary):
-            remark(f"note: {trouble}", "yellow")
+        _note(limitations(summary))
         remark(f"all rows and the motion over time: {more}; a page with pictures: drill-twin report {bag}")
         return
     rows = [row for row in (*answers(summary), *findings(summary)) if not row[0].startswith("largest radius")]
@@ -92,7 +91,11 @@ def findings_shown(
         yield Table(("from", "to", "motion of the string", "what decided it"), periods, right=(0, 1))
     if columns := list(column_rows(summary)):
         yield Table(("column", "what is done with it"), columns)
-    for trouble in limitations(summary):
+    _note(limitations(summary))
+
+
+def _note(troubles: Iterable[str]) -> None:
+    for trouble in troubles:
         remark(f"note: {trouble}", "yellow")
 
 

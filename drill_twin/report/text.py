@@ -158,7 +158,7 @@ def lasting(summary: Summary) -> str:
 def onset_text(summary: Summary) -> str:
     """Onset of whirl in words."""
     if summary["onset_s"] is None:
-        return _no_onset(summary)
+        return no_onset(summary)
     if summary.get("onset_at_start"):
         first = "; a sub is analysed from its first revolutions at a steady speed" if summary.get("sub") else ""
         return (
@@ -174,7 +174,7 @@ def onset_text(summary: Summary) -> str:
     return f"{summary['onset_s']:.2f} s{known}, first at {summary['onset_mark']}{ended}"
 
 
-def _no_onset(summary: Summary) -> str:
+def no_onset(summary: Summary) -> str:
     """Meaning of a run in which no onset was found."""
     rate, slowest = summary["quality"].get("samples_per_revolution"), (summary.get("sub") or {}).get("slowest_hz")
     if rate is not None and rate < criteria.FEWEST_SAMPLES:

@@ -8,7 +8,7 @@ from itertools import islice
 
 from drill_twin.core.severity import Grade, told
 from drill_twin.report.load_text import Row, Summary, answers, applied, units_of
-from drill_twin.report.text import findings, irregular, radius_text, transient
+from drill_twin.report.text import findings, irregular, no_onset, radius_text, transient
 from drill_twin.whirl import MotionState
 from drill_twin.whirl.criteria import CONTACT_RADIUS, SUSTAIN
 
@@ -75,8 +75,7 @@ def _whirl(summary: Summary) -> str:
     state = MotionState(lasting) if lasting else MotionState.NOT_OBSERVABLE
     does = f"the string {_DOES[state]}" if state in _DOES else "its motion at the end is not observable"
     if onset is None:
-        why = next((text for name, text in findings(summary) if name == "onset of whirl"), "none found")
-        if why != "none found":
+        if (why := no_onset(summary)) != "none found":
             return f"Whirl: {why}."
         turns = abs(summary["rotation_rev_s"] or 0.0) * summary["duration_s"]
         if turns < SUSTAIN:
