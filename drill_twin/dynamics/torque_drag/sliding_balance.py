@@ -14,7 +14,6 @@ banded, seven unknowns a node.
 from typing import NamedTuple
 
 import numpy as np
-from scipy.interpolate import CubicSpline
 
 from drill_twin.core.arrays import Array
 from drill_twin.core.errors import RunError
@@ -187,6 +186,8 @@ class SlidingBalance:
         rise = np.clip(np.minimum(rod.arc, rod.arc[-1] - rod.arc) / run, 0.0, 1.0)
         share = (rise**2 * (3.0 - 2.0 * rise)) * -np.expm1(-size / (0.2 * typical))
         off = force / np.maximum(size, 1e-9 * typical)[:, None] * (depth * share)[:, None]
+        from scipy.interpolate import CubicSpline  # takes 0.3 s, which a run does not need
+
         slope = CubicSpline(rod.arc, off).derivative()(rod.arc)
         slope[[0, -1]] = 0.0
         u[:, 0:3] += off

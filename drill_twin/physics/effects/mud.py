@@ -6,7 +6,6 @@ from typing import Annotated, Any, ClassVar, Literal, NamedTuple, Self
 
 import numpy as np
 from pydantic import model_validator
-from scipy.special import ive, kve
 
 from drill_twin.core.arrays import Array
 from drill_twin.core.compile.jit import kernel
@@ -104,6 +103,8 @@ def in_annulus(outer: Array, hole: Array, viscosity: Array, rate: float) -> Late
         viscosity: Kinematic viscosity [m2/s], shape (m,).
         rate: Angular frequency [rad/s].
     """
+    from scipy.special import ive, kve  # takes 0.2 s, which a command that computes no motion does not need
+
     wide = hole / outer
     at_string = np.sqrt(1j) * np.maximum(np.sqrt(rate / viscosity) * outer, SLOWEST / (wide - 1.0))
     at_hole = at_string * wide

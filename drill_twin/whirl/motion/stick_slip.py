@@ -18,7 +18,8 @@ from __future__ import annotations
 
 import math
 
-from scipy.stats import linregress
+import numpy as np
+from scipy import special
 
 from drill_twin.core.compile.jit import as_python, strict_kernel
 from drill_twin.whirl.columns import Columns, columns
@@ -200,8 +201,10 @@ class StickSlip:
         """
         if len(self._heights) < FEWEST_HEIGHTS:
             return None
-        fit = linregress(range(len(self._heights)), [height for _, height in self._heights])
-        return -float(fit.slope), float(fit.stderr), float(fit.pvalue)
+        count = len(self._heights)
+        line, covariance = np.polyfit(range(count), [height for _, height in self._heights], 1, cov=True)
+        slope, error = float(line[0]), math.sqrt(covariance[0, 0])
+        return -slope, error, 2.0 * float(special.stdtr(count - 2, -abs(slope) / max(error, 1e-300)))
 
     def push(self, time: float, bit_speed: float, top_speed: float = math.nan) -> None:
         """Add the speeds of bit and top drive [rad/s] at a time [s]; nan for an unknown speed of the top drive.
