@@ -50,8 +50,12 @@ def fits(browser, width):
 
 
 def test_a_well_from_pasted_tables_at_two_widths(front, page):
+    page.value("document.querySelectorAll('details').forEach((one) => { one.open = true; })")
     for width in (1920, 390):
         fits(page, width)
+        entries = "[...document.querySelectorAll('#form .field')].map((one) => one.offsetWidth)"
+        assert len(page.value(f"[...new Set({entries})]")) == 1  # also of what was folded away
+    page.value("document.querySelectorAll('details').forEach((one) => { one.open = false; })")
     put(page, "field_name", "north 1")
     put(page, "field_survey", "md,inc\n0,0\n")
     put(page, "field_tally", (WELLS / "drillbotics_tally.csv").read_text("utf-8"))
