@@ -52,7 +52,7 @@ help:
 	@echo 'make day        a day of simulated rotation; goes on where it was broken off'
 	@echo 'make fit-coverage  90 % intervals of 300 random twins; goes on where it was broken off'
 	@echo 'make sub-onsets  onsets from one sub beside their true times, 330 random scenes and motions'
-	@echo 'make browser    the page of drill-twin watch in a headless Chromium'
+	@echo 'make browser    the pages of drill-twin watch in a headless Chromium'
 	@echo 'make bench      speed of the kernel: by effect, by elements, and against earlier runs'
 	@echo 'make bounds     the suite without ROS with the lowest and the newest versions of what setup.py asks for'
 	@echo 'make map-boundary  error of a map against dense grids of runs; goes on where it was broken off'
@@ -195,7 +195,7 @@ sub-onsets: setup-test
 	@nice $(PYTHON) -m drill_twin_evidence.detection.sub_onsets 330 out/sub_onsets.jsonl
 
 browser: setup-test
-	@$(PYTEST) companions/drill_twin_dashboard/test/ros/test_live_page.py -q -m 'long or not long'
+	@$(PYTEST) companions/drill_twin_dashboard/test/ros/test_live_page.py companions/drill_twin_dashboard/test/front -q -m 'long or not long'
 
 bench: $(STAMPS)/bench-$(KIND)
 	@$(PYTHON) -m pytest evidence/test/benchmarks/kernel_speed.py -q --benchmark-autosave --benchmark-storage=file://.benchmarks

@@ -25,7 +25,7 @@ app = typer.Typer(
     name="drill-twin",
     cls=CommandGroup,
     help="A digital twin of a drillstring: simulate a scene, analyse a bag, draw a report. Only [bold]ros[/], "
-    "[bold]replay[/], and [bold]watch[/] without a bag, need ROS 2 (rclpy).",
+    "[bold]replay[/] and [bold]watch live[/] need ROS 2 (rclpy).",
     epilog='For example: [bold]drill-twin run pa6_bench --wob "40 N" --rpm 120 --duration 30 --report[/]',
     rich_markup_mode="rich",
     add_completion=False,

@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Command `drill-twin watch`: live page of a running twin or of a bag."""
+"""Command `drill-twin watch`: page on a folder, live page of a running twin, or of a bag."""
 
 from __future__ import annotations
 
 import time
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
@@ -17,8 +17,12 @@ from drill_twin.core.errors import DrillTwinError
 
 def watch(
     bag: Annotated[
-        Path | None,
-        typer.Argument(metavar="[BAG]", help="Bag to play; without one, the running twin (needs ROS 2: rclpy)."),
+        str | None,
+        typer.Argument(
+            metavar="[BAG]",
+            help="Bag to play, or live: the running twin (needs ROS 2: rclpy). Without one, this folder; with "
+            "--namespace, --limit, --units or --foxglove, the running twin.",
+        ),
     ] = None,
     port: Annotated[int, typer.Option(min=0, max=65535, help="Port of the page; 0: any free one.")] = 8000,
     host: Annotated[
@@ -49,13 +53,15 @@ def watch(
         ),
     ] = None,
 ) -> None:
-    """Show a run in the browser: the string in the hole, orbits, motion states, and sliders for the set-points.
+    """Open a page in the browser: on scenes and runs of this folder, on a running twin, or on a bag.
 
-    A running twin is found by ROS_DOMAIN_ID; set-points go through the rig driver where there is one.
+    The page on this folder makes scenes from survey and tally, and runs the other commands. A running twin is found by
+    ROS_DOMAIN_ID; set-points go through the rig driver where there is one.
     """
-    if bag is not None and foxglove is not None:
+    live = bag == "live" or (bag is None and bool(namespace or limit or units or foxglove is not None))
+    if bag is not None and not live and foxglove is not None:
         raise DrillTwinError("expected --foxglove without a bag, found both; Foxglove opens the bag itself")
-    if bag is None:
+    if live:
         from drill_twin.ros.entry_points import start
 
         names = [word for name in allow_host for word in ("--allow-host", name)]
@@ -67,6 +73,11 @@ def watch(
         if namespace:
             arguments += ["--ros-args", "-r", f"__ns:=/{namespace.strip('/')}"]
         raise typer.Exit(start("watch", arguments))
+    if bag is None:
+        from drill_twin_dashboard.front.server import FrontServer
+
+        _serve(FrontServer(Path.cwd(), host=host, port=port, names=allow_host), "this folder", browser)
+        return
     from drill_twin.io.bag.reading.files import bag_path
     from drill_twin_dashboard.live.alarms import parse_limit
     from drill_twin_dashboard.live.player import Player
@@ -74,7 +85,7 @@ def watch(
 
     parsed = [parse_limit(text) for text in limit]
     with shown_progress("reading the bag"):
-        player = Player(bag_path(bag), namespace or None)
+        player = Player(bag_path(Path(bag)), namespace or None)
     player.state.units = units
     for one in parsed:
         player.state.take(one)
@@ -83,13 +94,18 @@ def watch(
     server = PageServer(
         player.snapshot, player.on_request, history=player.state.history, host=host, port=port, allowed_hosts=allow_host
     )
+    _serve(server, bag, browser)
+    player.close()
+    for text in player.state.skipped.sentences():
+        remark(text)
+
+
+def _serve(server: Any, what: str, browser: bool) -> None:
+    """Serve a page until asked to stop, by a server whose import takes time that --help has not."""
     with stop_request() as asked:
-        server.links.show(str(bag))
+        server.links.show(what)
         if browser:
             server.links.open_browser()
         while not asked:
             time.sleep(0.1)
     server.close()
-    player.close()
-    for text in player.state.skipped.sentences():
-        remark(text)

@@ -21,6 +21,7 @@ from importlib.resources import files
 from typing import Any
 from urllib.parse import urlsplit
 
+from pydantic import FiniteFloat, TypeAdapter, ValidationError
 from websockets.asyncio.server import ServerConnection
 from websockets.datastructures import Headers
 from websockets.exceptions import ConnectionClosed
@@ -43,10 +44,14 @@ _POLICY = (
 """Everything comes from this server; plotly writes style attributes and shows heat maps as `data:` images."""
 
 
-def page_files() -> dict[str, tuple[str, bytes]]:
-    """Type and content of each file by its path on the server; `/` is the page."""
+def page_files(package: str = "drill_twin_dashboard.live") -> dict[str, tuple[str, bytes]]:
+    """Type and content of each file by its path on the server; `/` is the page.
+
+    Args:
+        package: Package with the folder `page` of the files.
+    """
     found = {"/": ("text/html", b"")}
-    for file in files("drill_twin_dashboard.live").joinpath("page").iterdir():
+    for file in files(package).joinpath("page").iterdir():
         kind = _TYPES.get(file.name.rpartition(".")[2])
         if kind is not None:
             found["/" if file.name == "index.html" else f"/{file.name}"] = (kind, file.read_bytes())
@@ -75,13 +80,13 @@ def _unit_table() -> str:
     return f"export const SYSTEMS = {json.dumps(systems)}, UNITS = {json.dumps(units)};\n"
 
 
-def response(kind: str, content: bytes, **more: str) -> Response:
+def response(kind: str, content: bytes, policy: str = _POLICY, **more: str) -> Response:
     """Answer 200 with the headers of this page."""
     headers = Headers(
         {
             "Content-Type": f"{kind}; charset=utf-8",
             "Content-Length": str(len(content)),
-            "Content-Security-Policy": _POLICY,
+            "Content-Security-Policy": policy,
             "Cache-Control": "no-store",
             "X-Content-Type-Options": "nosniff",
             "X-Frame-Options": "DENY",
@@ -103,8 +108,9 @@ MOST_CLIENTS = 32
 """Open pages; the next is answered with 503."""
 KEPT = 4
 """Places among `MOST_CLIENTS` for pages that may command: readers get none of them, so they lock nobody out."""
-_PERIOD = 0.05  # s, between two snapshots
-_LARGEST_REQUEST = 4096  # bytes
+
+_STRANGER, _ENTERED, _COMMANDS = range(3)
+"""Rights of a client: none; it has the cookie; it has given the key too."""
 
 RequestHandler = Callable[[Mapping[str, Any]], None]
 """Carries out a request of the page; raises a DrillTwinError, which the page shows."""
@@ -112,6 +118,15 @@ RequestHandler = Callable[[Mapping[str, Any]], None]
 
 class PageServer(WebServer):
     """Server of the page for a bounded number of browsers."""
+
+    PUBLIC = True
+    """Show snapshots to everybody who reaches this server; False: to pages that may command alone."""
+    PERIOD = 0.05
+    """Time between two snapshots [s]."""
+    LARGEST_REQUEST = 4096
+    """Size of a request [byte]."""
+    REQUEST: TypeAdapter[Any] = TypeAdapter(dict[str, bool | int | FiniteFloat])
+    """Form of a request."""
 
     def __init__(
         self,
@@ -148,7 +163,7 @@ class PageServer(WebServer):
         own = is_loopback(listener.getsockname()[0])
         self.links = Links(access, [self.url] if own else [self.url, remote])
         """Links by which a page may command."""
-        super().__init__(listener, access, "page", max_size=_LARGEST_REQUEST)  # a place: whether it has the cookie
+        super().__init__(listener, access, "page", max_size=self.LARGEST_REQUEST)  # a place: `_STRANGER` to `_COMMANDS`
 
     def close(self) -> None:
         """Close all connections and stop, within a few seconds whatever the clients do."""
@@ -164,7 +179,7 @@ class PageServer(WebServer):
                 self._text = await self._loop.run_in_executor(self._worker, _encoded, self._snapshot)
                 before, self._fresh = self._fresh, asyncio.Event()
                 before.set()
-            await asyncio.sleep(_PERIOD)
+            await asyncio.sleep(self.PERIOD)
 
     async def _respond(self, connection: ServerConnection, request: Request) -> Response | None:
         path = urlsplit(request.path).path
@@ -172,10 +187,13 @@ class PageServer(WebServer):
             return connection.respond(HTTPStatus.FORBIDDEN, "only the page of this server may ask\n")
         if path == "/live":
             entered = self._access.has_cookie(request.headers)
+            if not (entered or self.PUBLIC):
+                self.links.show_beside()
+                return connection.respond(HTTPStatus.FORBIDDEN, f"{READ_ONLY}\n")
             most = MOST_CLIENTS if entered else MOST_CLIENTS - KEPT
             if len(self.places) >= most:
                 return connection.respond(HTTPStatus.SERVICE_UNAVAILABLE, f"{most} pages are open already\n")
-            self.places[connection] = entered
+            self.places[connection] = _ENTERED if entered else _STRANGER
             return None
         if path == "/enter":
             if cookie := self._access.enter(request.headers):
@@ -210,16 +228,16 @@ class PageServer(WebServer):
         """Send each new snapshot, or the newest to a slow browser."""
         while True:
             await self._fresh.wait()
-            await send(connection, self._text)
+            if self.PUBLIC or self.places.get(connection) == _COMMANDS:
+                await send(connection, self._text)
 
     async def _handle_requests(self, connection: ServerConnection) -> None:
-        may = False
         async for request in connection:
             try:
-                content = _parsed(request)
-                if "key" in content:
-                    may = self.places.get(connection, False) and self._access.is_key(content["key"])
-                if not may:
+                content = _parsed(request, self.REQUEST)
+                if "key" in content and self.places.get(connection):
+                    self.places[connection] = _COMMANDS if self._access.is_key(content["key"]) else _ENTERED
+                if self.places.get(connection) != _COMMANDS:
                     self.links.show_beside()
                     raise DrillTwinError(READ_ONLY)
                 if "key" not in content:
@@ -234,21 +252,18 @@ def _encoded(content: Callable[[], Mapping[str, Any]]) -> str:
     return json.dumps(content(), allow_nan=False)
 
 
-def _parsed(request: str | bytes) -> Mapping[str, Any]:
-    """A request of the page: named finite numbers or booleans, or the key alone.
+def _parsed(request: str | bytes, form: TypeAdapter[Any]) -> Mapping[str, Any]:
+    """A request of the page: data of this form, or the key alone.
 
     Raises:
         DrillTwinError: Anything else.
     """
     try:
         content = read_json(request)
+        if not (isinstance(content, dict) and set(content) == {"key"} and isinstance(content["key"], str)):
+            form.validate_python(content, strict=True)
     except JsonError as error:
         raise DrillTwinError(f"expected JSON from the page, found {request[:40]!r}") from error
-    if isinstance(content, dict) and set(content) == {"key"} and isinstance(content["key"], str):
-        return content
-    if not isinstance(content, dict) or not all(
-        isinstance(value, bool) or (isinstance(value, int | float) and math.isfinite(value))
-        for value in content.values()
-    ):
-        raise DrillTwinError(f"expected named numbers from the page, found {str(content)[:40]}")
-    return content
+    except ValidationError as error:
+        raise DrillTwinError(f"expected a request of the page, found {str(content)[:40]}") from error
+    return dict(content)

@@ -41,7 +41,7 @@ export function connect(show, refuse) {
       const said = JSON.parse(event.data);
       if (said.error !== undefined) { refuse(said.error); return; }
       last = said;
-      if (keepHistory(said)) askHistory();
+      if (said.trends && keepHistory(said)) askHistory();
       show(said);
     };
     socket.onclose = () => setTimeout(open, 1000);
