@@ -9,8 +9,6 @@ that does not occur exactly once raises an error, so that the offsets are always
 fixed for a template.
 """
 
-from __future__ import annotations
-
 import math
 import re
 from collections.abc import Sequence

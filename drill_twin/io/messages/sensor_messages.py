@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Messages of measurements: readings and summaries of subs, surface channels."""
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

@@ -5,8 +5,6 @@ A string is about a hundred times as long as its hole is wide. Lateral motion, h
 exaggerated by one factor, which the text marker states; a contact at the wall is drawn as a contact.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from typing import Any
 

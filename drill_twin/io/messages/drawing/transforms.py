@@ -6,8 +6,6 @@ A section is turned by its spin about z, then by the shortest rotation of z onto
 `TransformsTemplate` encodes them as tf2_msgs/TFMessage without the message package, which only the publisher needs.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from typing import NamedTuple
 
