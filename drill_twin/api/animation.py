@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Moving picture of a run: the string in its hole over depth, and the orbits of its marks, as GIF or MP4."""
 
-from __future__ import annotations
-
 import math
 from pathlib import Path
 from typing import Any

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Cause of the whirl or torsion of a run: growth of its modes, and repeats of the run with one change."""
 
-from __future__ import annotations
-
 from collections import Counter
 from collections.abc import Callable, Iterator
 from dataclasses import asdict, dataclass

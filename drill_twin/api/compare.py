@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Assemblies or set-points beside each other: cases, the quantities in which they differ, and the page of both."""
 
-from __future__ import annotations
-
 import math
 import re
 from collections.abc import Callable, Mapping, Sequence

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """An ensemble in Python: many runs of one scene with other numbers (docs/ensembles.md)."""
 
-from __future__ import annotations
-
 import math
 import os
 from collections.abc import Callable, Iterator, Mapping, Sequence

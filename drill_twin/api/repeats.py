@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Repeats of a recorded run with one change: an effect taken back, or less of weight, speed or wall friction."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Iterator, Mapping
 from functools import cached_property

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Modes, critical speeds, growth rates and steady whirl of a scene without a run."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from pathlib import Path
 

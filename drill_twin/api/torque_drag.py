@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Torque, drag and buckling of a scene in the operations of a rig, without a run."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from pathlib import Path
 

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Verdict between cases: quantities that cost bits and joints, their spread over seeds, and what the runs can show."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import replace

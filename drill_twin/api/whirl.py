@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Whirl found in a run, or in plain arrays of anyone's measurement."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, Literal

@@ -5,8 +5,6 @@ Results go to stdout, all else to stderr. Exit codes: 0 success, 1 a run that st
 of input or use (one line on stderr), 130 stopped with Ctrl-C, 143 ended by SIGTERM.
 """
 
-from __future__ import annotations
-
 import os
 import re
 import sys

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """The tree of commands. A command imports its modules when it is called, so that --help is fast."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator
 from typing import Annotated, Any
 

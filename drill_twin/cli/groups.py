@@ -9,8 +9,6 @@ two words (``ros load``) stands in that group, and commands of the companions (`
 beside the commands of the core, installed or not.
 """
 
-from __future__ import annotations
-
 import sys
 from collections.abc import Callable
 from difflib import get_close_matches

@@ -4,8 +4,6 @@
 A command that has something to complete takes them as a request instead (`stop_request`).
 """
 
-from __future__ import annotations
-
 import os
 import signal
 from collections.abc import Iterator

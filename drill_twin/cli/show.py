@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Output in a terminal: tables on stdout, remarks and progress on stderr."""
 
-from __future__ import annotations
-
 import textwrap
 import time
 from collections.abc import Iterable, Iterator, Mapping

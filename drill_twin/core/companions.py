@@ -6,8 +6,6 @@ The table here has the names of the companions that belong to drill_twin, so tha
 install for a name of theirs.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cache

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Missing values: what stands for no value in a record, and what no rig can have measured."""
 
-from __future__ import annotations
-
 from collections import deque
 from collections.abc import Collection
 

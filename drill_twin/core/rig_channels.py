@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Channels of a rig: one table of their dimensions, their place in `/rig/state`, and their names in records."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from typing import NamedTuple

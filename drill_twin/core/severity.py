@@ -5,8 +5,6 @@ A quantity (`Bounds`) has the grade of the highest bound that it reaches; a moti
 The bounds are parameters: a scene that has a block `severity` replaces them.
 """
 
-from __future__ import annotations
-
 import math
 from bisect import bisect_right
 from collections.abc import Iterable, Mapping

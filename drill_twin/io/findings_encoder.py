@@ -4,8 +4,6 @@
 The summary is what a dashboard wants, five times a simulated second, as numbers without NaN.
 """
 
-from __future__ import annotations
-
 import math
 from collections import deque
 from collections.abc import Iterator, Sequence

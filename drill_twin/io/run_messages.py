@@ -4,8 +4,6 @@
 By this text a bag tells what was run; the sensors are the subs and surface channels that the scene lists.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from datetime import UTC, datetime
 

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Scene of a stream: its geometry for the markers of the viewers, its marks and subs for the whirl analysis."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from itertools import pairwise

@@ -5,8 +5,6 @@ Samples of the marks and of the rig are paired by their stamps, so that the find
 arrival nor on a clock: a bag gives what the live analyzer gave, bit for bit.
 """
 
-from __future__ import annotations
-
 from collections import deque
 from collections.abc import Collection, Iterator, Sequence
 

@@ -8,8 +8,6 @@ A chart is taken from the matplotlib figure, so that chart and picture cannot di
 filled areas and no meshes.
 """
 
-from __future__ import annotations
-
 import base64
 import gzip
 import json

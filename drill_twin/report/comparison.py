@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Runs beside each other, such as a recorded one and the same commands computed again."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from typing import Any
 

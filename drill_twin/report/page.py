@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Report page: one self-contained HTML file that opens without a network."""
 
-from __future__ import annotations
-
 import base64
 import json
 from collections.abc import Mapping

@@ -5,8 +5,6 @@ The recorded bytes go through the pipeline of the analyzer node; where the bag h
 compared byte for byte.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Collection
 from contextlib import suppress

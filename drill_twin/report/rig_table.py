@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Channels of the rig over time as CSV and as LAS 2.0, in the units of a rig's own records."""
 
-from __future__ import annotations
-
 import io
 import math
 from collections.abc import Sequence

@@ -4,8 +4,6 @@
 The findings of the analyzer that ran with the twin are compared with the findings of the analysis of the bag.
 """
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

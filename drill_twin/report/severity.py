@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Severity of a recording by what it does to the string (`core.severity`), rate and energy of drilling; problems."""
 
-from __future__ import annotations
-
 import math
 from operator import itemgetter
 from typing import Any, NamedTuple

@@ -5,8 +5,6 @@ The curve is cubic like the elements, not a polygon. The hole is as it is drille
 of the live page.
 """
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

@@ -4,8 +4,6 @@
 The forces are elastic: what internal damping and the damping of the wall add is not in a pose.
 """
 
-from __future__ import annotations
-
 import math
 from typing import NamedTuple
 

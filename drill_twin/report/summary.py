@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Content of `summary.json`: a run and the findings of its analysis, in plain types."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import asdict
 from datetime import UTC, datetime

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Findings from the surface channels of a rig, without positions of marks: stick-slip, gaps, spikes, block weight."""
 
-from __future__ import annotations
-
 import functools
 import math
 from collections.abc import Mapping

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Summary as text: rows of the tables of the command line and the page, and the limits of validity."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Verdict on a run or a record: sentences on whirl, severity and what to do next, and the five rows that matter."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from itertools import islice
 

@@ -4,8 +4,6 @@
 It is exported to `config/schema/scene.schema.json`, to which the first line of a scene points (yaml-language-server).
 """
 
-from __future__ import annotations
-
 import ast
 import inspect
 import json

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Modes, critical speeds and growth rates as plain data and figures."""
 
-from __future__ import annotations
-
 import cmath
 import math
 from collections.abc import Sequence

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Broomstick plot: hookload and torque over the depth of the bit by friction, with measured points on it."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator, Mapping
 from pathlib import Path

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Runs of a study on several processes."""
 
-from __future__ import annotations
-
 import os
 import signal
 from collections.abc import Callable, Hashable, Iterator, Mapping

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Torque, drag and buckling as plain data, as a table over measured depth in SI, and as tracks."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterable
 from operator import attrgetter

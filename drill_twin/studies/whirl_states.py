@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Steady whirl states and their branches as plain data and figures."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from typing import Any

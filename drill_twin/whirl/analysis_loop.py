@@ -6,8 +6,6 @@ rare and needs texts or fits (a crossing, the onset, a changed state) is decided
 goes on where it stopped when it is called again.
 """
 
-from __future__ import annotations
-
 from functools import cache
 from typing import Any
 

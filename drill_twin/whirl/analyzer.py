@@ -5,8 +5,6 @@ The same samples give the same findings to the last bit, live or from a bag: onl
 sum is accumulated in the order of the samples. The cost of a sample does not grow with time.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
@@ -67,12 +65,8 @@ class Analyzer:
         self._analyse = bind(compiled().analyse, self._packed)
         self._decisions = Decisions(self._names, self._state, contact_known=self._contact_known)
         self._flow, self._radius = self._state.flow, self._state.samples.radius
-        self._findings = self._new_findings()
-
-    @property
-    def findings(self) -> Findings:
+        self.findings = self._new_findings()
         """The findings so far."""
-        return self._findings
 
     @property
     def quality(self) -> Quality:
@@ -94,7 +88,7 @@ class Analyzer:
     def date_onset(self, onset: Onset) -> None:
         """Replace the onset, which has been found, by the same with a time that is known better."""
         self._decisions.date_onset(onset)
-        self._findings = replace(self._findings, onset=onset)
+        self.findings = replace(self.findings, onset=onset)
 
     def push(
         self,
@@ -121,7 +115,7 @@ class Analyzer:
         spins, forces = (None if part is None else part[None] for part in (spin, wall_force))
         top, bit = np.array([[top_speed], [bit_speed]])
         self.push_block(np.array([stamp_ns]), np.asarray(position)[None], spins, top, forces, bit)
-        return self._findings
+        return self.findings
 
     def push_bit_speed(self, stamp_ns: int, bit_speed: float) -> Findings:
         """Add a speed of the bit [rad/s] alone, at a header stamp [ns], and return the findings after it."""
@@ -153,7 +147,7 @@ class Analyzer:
         self._check(stamps_ns, position, spin, wall_force)
         block, count = self._state.block, len(stamps_ns)
         block.has_spin[0], block.has_force[0] = spin is not None, wall_force is not None
-        found = FoundRows(self._findings, [], np.empty((count, len(self.marks), 4)), np.empty(count), {})
+        found = FoundRows(self.findings, [], np.empty((count, len(self.marks), 4)), np.empty(count), {})
         for first in range(0, count, BLOCK):
             rows = slice(first, first + BLOCK)
             n = block.count[0] = len(stamps_ns[rows])
@@ -190,14 +184,14 @@ class Analyzer:
     def _present(self, stamp: int | None = None) -> Findings:
         """Findings at a stamp [ns]; None: after the last sample that was accepted."""
         if self._flow.new[0]:
-            self._findings = self._new_findings()
+            self.findings = self._new_findings()
         stamp = self._state.clock.last.item() if stamp is None else stamp
         bit = self._bit
-        self._findings = replace(
-            self._findings, stamp_ns=stamp, time_s=stamp * 1e-9, orbit_radius=self._radius.copy(), quality=self.quality,
+        self.findings = replace(
+            self.findings, stamp_ns=stamp, time_s=stamp * 1e-9, orbit_radius=self._radius.copy(), quality=self.quality,
             bit=bit.motion, bit_criterion=bit.criterion, bit_index=bit.index,
         )  # fmt: skip
-        return self._findings
+        return self.findings
 
     def _check(
         self, stamps: Integers, position: FloatArray, spin: FloatArray | None, wall_force: FloatArray | None

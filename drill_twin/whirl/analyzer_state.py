@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """State of the analysis of a stream, arrays of fixed size for compiled code, and the steps on each of its samples."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

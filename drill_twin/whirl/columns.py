@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Named tuples of arrays, which hold the state of the analysis for Python and for compiled code."""
 
-from __future__ import annotations
-
 from collections import namedtuple
 from functools import cache
 from typing import Any

@@ -15,8 +15,6 @@ rod and a full-size bottom-hole assembly. Messages that carry numbers (`/whirl/s
 which are kept.
 """
 
-from __future__ import annotations
-
 import math
 from enum import IntEnum, StrEnum
 from typing import Self

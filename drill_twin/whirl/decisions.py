@@ -4,8 +4,6 @@
 The text of a motion state gives the criterion that decided it, with its numbers.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 

@@ -7,8 +7,6 @@ windows of equal rotation, and the scatter of their means tells the interval (me
 motion is still changing. `python -m drill_twin_evidence.detection.frequency 200 9000` counts intervals that hold.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from typing import NamedTuple

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Ring buffer of the last revolutions of the motion, read as contiguous views."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Marks whose motion is analysed: position on the string and radial clearance."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Decisions on asynchronous whirl that need fits: its begin, its time and its end (`onset.asynchronous_onset`)."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass, replace
 

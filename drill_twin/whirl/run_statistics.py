@@ -5,8 +5,6 @@ The whirl since the onset is kept in cells of some revolutions: the angle that e
 meanwhile and the power of the motion. When all cells are taken, each two become one, so that memory is bounded.
 """
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -6,8 +6,6 @@ reduces noise as far as the rate allows. A bin of 1/16 revolution shortens an or
 sinc(p / 16): 0.2 % at p = 0.5, 2.3 % at p = -1.9. Where samples are farther apart than 1/16 revolution, each is a bin.
 """
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -4,8 +4,6 @@
 The report takes the settled part of a recording, the analyzer node the last `WINDOW`; both by the functions here.
 """
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -8,8 +8,6 @@ Irregular motion has no single frequency: its highest line and its mean precessi
 of the record.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 

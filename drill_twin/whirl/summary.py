@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Summary of a run from what the analysis holds, with the limits of its findings as sentences."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 

@@ -6,8 +6,6 @@ that is compiled for each set of effects. So compiled code is given one array of
 address, shape and strides of an array where it is used.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator
 from functools import partial
 from typing import Any, NamedTuple

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Files of unknown origin: opened if regular and not too large, read as bytes, as a text or line by line."""
 
-from __future__ import annotations
-
 import codecs
 import io
 import os

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """JSON of unknown origin in bounded time and memory; results that a study writes as it goes, a line of JSON each."""
 
-from __future__ import annotations
-
 import json
 import logging
 import os

@@ -4,8 +4,6 @@
 Some of the files are run as programs, so files and folders in which other users could put something are not used.
 """
 
-from __future__ import annotations
-
 import hashlib
 import logging
 import os

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Files that are written whole or not at all, and folders of results, which are moved aside only where asked."""
 
-from __future__ import annotations
-
 import os
 import stat
 from collections.abc import Collection, Iterator

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Results in plain types, and as JSON."""
 
-from __future__ import annotations
-
 import json
 import math
 from enum import Enum

@@ -6,8 +6,6 @@ them, and again while aliases are expanded. Tags and merge keys are refused; dat
 stay texts.
 """
 
-from __future__ import annotations
-
 import re
 from typing import Any
 

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Units that people read: one table for tables, figures, pages and messages; files for machines stay in SI."""
 
-from __future__ import annotations
-
 from typing import Any, NamedTuple
 
 from drill_twin.core.units.dimension import GRAVITY

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Depth from which a string moves laterally too; above it the string follows the hole (`numerics.lateral_from`)."""
 
-from __future__ import annotations
-
 import math
 from itertools import takewhile
 from operator import itemgetter

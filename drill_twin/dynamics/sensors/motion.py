@@ -10,8 +10,6 @@ an inclined hole is a line at Omega.
 All functions take arrays with any leading dimensions: times, members of an ensemble.
 """
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

@@ -5,8 +5,6 @@ The errors are noise and bias from a seed, range and resolution. The noise of a 
 instrument and the number of the sample only, so a resumed run has the readings of an uninterrupted run.
 """
 
-from __future__ import annotations
-
 import math
 from collections import deque
 from collections.abc import Sequence

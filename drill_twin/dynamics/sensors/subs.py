@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Downhole subs of a run: readings and summaries, frame by frame."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator, Sequence
 

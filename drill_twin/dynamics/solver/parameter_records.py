@@ -5,8 +5,6 @@ The parameters of all effects of a scene are one named tuple, so each set of eff
 that is passed only the fields that it reads is the same for every set, and compiled once for all.
 """
 
-from __future__ import annotations
-
 import ast
 import inspect
 from collections import namedtuple

@@ -5,8 +5,6 @@ The bounds of a plausible state are wide, to detect a failed computation, not an
 kept in a ring, to which compiled code adds without allocation, and are saved on failure.
 """
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

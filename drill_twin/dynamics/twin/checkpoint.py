@@ -6,8 +6,6 @@ state. A new file replaces the previous file atomically. When a run fails, a che
 saved, with the last second of states and the error.
 """
 
-from __future__ import annotations
-
 import json
 import lzma
 import math

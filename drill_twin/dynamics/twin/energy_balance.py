@@ -6,8 +6,6 @@ round-off for quadratic energies; for others (large deflection, the wall) the re
 the error of Newton's method. Any force missing in the ledger appears in the residual.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 
 import numpy as np

@@ -6,8 +6,6 @@ The loop over frames is written once and bound to the time loop of a scene, in t
 Python, which puts the verdict into words, takes the frame back, and has it repeated with half the step.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Any, NamedTuple
 

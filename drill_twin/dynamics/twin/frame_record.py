@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Record of frames as the compiled loop makes it: a table of numbers, one row a frame, and views of its columns."""
 
-from __future__ import annotations
-
 from typing import Any, NamedTuple, Self
 
 import numpy as np

@@ -6,8 +6,6 @@ rejected and repeated with half the step, up to `MAX_RETRIES` times; the step is
 `GOOD_FRAMES_BEFORE_GROWTH` good frames.
 """
 
-from __future__ import annotations
-
 import math
 import time
 from dataclasses import dataclass

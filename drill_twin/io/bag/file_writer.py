@@ -6,8 +6,6 @@ packed in one piece. mcap keeps a Python object for each chunk until the end of 
 36 000 an hour, so that a recorder's memory grows with the recording; here the indices are kept as compressed bytes.
 """
 
-from __future__ import annotations
-
 import os
 import struct
 import zlib

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Content of rosbag2's `metadata.yaml`, version 9, and QoS profiles in its format."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any

@@ -4,8 +4,6 @@
 Names of topics of a twin in a namespace, or of another package, are read as names of the contract.
 """
 
-from __future__ import annotations
-
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from itertools import islice
 from pathlib import Path

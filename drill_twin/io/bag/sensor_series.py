@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Measurements of a bag as arrays over time: readings and summaries of downhole subs, surface channels."""
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

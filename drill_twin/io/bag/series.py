@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Topics as arrays over time: each message adds a row, properties give the columns; T samples, by header stamp."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from typing import NamedTuple

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Messages of a bag that cannot be used: counted by topic, and found by their stamps."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from statistics import median_low
 

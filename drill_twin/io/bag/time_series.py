@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Array over time that grows message by message, with named columns; T samples, by header stamp."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple

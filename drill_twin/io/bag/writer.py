@@ -5,8 +5,6 @@ A folder `run` holds `run_0.mcap` and, where the bag is split, `run_1.mcap` and 
 `run_0.mcap`, `run_0_1.mcap`, ..., because `ros2 bag reindex` only finds files whose names end in a number.
 """
 
-from __future__ import annotations
-
 import re
 import time
 from collections.abc import Iterable, Mapping, Sequence

@@ -9,8 +9,6 @@ that does not occur exactly once raises an error, so that the offsets are always
 fixed for a template.
 """
 
-from __future__ import annotations
-
 import math
 import re
 from collections.abc import Sequence
@@ -43,35 +41,36 @@ def sentinel_header(frame_id: str = FRAME_ID) -> Any:
 class Template:
     """Bytes of one message, whose stamps and blocks of numbers can be replaced."""
 
-    def __init__(self, content: Any, type_name: str) -> None:
-        raw = serialize(content, type_name)
-        self._type_name = type_name
-        self._buffer = bytearray(raw)
-        self._stamp_offsets = [match.start() for match in re.finditer(re.escape(_SENTINEL_BYTES), raw)]
+    def __init__(self, content: Any, type_name: str, blocks: Sequence[NDArray[Any]] = ()) -> None:
+        """Find the stamps and the blocks.
 
-    def offset(self, sentinel: NDArray[Any]) -> int:
-        """Offset of a block [bytes]; 0 for an empty one.
+        Args:
+            content: The message.
+            type_name: Its type.
+            blocks: Sentinels of each block of numbers.
 
         Raises:
-            MessageError: The block does not occur exactly once.
+            MessageError: A block that is not empty does not occur exactly once.
         """
-        wanted = sentinel.tobytes()
-        if not wanted:
-            return 0
-        places = [match.start() for match in re.finditer(re.escape(wanted), bytes(self._buffer))]
-        if len(places) != 1:
-            raise MessageError(
-                f"expected a block of {sentinel.size} numbers once in the bytes of a {self._type_name}, "
-                f"found it {len(places)} times; the message definition has changed"
-            )
-        return places[0]
+        raw = serialize(content, type_name)
+        self._buffer = bytearray(raw)
+        self._stamp_offsets = _places(_SENTINEL_BYTES, raw)
+        found = [_places(block.tobytes(), raw) if block.size else [0] for block in blocks]
+        for block, at in zip(blocks, found, strict=True):
+            if len(at) != 1:
+                raise MessageError(
+                    f"expected a block of {block.size} numbers once in the bytes of a {type_name}, "
+                    f"found it {len(at)} times; the message definition has changed"
+                )
+        self.places = [(block.size, at[0]) for block, at in zip(blocks, found, strict=True)]
+        """Size and offset [bytes] of each block; offset 0 for an empty one."""
 
-    def rows(self, stamps: Sequence[int], blocks: Sequence[tuple[int, NDArray[Any]]]) -> list[bytes]:
+    def rows(self, stamps: Sequence[int], *values: NDArray[Any]) -> list[bytes]:
         """Bytes of n messages at once.
 
         Args:
             stamps: Stamps of the messages [ns], shape (n,).
-            blocks: Offset of each block of numbers, and the numbers of each message in it, shape (n, ...).
+            values: Numbers of each message in the blocks that are not empty, shape (n, ...).
 
         Raises:
             MessageError: A stamp does not fit `builtin_interfaces/Time`.
@@ -80,17 +79,21 @@ class Template:
         for stamp in (min(stamps, default=0), max(stamps, default=0)):
             pack_stamp(bytearray(TIME.size), 0, stamp)
         filled = bytearray(self._buffer * count)
-        for offset, values in blocks:
-            size = values.itemsize
-            view = np.ndarray((count, values[:1].size), values.dtype, filled, offset, (length, size))
-            view[:] = values.reshape(count, -1)
+        for offset, block in zip((offset for size, offset in self.places if size), values, strict=False):
+            view = np.ndarray((count, block[:1].size), block.dtype, filled, offset, (length, block.itemsize))
+            view[:] = block.reshape(count, -1)
         for offset in self._stamp_offsets:
             time = np.ndarray((2, count), np.int32, filled, offset, (4, length))  # all below 2^31
             time[:] = np.divmod(np.array(stamps, np.int64), NANOSECONDS)
         return [bytes(filled[start : start + length]) for start in range(0, count * length, length)]
 
 
-class PoseArrayTemplate:
+def _places(wanted: bytes, raw: bytes) -> list[int]:
+    """Offsets of bytes in a message."""
+    return [match.start() for match in re.finditer(re.escape(wanted), raw)]
+
+
+class PoseArrayTemplate(Template):
     """geometry_msgs/PoseArray of a fixed number of poses."""
 
     def __init__(self, count: int, frame_id: str = FRAME_ID) -> None:
@@ -103,20 +106,18 @@ class PoseArrayTemplate:
             )
             for row in values.reshape(count, 7).tolist()
         ]
-        content = message(POSE_ARRAY, header=sentinel_header(frame_id), poses=poses)
-        self._template = Template(content, POSE_ARRAY)
-        self._offset = self._template.offset(values)
+        super().__init__(message(POSE_ARRAY, header=sentinel_header(frame_id), poses=poses), POSE_ARRAY, [values])
 
     def fill(self, stamp: int, position: ArrayLike, orientation: ArrayLike) -> bytes:
         """CDR of positions [m], shape (count, 3), and unit quaternions x y z w, shape (count, 4), at a stamp [ns]."""
         return self.rows([stamp], np.asarray(position)[None], np.asarray(orientation)[None])[0]
 
-    def rows(self, stamps: Sequence[int], position: Array, orientation: Array) -> list[bytes]:
+    def rows(self, stamps: Sequence[int], *values: Array) -> list[bytes]:
         """CDR of n messages: positions [m], shape (n, count, 3), and quaternions x y z w, shape (n, count, 4)."""
-        return self._template.rows(stamps, [(self._offset, np.concatenate((position, orientation), axis=-1))])
+        return super().rows(stamps, np.concatenate(values, axis=-1))
 
 
-class JointStateTemplate:
+class JointStateTemplate(Template):
     """sensor_msgs/JointState with fixed names, with or without velocity and effort."""
 
     def __init__(
@@ -133,8 +134,7 @@ class JointStateTemplate:
             effort=blocks[2],
         )
         self.names = tuple(names)
-        self._template = Template(content, JOINT_STATE)
-        self.places = tuple((block.size, self._template.offset(block)) for block in blocks)
+        super().__init__(content, JOINT_STATE, blocks)
 
     def fill(self, stamp: int, position: ArrayLike, velocity: ArrayLike = (), effort: ArrayLike = ()) -> bytes:
         """CDR of three arrays, each of shape (names,), or empty where the template has none, at a stamp [ns]."""
@@ -142,25 +142,16 @@ class JointStateTemplate:
         rows = [np.broadcast_to(np.asarray(values, np.float64), (1, size)) for values, (size, _) in given if size]
         return self.rows([stamp], *rows)[0]
 
-    def rows(self, stamps: Sequence[int], *values: Array) -> list[bytes]:
-        """CDR of n messages at stamps [ns]: arrays as in `fill`, with one row a message, shape (n, ...) each."""
-        offsets = (offset for size, offset in self.places if size)
-        return self._template.rows(stamps, list(zip(offsets, values, strict=False)))
 
-
-class ClockTemplate:
+class ClockTemplate(Template):
     """rosgraph_msgs/Clock."""
 
     def __init__(self) -> None:
-        self._template = Template(message(CLOCK, clock=time_message(_SENTINEL_STAMP)), CLOCK)
+        super().__init__(message(CLOCK, clock=time_message(_SENTINEL_STAMP)), CLOCK)
 
     def fill(self, stamp: int) -> bytes:
         """CDR of simulated time [ns]."""
         return self.rows([stamp])[0]
-
-    def rows(self, stamps: Sequence[int]) -> list[bytes]:
-        """CDR of simulated times [ns]."""
-        return self._template.rows(stamps, [])
 
 
 def check_finite(topic: str, values: Array) -> None:

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """DiagnosticArray: level, sentence and named values as text for each component."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from enum import IntEnum

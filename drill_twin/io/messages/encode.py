@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Encoding of frames to the messages of the simulator."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from drill_twin.core.arrays import Array

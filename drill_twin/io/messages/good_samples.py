@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Age of the last good sample of each input of a node, and the count of the bad ones since."""
 
-from __future__ import annotations
-
 import math
 import time
 from collections import Counter, deque

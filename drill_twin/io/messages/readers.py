@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Decoder of each topic of the contract, by its row."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from functools import partial
 from typing import Any

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Messages of the rig: encoding and reading of set-points, reading of `/rig/state`."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Messages of measurements: readings and summaries of subs, surface channels."""
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np
@@ -65,14 +63,12 @@ class ImuEncoder:
             linear_acceleration_covariance=(force_noise**2 * np.eye(3)).ravel(),
         )
         self._topic = imu_topic(sub)
-        self._template = Template(content, IMU)
-        self._offsets = [self._template.offset(block) for block in blocks]
+        self._template = Template(content, IMU, blocks)
 
     def encode(self, reading: Reading) -> bytes:
         """CDR of a reading, six values."""
         check_finite(self._topic, reading.values)
-        blocks = zip(self._offsets, reading.values.reshape(2, 1, 3), strict=True)
-        return self._template.rows([stamp_ns(reading.time)], list(blocks))[0]
+        return self._template.rows([stamp_ns(reading.time)], *reading.values.reshape(2, 1, 3))[0]
 
 
 class SummaryEncoder:

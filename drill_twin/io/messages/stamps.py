@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Stamps: integer nanoseconds in the package, `builtin_interfaces/Time` (seconds, nanoseconds) in messages."""
 
-from __future__ import annotations
-
 import math
 import struct
 from typing import Any

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Row of the topic contract: ROS type, publisher, content, quality of service."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 JOINT_STATE = "sensor_msgs/msg/JointState"

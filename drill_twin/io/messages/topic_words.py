@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Codes, names and keys in messages of the contract that more than one package reads or writes."""
 
-from __future__ import annotations
-
 import hashlib
 import json
 from collections.abc import Mapping

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Topic contract, one row a topic; source of the tables in README and reference."""
 
-from __future__ import annotations
-
 import re
 from dataclasses import replace
 

@@ -4,8 +4,6 @@
 A message takes 10 to 1000 us here; `cdr` and `decode` have faster ways for the topics at full rate.
 """
 
-from __future__ import annotations
-
 from functools import cache
 from typing import Any
 

@@ -4,8 +4,6 @@
 Arguments are plain arrays and strings: this module does not depend on the whirl analysis.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import NamedTuple

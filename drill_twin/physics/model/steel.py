@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Steel of drillstrings: grades with yield and tensile strength, and S-N curves."""
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 from drill_twin.physics.model.rainflow import Law

@@ -5,8 +5,6 @@ Orbits have a panel a depth. A panel shows the whole hole or, where the motion i
 whole hole beside it.
 """
 
-from __future__ import annotations
-
 import math
 from typing import Any
 

@@ -5,8 +5,6 @@ Set-points are drawn as commanded; displacement as x, y and distance from the ax
 motion states with the precession that decides them.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator
 from types import SimpleNamespace

@@ -4,8 +4,6 @@
 Over time the spectrum of the mark with most whirl is drawn, with multiples of the rotation; below, the orbits' radii.
 """
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -4,8 +4,6 @@
 Figures are drawn without pyplot, which has global state and may need a display.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from io import BytesIO

@@ -4,8 +4,6 @@
 Forces along the string follow from its recorded shape; points are what the bag holds at the two ends.
 """
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

@@ -76,7 +76,8 @@ class CommandArbiter:
 
     def set_limits(self) -> None:
         """Apply the limits of the settings."""
-        self._limits = self.limits_of(self._settings)
+        self.limits = self.limits_of(self._settings)
+        """Limits in force."""
 
     def limits_of(self, settings: SimpleNamespace) -> CommandLimits:
         """Limits of settings.
@@ -95,11 +96,6 @@ class CommandArbiter:
         except CommandError as error:
             raise ParameterError(f"parameters safe_weight_on_bit, safe_speed: {error}, beyond the limits") from error
         return limits
-
-    @property
-    def limits(self) -> CommandLimits:
-        """Limits in force."""
-        return self._limits
 
     # --- arrivals -------------------------------------------------------------------------------------------------
 
@@ -137,7 +133,7 @@ class CommandArbiter:
         if source is not None:
             source = shortened(source, _LETTERS_OF_A_NAME)
             what = f"a command of {source or ANONYMOUS}"
-        command, left_out = self._limits.without_block(command)
+        command, left_out = self.limits.without_block(command)
         given = [quantity for quantity in self.quantities if quantity.is_in(command)]
         mine = [quantity for quantity in given if not quantity.belongs_to_another(source)]
         refusal = ""
@@ -151,7 +147,7 @@ class CommandArbiter:
                 command = command.part([name for quantity in mine for name in quantity.fields])
             if left_out and len(mine) == len(given):
                 refusal = self._refuse("block", left_out)
-            self._limits.check(command)
+            self.limits.check(command)
         except CommandError as error:
             return self._refuse(error.kind, str(error))
         for quantity, base in zip(mine, bases, strict=True):

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Columns of numbers over time from files: CSV, MATLAB, LAS 2.0 and WITSML 1.4.1 time logs."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 from pathlib import Path
 

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Channels of a rig's record: the names of their columns, and how a user names one."""
 
-from __future__ import annotations
-
 import math
 import re
 from collections.abc import Callable, Mapping

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """LAS 2.0 file over time (Canadian Well Logging Society 1992), with or without wrapped rows."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from pathlib import Path
 

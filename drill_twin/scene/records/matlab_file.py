@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """MATLAB file of variables."""
 
-from __future__ import annotations
-
 import subprocess
 import sys
 from io import BytesIO

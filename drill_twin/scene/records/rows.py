@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Rows of a record as numbers, for all kinds of text: LAS, WITSML, and the CSV file that is read here."""
 
-from __future__ import annotations
-
 import csv
 import math
 import re

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Dates and clocks in the cells of a record, as seconds."""
 
-from __future__ import annotations
-
 import math
 import re
 from array import array

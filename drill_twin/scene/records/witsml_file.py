@@ -6,8 +6,6 @@ fetch. Therefore the standard library is as safe here as defusedxml, which refus
 file of 200 MB takes the memory of its numbers.
 """
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 from xml.parsers import expat

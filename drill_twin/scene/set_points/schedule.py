@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Set-points of a scene over time: shapes, schedule, extremes."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass

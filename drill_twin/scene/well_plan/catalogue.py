@@ -6,8 +6,6 @@ tool joints and upsets depends on the joint, and is approximate. The make-up tor
 size, good enough for a plan.
 """
 
-from __future__ import annotations
-
 import math
 import re
 from operator import itemgetter

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Well plan: survey, casing, hole, tally, mud, bit and rates, and the scene made of them."""
 
-from __future__ import annotations
-
 import math
 from pathlib import Path
 from typing import Any, NamedTuple

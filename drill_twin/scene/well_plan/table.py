@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """CSV tables of a well plan: columns by their headings, numbers with the units of one system; its options."""
 
-from __future__ import annotations
-
 import csv
 import math
 import re

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Pipe tally: a CSV file from the bit up becomes the sections of a scene."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Cost curve of a scene: error and time of runs at many resolutions."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace

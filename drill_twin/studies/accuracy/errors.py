@@ -5,8 +5,6 @@ Before the onset of whirl paths are compared. After it the motion is chaotic, so
 uncertainty is the spread of replicas, which differ by a small perturbation of the initial velocity.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Figures: change without each effect of an ablation, and error against processor time."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

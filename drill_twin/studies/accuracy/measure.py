@@ -5,8 +5,6 @@ Runs of ever finer resolution are compared, each with the next, until one is acc
 as fine as `auto`; then coarser resolutions are tried against the finest. Each run ends shortly after its onset.
 """
 
-from __future__ import annotations
-
 import math
 import time
 from collections.abc import Callable, Iterator

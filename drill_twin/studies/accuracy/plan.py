@@ -4,8 +4,6 @@
 The check measures the error before the onset.
 """
 
-from __future__ import annotations
-
 import math
 import time
 from collections.abc import Callable

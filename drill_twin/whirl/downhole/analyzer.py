@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Whirl from the readings of one downhole sub, reading by reading: the analysis of its section as of a mark."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 
@@ -51,12 +49,8 @@ class SubAnalyzer:
         self._last = -1
         self._dated = False
         self._position, self._spin = np.zeros((1, 2)), np.zeros(1)
-        self._findings = self._without_place(self._analyzer.findings)
-
-    @property
-    def findings(self) -> Findings:
+        self.findings = self._without_place(self._analyzer.findings)
         """The findings so far."""
-        return self._findings
 
     @property
     def quality(self) -> Quality:
@@ -82,13 +76,13 @@ class SubAnalyzer:
             places = self.motion.push(stamp, reading)
             for place in places:
                 self.place = place
-                self._findings = self._analyse(place)
+                self.findings = self._analyse(place)
             if not places:
                 found = self._analyzer.push_bit_speed(stamp, reading[5])
-                self._findings = found if self.place else self._without_place(found)
-            if self._findings.bit is BitMotion.STICK_SLIP:
+                self.findings = found if self.place else self._without_place(found)
+            if self.findings.bit is BitMotion.STICK_SLIP:
                 self.motion.torsion.push_sticking(*self._analyzer.bit_speed, self.motion.interval)
-        return self._findings
+        return self.findings
 
     def summary(self) -> Summary:
         """The findings of the whole run so far."""

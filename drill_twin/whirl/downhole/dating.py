@@ -17,8 +17,6 @@ be as large as the threshold at the onset, less by a factor e in every two revol
 readings show no motion: where the readings do not rule such a motion out, the bounds allow for it.
 """
 
-from __future__ import annotations
-
 import math
 from typing import NamedTuple
 

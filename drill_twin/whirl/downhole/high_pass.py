@@ -8,8 +8,6 @@ a string that moves already, so that what the filter does not know yet appears a
 motion, never as too large a motion.
 """
 
-from __future__ import annotations
-
 import math
 from typing import NamedTuple
 

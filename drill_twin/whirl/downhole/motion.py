@@ -8,8 +8,6 @@ speed. What remains is integrated twice, less its drift (`high_pass`): the posit
 corner of the high pass.
 """
 
-from __future__ import annotations
-
 import cmath
 import math
 from collections import deque

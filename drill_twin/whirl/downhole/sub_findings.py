@@ -11,8 +11,6 @@ r Omega^2, tells whether radius and scale are right: the regression of the radia
 speed has the slope r.
 """
 
-from __future__ import annotations
-
 import math
 from collections import deque
 

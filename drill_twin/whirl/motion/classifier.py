@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Classification of the motion of each mark and of the string by `criteria` into `MotionState`."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

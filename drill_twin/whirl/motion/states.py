@@ -4,8 +4,6 @@
 A state holds until the low-passed share of another leads clearly.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import replace

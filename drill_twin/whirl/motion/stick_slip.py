@@ -14,8 +14,6 @@ lower since the swing began, the swing is decaying, not stick-slip, whatever its
 comes and goes (a beat) is not told from a decay.
 """
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

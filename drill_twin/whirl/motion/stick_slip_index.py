@@ -10,8 +10,6 @@ no stick-slip. It lasts until the top drive no longer gains 2 % in a second and 
 drive. The index is known when the window then holds 10 s or two cycles.
 """
 
-from __future__ import annotations
-
 import math
 
 from drill_twin.core.arrays import Array

@@ -27,8 +27,6 @@ growing orbit and amplifies white noise 20 times in power (binomial weights 1, -
 asynchronous part is averaged as far as the noise requires.
 """
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

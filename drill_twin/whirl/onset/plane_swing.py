@@ -20,8 +20,6 @@ same motion, and counts as a swing. Over so few revolutions a whirl near the rot
 turns with the string on the low side, and is left out too.
 """
 
-from __future__ import annotations
-
 import math
 
 from drill_twin.core.arrays import ComplexArray

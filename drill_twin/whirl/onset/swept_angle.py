@@ -6,8 +6,6 @@ noise; the swept area, sum Im(conj(v_i) v_i+1) over the mean of |v|^2, is zero f
 whose angle jumps by pi with each passage of the centre.
 """
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

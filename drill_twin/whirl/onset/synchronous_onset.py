@@ -9,8 +9,6 @@ synchronous part. The onset is the time at which the radius of the motion about 
 two thresholds.
 """
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

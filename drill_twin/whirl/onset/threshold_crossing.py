@@ -7,8 +7,6 @@ two whirls at once, an ellipse, strikes and irregular motion, whose radius dips 
 A sudden start is in the mean half a revolution before: where the radius first crosses within that time, it tells.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 

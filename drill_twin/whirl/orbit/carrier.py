@@ -11,8 +11,6 @@ bin shortens it by less than 1 %.
 A rate is known while two samples are less than 0.4 of a turn apart; farther apart, neither sense nor pace is known.
 """
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -13,8 +13,6 @@ for a circle.
 Marks half a helix pitch apart lie in a plane: a helix is detected only where marks are closer than half a pitch.
 """
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -6,8 +6,6 @@ turns exp(i omega t) of steady rate. The lines are found on a grid of rates, hal
 other; then each is refined beside the other. What is left is irregular.
 """
 
-from __future__ import annotations
-
 import math
 
 from drill_twin.core.arrays import Array, ComplexArray

@@ -25,8 +25,9 @@ from drill_twin.core.table import Table, markdown_row
 from drill_twin.runs.ensemble import Threads
 from drill_twin_evidence.benchmarks.advice_loop import COARSE
 from drill_twin_evidence.benchmarks.map_boundary import kept_runs
+from drill_twin_evidence.proportion import proportion_text
 from drill_twin_studies.maps import OperatingMap, Regime
-from drill_twin_studies.maps.proportions import proportion_interval, proportion_text
+from drill_twin_studies.maps.proportions import proportion_interval
 from drill_twin_studies.maps.runs import FINER, Key, Runner, RunRecord
 
 DURATION, ASKED = 30.0, 300.0

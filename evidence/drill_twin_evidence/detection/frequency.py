@@ -27,7 +27,7 @@ from drill_twin.core.arrays import Array
 from drill_twin.core.table import Table
 from drill_twin.whirl import Analyzer, MarkInfo
 from drill_twin.whirl.findings import Summary
-from drill_twin_studies.maps.proportions import proportion_text
+from drill_twin_evidence.proportion import proportion_text
 
 RATE, ROTATION, BEGIN = 100.0, 2.0, 3.0
 """Samples in a second [Hz], mean rotation [rev/s] and begin of the whirl [s]."""

@@ -13,7 +13,8 @@ from scipy.special import chdtri
 from drill_twin.core.table import Table
 from drill_twin_evidence.estimation.cases import JUMP
 from drill_twin_evidence.estimation.hidden_truth import TruthRow
-from drill_twin_studies.maps.proportions import proportion_interval, proportion_text
+from drill_twin_evidence.proportion import proportion_text
+from drill_twin_studies.maps.proportions import proportion_interval
 
 NEAR = 0.1
 """Relative error of a number that counts as found."""

@@ -29,9 +29,9 @@ from drill_twin_evidence.foreign_rigs.rigs import (
     sampled,
     with_noise,
 )
+from drill_twin_evidence.proportion import proportion_text
 from drill_twin_studies.fitting.likelihood import of_series
 from drill_twin_studies.fitting.sampling import in_ranges
-from drill_twin_studies.maps.proportions import proportion_text
 
 RIG = RIGS["mild exponential"]
 WAYS = {"surface": SURFACE, "with a sub": (*SURFACE, "bit_speed")}

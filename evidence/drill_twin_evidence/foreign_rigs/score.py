@@ -21,8 +21,8 @@ from drill_twin.core.rig_channels import INSTANT
 from drill_twin.core.table import Table
 from drill_twin_evidence.foreign_rigs.own_law import own_widths
 from drill_twin_evidence.foreign_rigs.rigs import INDICATED, LOAD, LOADS, OVERRIDES, RANGES, RIGS, SCENE, SECONDS, trial
+from drill_twin_evidence.proportion import proportion_text
 from drill_twin_studies.fitting.posterior import of_law
-from drill_twin_studies.maps.proportions import proportion_text
 
 BIT = "bit_speed"
 _SETTLED = 8.0

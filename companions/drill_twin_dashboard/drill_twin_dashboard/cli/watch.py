@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Command `drill-twin watch`: page on a folder, live page of a running twin, or of a bag."""
 
-from __future__ import annotations
-
 import time
 from pathlib import Path
 from typing import Annotated, Any

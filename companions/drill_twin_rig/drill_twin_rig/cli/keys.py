@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Command `drill-twin ros keys`: certificate and users of the gateway."""
 
-from __future__ import annotations
-
 import socket
 from pathlib import Path
 from typing import Annotated

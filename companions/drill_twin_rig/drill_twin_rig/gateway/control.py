@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Control by grant and heartbeat, as in the ADCS interface of D-WIS: one holder, for as long as his heartbeat lasts."""
 
-from __future__ import annotations
-
 import math
 import threading
 import time

@@ -7,8 +7,6 @@ The guidelines suggest the ten columns of `SUGGESTED`; the twin's further signal
 The check reads both files again as a judge would.
 """
 
-from __future__ import annotations
-
 import csv
 import math
 import re

@@ -7,8 +7,6 @@ Whirl and lateral vibration have features and incidents in D-WIS, and no prototy
 `PROPOSED` are ours, and stand in a namespace of ours.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping
 from typing import NamedTuple
 

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Quantities of the twin that the gateway can show, from the messages of its topics."""
 
-from __future__ import annotations
-
 import json
 import math
 from collections.abc import Callable

@@ -4,8 +4,6 @@
 There is one class a protocol. Value, stamp and unit of a signal are checked at each reading.
 """
 
-from __future__ import annotations
-
 import asyncio
 import math
 import threading

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """File of the gateway: a line a signal, with its name, quantity and unit."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass

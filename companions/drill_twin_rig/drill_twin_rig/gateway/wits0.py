@@ -6,8 +6,6 @@ record 1, the weight on bit. An item carries no unit and no stamp: the line in t
 and the stamp is the time at which its sentence was complete.
 """
 
-from __future__ import annotations
-
 import asyncio
 import math
 import time

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """One file of a bag: what the readers of both formats have, QoS profiles as other tools wrote them, search by time."""
 
-from __future__ import annotations
-
 import math
 from abc import ABC, abstractmethod
 from bisect import bisect_left, bisect_right

@@ -5,8 +5,6 @@ The size in the frame's own header is checked before, since the libraries reserv
 since a frame may have no size in its header.
 """
 
-from __future__ import annotations
-
 from io import BytesIO
 from typing import IO
 

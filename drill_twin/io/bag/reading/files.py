@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Files of a bag folder: search, order, and choice of the reader for each."""
 
-from __future__ import annotations
-
 import re
 import stat
 import tempfile

@@ -6,8 +6,6 @@ order is read from its beginning to its end. Of another file, each group of mess
 the groups that overlap in time are merged.
 """
 
-from __future__ import annotations
-
 import struct
 from collections.abc import Collection, Iterator
 from heapq import merge

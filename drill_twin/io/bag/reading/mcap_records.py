@@ -4,8 +4,6 @@
 Every complete, undamaged chunk is read. The index has topics, their counts, and the places of the chunks.
 """
 
-from __future__ import annotations
-
 import struct
 import zlib
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence

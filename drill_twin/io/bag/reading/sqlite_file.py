@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """SQLite file of a rosbag2 bag. A window of time is found by the file's index of timestamps."""
 
-from __future__ import annotations
-
 import sqlite3
 from collections.abc import Collection, Generator, Iterator
 from contextlib import closing, contextmanager

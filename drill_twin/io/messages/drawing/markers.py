@@ -5,8 +5,6 @@ A string is about a hundred times as long as its hole is wide. Lateral motion, h
 exaggerated by one factor, which the text marker states; a contact at the wall is drawn as a contact.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from typing import Any
 
@@ -71,8 +69,8 @@ class MarkerArrayTemplate:
             ),
             _label(geometry, exaggeration),
         ]
-        self._template = Template(message(MARKER_ARRAY, markers=markers), MARKER_ARRAY)
-        self._offsets = [self._template.offset(block) for block in (*lines, *centres.reshape(marks, 3), spots, colours)]
+        blocks = (*lines, *centres.reshape(marks, 3), spots, colours)
+        self._template = Template(message(MARKER_ARRAY, markers=markers), MARKER_ARRAY, blocks)
 
     def rows(self, stamps: Sequence[int], positions: Array, mark_positions: Array, wall_force: Array) -> list[bytes]:
         """CDR of the markers of N frames.
@@ -97,7 +95,7 @@ class MarkerArrayTemplate:
             drawn * touching[..., None],
             colours,
         ]
-        return self._template.rows(stamps, list(zip(self._offsets, values, strict=True)))
+        return self._template.rows(stamps, *values)
 
 
 def _hole(geometry: StringGeometry, drawn_geometry: ExaggeratedGeometry, exaggeration: float) -> list[Any]:

@@ -6,8 +6,6 @@ A section is turned by its spin about z, then by the shortest rotation of z onto
 `TransformsTemplate` encodes them as tf2_msgs/TFMessage without the message package, which only the publisher needs.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from typing import NamedTuple
 
@@ -138,7 +136,7 @@ class StringTransforms:
         return self._template.fill(stamp_ns(frame.time), self.at(frame))
 
 
-class TransformsTemplate:
+class TransformsTemplate(Template):
     """tf2_msgs/TFMessage of a fixed list of transforms."""
 
     def __init__(self, frames: Sequence[tuple[str, str]]) -> None:
@@ -160,10 +158,9 @@ class TransformsTemplate:
                 for (parent, child), row in zip(frames, blocks.tolist(), strict=True)
             ],
         )
-        self._template = Template(content, TF_TYPE)
-        self._offsets = [self._template.offset(row) for row in blocks]
+        super().__init__(content, TF_TYPE, list(blocks))
 
     def fill(self, stamp: int, transforms: Sequence[Transform]) -> bytes:
         """CDR of these transforms, in the order of the layout, at a stamp [ns]."""
         rows = (np.array([[*transform.translation, *transform.rotation]]) for transform in transforms)
-        return self._template.rows([stamp], list(zip(self._offsets, rows, strict=True)))[0]
+        return self.rows([stamp], *rows)[0]

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Address space of the server: a variable and a data point for each signal, and the vocabulary that they refer to."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from typing import Any
 

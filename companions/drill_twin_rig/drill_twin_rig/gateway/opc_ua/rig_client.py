@@ -5,8 +5,6 @@ All nodes are read in one request a period. A subscription would be silent for a
 not be told from a server that has stopped.
 """
 
-from __future__ import annotations
-
 import asyncio
 import math
 from collections.abc import Sequence

@@ -5,8 +5,6 @@ Without keys everybody on this host reads, unencrypted, and nobody writes. With 
 Basic256Sha256 and a user with a password.
 """
 
-from __future__ import annotations
-
 import asyncio
 import logging
 import math

@@ -6,8 +6,6 @@ activation of a session is held up until a thread has the verdict, which the use
 nobody is let in.
 """
 
-from __future__ import annotations
-
 import asyncio
 import time
 from collections import Counter
