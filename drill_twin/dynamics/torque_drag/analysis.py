@@ -35,8 +35,8 @@ from drill_twin.scene.blocks.top_drive import TopDrive
 
 IMPERFECTIONS = ("bow", "eccentricity", "rock_floor", "lateral_kick", *TIME_DEPENDENT)
 """Effects that a steady balance leaves out; the weight on bit takes the place of the rock."""
-BEND_PLACES = 8
-"""Places in an element at which bend and friction of the hole are taken, as both may change between nodes."""
+BEND_PLACES = 32
+"""Places in an element at which direction, bend and friction of the hole are taken, which may change between nodes."""
 VERTICAL = math.radians(0.1)
 """Inclination below which a hole has no low side [rad]; surveys are not more accurate. Chosen, not measured."""
 NO_TORQUE = 1e-4
@@ -210,13 +210,15 @@ def hole_and_string(scene: Scene, model: DiscreteModel, bit_depth: float | None 
     along = -np.sum(weight * tangent, axis=1)
     within = depth[:, None] + length[:, None] * ((np.arange(BEND_PLACES) + 0.5) / BEND_PLACES - 0.5)
     inner = axis_at(scene, within.ravel())
+    tangents = np.tile([0.0, 0.0, 1.0], (within.size, 1)) if inner is None else inner.tangent
     bends = np.zeros((within.size, 3)) if inner is None else inner.curvature[:, None] * inner.normal
-    bend = bends.reshape(-1, BEND_PLACES, 3).mean(axis=1)
+    own, tangents, bend = weight[:, None], *(part.reshape(-1, BEND_PLACES, 3) for part in (tangents, bends))
+    across = own - np.sum(own * tangents, axis=2, keepdims=True) * tangents
     contact = contact_radius(scene, 0.5 * (rod.arc[1:] + rod.arc[:-1]))
     hole = contact + model.wellbore.clearance.reshape(-1, 2).mean(axis=1)  # radius, from the bottom up
     own_depth = scene.length - 0.5 * (rod.arc[1:] + rod.arc[:-1])
     parts = HoleAndString(
-        length, along, weight + along[:, None] * tangent, bend, rod.bending,
+        length, along, across, bend, rod.bending,
         contact, np.interp(depth, own_depth[::-1], hole[::-1]) - contact,
         np.zeros(middle.size) if friction is None else friction.coefficient * friction.scale_at(within).mean(axis=1),
     )  # fmt: skip

@@ -28,6 +28,7 @@ from drill_twin.dynamics.torque_drag.soft_string import (
 )
 from drill_twin.physics.effects.wall_friction import WallFriction
 from drill_twin.scene import Scene, well_scenes
+from drill_twin.scene.load import override
 from drill_twin.studies.statics import loads_table, statics_data
 
 
@@ -170,6 +171,20 @@ def test_friction_by_depth(bent_well: Scene) -> None:
     expected = (0.1 * 400.0 + 0.3 * (scene.length - 400.0)) * across * 0.5 * PIPE["outer_diameter"]
     assert loads.soft.surface_torque == pytest.approx(expected, rel=5e-3)
     assert loads.surface_torque == pytest.approx(expected, rel=0.06)  # off the wall near both ends
+
+
+def test_a_soft_string_does_not_depend_on_where_a_bend_begins_in_an_element() -> None:
+    """Tension lifts the string to the high side in a drop and gravity pulls it down below: forces do not add up."""
+    leans = ((0.0, 0.0), (203.0, 0.0), (251.0, 12.0), (352.0, 3.0), (1000.0, 3.0))
+    survey = [{"depth": depth, "inclination": math.radians(angle), "azimuth": 0.5} for depth, angle in leans]
+    turning, found = operations(0.0, 10.0)[2], []
+    for elements in (100, 1500):
+        own = override(well(), {"numerics.elements": elements})
+        own = own.model_copy(update={"hole": type(own.hole).model_validate({"radius": 0.1556, "survey": survey})})
+        equations = EquationsOfMotion(steady(own))
+        found.append(soft_string(hole_and_string(equations.scene, equations.model), turning))
+    assert found[0].surface_torque == pytest.approx(found[1].surface_torque, rel=2e-3)
+    assert found[0].hookload == pytest.approx(found[1].hookload, rel=1e-5)
 
 
 def test_lock_up_of_a_straight_hole() -> None:
