@@ -6,7 +6,7 @@ import pytest
 
 import drill_twin as dt
 from drill_twin.core.errors import ArgumentError, TableError
-from drill_twin.dynamics.torque_drag.analysis import hole_and_string
+from drill_twin.dynamics.torque_drag.along_string import hole_and_string
 from drill_twin.dynamics.torque_drag.soft_string import soft_string
 from drill_twin.studies.over_depth import (
     Points,

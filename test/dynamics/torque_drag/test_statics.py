@@ -5,6 +5,7 @@ import csv
 import io
 import json
 import math
+import re
 
 import numpy as np
 import pytest
@@ -16,7 +17,8 @@ import drill_twin as dt
 from drill_twin.cli.app import app
 from drill_twin.core.errors import ArgumentError, RunError
 from drill_twin.dynamics.rotordynamics.equations import EquationsOfMotion
-from drill_twin.dynamics.torque_drag.analysis import Statics, hole_and_string, steady
+from drill_twin.dynamics.torque_drag.along_string import hole_and_string
+from drill_twin.dynamics.torque_drag.analysis import Statics, steady
 from drill_twin.dynamics.torque_drag.sliding_balance import SlidingBalance
 from drill_twin.dynamics.torque_drag.soft_string import (
     BucklingState,
@@ -145,6 +147,36 @@ def test_a_string_without_weight_is_told(bent_well: Scene) -> None:
     trip = Operation("trip out", 0.0, 0.3, 0.0)
     with pytest.raises(RunError, match=r'operation "trip out", found none: .*weight has no .*list effects\.gravity'):
         dt.statics(bent_well, {"effects.gravity.magnitude": 0.0, "numerics.elements": 20}, only=[trip])
+
+
+def test_the_possible_operations_of_a_level_well_are_printed(tmp_path) -> None:
+    """Friction holds the string as it slides in: tripping in stops at a depth, and nothing else is lost."""
+    leans = ((0.0, 0.0), (150.0, 0.0), (450.0, 90.0), (1000.0, 90.0))
+    survey = [{"depth": depth, "inclination": math.radians(angle), "azimuth": 0.5} for depth, angle in leans]
+    scene = well(0.6)
+    hole = type(scene.hole).model_validate({"radius": 0.1556, "survey": survey})
+    weight = scene.rig.weight_on_bit.model_copy(update={"value": 5e3})
+    rig = scene.rig.model_copy(update={"weight_on_bit": weight})
+    found = dt.statics(scene.model_copy(update={"hole": hole, "rig": rig}))
+    assert [loads.operation.name for loads in found.operations] == ["trip out", "off bottom", "drill"]
+    assert [*found.notes] == ["trip in", "slide"]
+    stop = float(re.search(r"with the bit from (\d+) m on", found.notes["trip in"])[1])
+    trip = operations(0.0, 0.0)[1]
+    solver = SlidingBalance(EquationsOfMotion(steady(found.scene)))
+    loads = [soft_string(hole_and_string(found.scene, solver.equations.model, stop + by), trip).hookload
+             for by in (-20.0, 0.0)]  # fmt: skip
+    assert loads[0] > 0.0 > loads[1]
+    with pytest.raises(RunError, match="friction holds its pipe"):
+        found["slide"]
+    pushed = dt.statics(found.scene, {"effects.wall_friction.coefficient": 0.45}, only=[trip])
+    assert pushed["trip in"].hookload < 0.0
+    assert pushed.notes["trip in"].startswith("trip in: the top has to push, its hookload is below 0: by the soft")
+    (tmp_path / "level.yaml").write_text(found.scene.to_yaml())
+    said = CliRunner().invoke(app, ["statics", str(tmp_path / "level.yaml"), "--out", str(tmp_path / "out")])
+    assert said.exit_code == 0, said.output
+    assert "drill " in said.stdout
+    assert f"with the bit from {stop:g} m on" in " ".join(said.stdout.split())
+    assert [*json.loads((tmp_path / "out" / "statics.json").read_text())["notes"]] == ["trip in", "slide"]
 
 
 @pytest.mark.parametrize("weight", ["170", "200"])
