@@ -88,7 +88,8 @@ def finish(text: str, what: Scene | Result, progress: Callable[[float], None] | 
     if isinstance(result, Scene):
         result = Simulation(result).run(progress=(lambda state: progress(state.time)) if progress else None)
     try:
-        loads = statics(result.scene).operations[-1]
+        found = statics(result.scene)
+        loads = None if found.notes and found.operations[-1].operation.name != "drill" else found.operations[-1]
     except (RunError, SceneError):  # no balance, or nothing to balance: the run is compared alone
         loads = None
     return Case(text, result, loads, _critical(result.scene))

@@ -156,7 +156,7 @@ def _of(case: Case, places: list[tuple[str, str, float]]) -> Iterator[tuple[tupl
     if (loads := case.loads) is not None:
         what, margins = f"balance, {loads.operation.name}: ", loads.margins
         yield (what + "hookload", "N"), loads.hookload
-        yield (what + "surface torque", "N m"), loads.surface_torque
+        yield (what + "surface torque", "N m"), _sense(case) * loads.surface_torque
         yield (what + "neutral point from the bit", "m"), loads.neutral_point
         yield (what + "margin to sinusoidal buckling", "-"), margins[0] if math.isfinite(margins[0]) else math.nan
         yield (what + "yield margin", "-"), loads.yield_margin
@@ -193,19 +193,24 @@ def _run(case: Case, places: list[tuple[str, str, float]]) -> Iterator[tuple[tup
     yield ("fatigue damage", "-"), max(damage, default=math.nan)
     yield ("rate of penetration", "m/s"), number_or_nan(summary["rate_of_penetration_m_s"])
     yield ("specific energy", "Pa"), number_or_nan(summary["specific_energy_pa"])
-    speed = _known(rig.bit_speed[late])
+    speed = _sense(case) * _known(rig.bit_speed[late])
     if speed.size:
         yield ("speed of the bit, least", "rad/s"), float(speed.min())
         yield ("speed of the bit, largest", "rad/s"), float(speed.max())
         at_rest = np.abs(speed) < STANDSTILL * abs(speed.mean())
         yield ("time of the bit at rest", "%"), 100.0 * float(at_rest.mean())
     for name, unit, values in (
-        ("torque of the top drive", "N m", rig.top_drive_torque), ("weight on bit", "N", rig.bit_force),
+        ("torque of the top drive", "N m", _sense(case) * rig.top_drive_torque), ("weight on bit", "N", rig.bit_force),
         ("hookload", "N", rig.hookload),
     ):  # fmt: skip
         if (known := _known(values[late])).size:
             yield (f"{name}, mean", unit), float(known.mean())
             yield (f"{name}, swing", unit), float(np.ptp(known))
+
+
+def _sense(case: Case) -> float:
+    """Sign of the rotation: torque and speed are compared in its sense, as a mirrored run is the same run."""
+    return -1.0 if case.result.scene.rig.rotation.value < 0.0 else 1.0
 
 
 def _known(values: Array) -> Array:

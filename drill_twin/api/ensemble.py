@@ -5,9 +5,11 @@ import math
 import os
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import closing, contextmanager
+from dataclasses import replace
 from pathlib import Path
 
 from drill_twin.api.scenes import Overrides, Quantity, as_scene, in_si, with_resolution
+from drill_twin.core.arrays import Array
 from drill_twin.core.errors import ArgumentError
 from drill_twin.core.units.dimension import FREQUENCY, TIME
 from drill_twin.io.messages.stamps import NANOSECONDS, seconds
@@ -71,6 +73,7 @@ class Ensemble:
         workers: int | None = None,
         dask: str | None = None,
         progress: Callable[[int, int], None] | None = None,
+        played: Mapping[str, tuple[Array, Array]] | None = None,
     ) -> EnsembleResult:
         """Run all members, each from its start; a member that fails is reported and stops no other.
 
@@ -81,13 +84,14 @@ class Ensemble:
             workers: Threads; by default one for each processor core.
             dask: Address of a Dask scheduler, on whose workers the members are run instead.
             progress: Called with the number of members that have ended and of all.
+            played: Times [s] and values [SI] of recorded set-points in place of the members' own, by name.
 
         Raises:
             ArgumentError: An argument cannot be used.
             DrillTwinError: The first member cannot be begun, such as a record that cannot be played.
             RunError: The scheduler or its workers cannot run members.
         """
-        request = self._request(duration, outputs, mark_rate)
+        request = replace(self._request(duration, outputs, mark_rate), played=played or {})
         first = self.members.scene(next(iter(self.members)))
         with executor_of(workers, dask) as executor:
             compile_kernel(first, request.period, analysis="findings" in request.names)

@@ -2,7 +2,9 @@
 """Scenes for Python: load, build, change, check and write; quantities as arguments, in a unit of their own."""
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
+from contextlib import suppress
+from itertools import product
 from pathlib import Path
 from typing import Any
 
@@ -194,23 +196,61 @@ def points_of(name: str, given: ArrayLike | str, dimension: Dimension, number: i
     return found
 
 
-def range_of(scene: Scene, key: str, given: str | tuple[float, float]) -> tuple[float, float]:
+GivenRange = str | tuple[float, float]
+"""Range: text such as "0.05..0.5" or "1..300 N", or both ends in SI."""
+
+
+def range_of(
+    scene: Scene, key: str, given: GivenRange, beside: Mapping[str, GivenRange] | None = None
+) -> tuple[float, float]:
     """Ends of a range of a number of a scene, in SI, read as the scene reads the number.
 
     Args:
         scene: The scene.
         key: Key of the number, or a short name, such as `wob` [N] or `rpm` [rev/min].
-        given: Text such as "0.05..0.5" or "1..300 N", or both ends in SI.
+        given: The range.
+        beside: Ranges of numbers that vary with it, by key; the scene may take an end beside some of their ends only.
 
     Raises:
         ArgumentError: The text is no range, or the key names no number.
-        SceneError: An end does not fit the scene.
+        SceneError: An end does not fit the scene, beside no ends of the others.
     """
-    place, text = full_key(key, scene), isinstance(given, str)
-    ends = parse_range(key, given).ends if isinstance(given, str) else given
-    low, high = (number_at(override(scene, {key if text and key in SHORTHANDS else place: end}), place) for end in ends)
+    place = full_key(key, scene)
+    others = [_ends(scene, *item) for item in (beside or {}).items() if item[0] != key]
+    values = []
+    for end in _ends(scene, key, given):
+        beside_it = ({name: at for part in (end, *corner) for name, at in part.items()} for corner in product(*others))
+        fitting = next((one for one in (end, *beside_it) if takes(scene, one)), end)
+        values.append(number_at(override(scene, fitting), place))
+    low, high = values
     if low is None or high is None:
         raise ArgumentError(f"{key}: expected the key of a number of {scene.name}, found {place}")
     if not low <= high:
         raise ArgumentError(f"{key}: expected a lower and a higher number, found {given!r}")
     return low, high
+
+
+def takes(scene: Scene, overrides: Overrides) -> bool:
+    """True if a scene takes these values together."""
+    with suppress(SceneError):
+        override(scene, overrides)
+        return True
+    return False
+
+
+def which_fit(scene: Scene, draws: Iterable[Overrides]) -> list[bool]:
+    """Mask of the draws of numbers that a scene takes together.
+
+    Raises:
+        ArgumentError: It takes none.
+    """
+    found = [takes(scene, one) for one in draws]
+    if not any(found):
+        raise ArgumentError(f"free: expected ranges of numbers that fit together, found none in {len(found)} draws")
+    return found
+
+
+def _ends(scene: Scene, key: str, given: GivenRange) -> list[Overrides]:
+    """Both ends of a range as overrides."""
+    place = key if isinstance(given, str) and key in SHORTHANDS else full_key(key, scene)
+    return [{place: end} for end in (parse_range(key, given).ends if isinstance(given, str) else given)]

@@ -39,14 +39,15 @@ def statics(
 
     Raises:
         SceneError: The scene cannot be loaded.
-        RunError: There is no balance in an operation.
+        RunError: No operation has a balance.
     """
     own = steady_scene(scene, overrides, without)
     command = final_command(own)
     # A load at the top is carried on to the bit together with the weight of the string.
     hanging = string_weight(own) if own.rig.weight_on_bit.at == "top" else 0.0
     wanted = tuple(only) or operations(command.weight_on_bit + hanging, command.rotation, trip_speed, feed)
-    return StaticLoads(own, analysis.analyse(own, wanted).operations)
+    found = analysis.analyse(own, wanted)
+    return StaticLoads(own, found.operations, found.notes)
 
 
 def statics_over_depth(

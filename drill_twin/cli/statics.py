@@ -120,6 +120,7 @@ def _shown(found: Statics) -> Iterator[Table | str]:
 
     operations, u = found.operations, found.scene.unit_system
     yield loads_table(found)
+    yield from found.notes.values()
     yield Table(
         ("operation", "sinusoidal", "helix", "lock-up", "yield", "make-up", "stress", "shape"),
         [

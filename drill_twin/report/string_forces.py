@@ -21,7 +21,7 @@ from drill_twin.dynamics.discretisation.discretise import (
 )
 from drill_twin.dynamics.discretisation.joint import joint_of
 from drill_twin.dynamics.discretisation.resolution import mesh
-from drill_twin.dynamics.torque_drag.analysis import hole_and_string
+from drill_twin.dynamics.torque_drag.along_string import hole_and_string
 from drill_twin.physics.effects.wall import parameters as wall_parameters
 from drill_twin.physics.model.mesh import SPIN, Rod
 from drill_twin.physics.model.section_stress import curvature, outer_fibre

@@ -16,7 +16,7 @@ from drill_twin.core.table import Table
 from drill_twin.core.units.dimension import FORCE, LENGTH, TORQUE
 from drill_twin.core.units.parse import name_and_unit
 from drill_twin.core.units.ranges import parse_range
-from drill_twin.dynamics.torque_drag.over_depth import LARGEST, FrictionFit, OverDepth
+from drill_twin.dynamics.torque_drag.over_depth import LARGEST, LEAST_LOAD, FrictionFit, OverDepth
 from drill_twin.report.figures.style import BLUE, GREEN, INK, VERMILION, blank, styled
 from drill_twin.scene.records import read_columns
 
@@ -70,7 +70,7 @@ def read_measured(path: Path) -> dict[str, Points]:
     """Measured points of a record over depth, by operation and `torque`, off bottom where it has the weight on bit.
 
     Raises:
-        TableError: It cannot be read, has no depth or none of the loads, or a column without a unit.
+        TableError: It cannot be read, has no depth or none of the loads, a column without a unit, or no load above 0.
     """
     columns = read_columns(path)
     bare = {name_and_unit(name)[0].lower(): name for name in columns}
@@ -91,6 +91,9 @@ def read_measured(path: Path) -> dict[str, Points]:
             values = columns.si(name, columns.unit(name, dimension), dimension, channel)
             known_rows = np.isfinite(values) & np.isfinite(places)
             kept = known_rows & ~drilling
+            if load != "torque" and (low := np.flatnonzero(kept & (np.nan_to_num(values) < LEAST_LOAD))).size:
+                raise TableError(f"{path}: expected a load above 0 in {name!r}, found {values[low[0]]:g} N in row "
+                                 f"{low[0] + 1}; empty it, or mend the record")  # fmt: skip
             told = "; ".join(
                 f"{one} {', '.join(columns.left_out[one])}" for one in (depth, name) if columns.left_out[one]
             )

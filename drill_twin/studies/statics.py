@@ -23,7 +23,8 @@ TOUCHES = 1e-3
 
 def statics_data(found: Statics) -> dict[str, Any]:
     """Numbers of each operation, SI."""
-    return {"scene": found.scene.name, "operations": [_operation(found.scene, loads) for loads in found.operations]}
+    loads = [_operation(found.scene, loads) for loads in found.operations]
+    return {"scene": found.scene.name, "operations": loads, "notes": dict(found.notes)}
 
 
 def _operation(scene: Scene, loads: OperationLoads) -> dict[str, Any]:

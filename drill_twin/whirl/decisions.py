@@ -15,7 +15,7 @@ from drill_twin.whirl.columns import Columns
 from drill_twin.whirl.criteria import MotionState
 from drill_twin.whirl.findings import Onset
 from drill_twin.whirl.history import newest, newest_in
-from drill_twin.whirl.motion.states import CHANGED, KEPT, STATES, Timeline
+from drill_twin.whirl.motion.states import CHANGED, KEPT, NO_WHIRL, STATES, Timeline
 from drill_twin.whirl.onset.synchronous_onset import synchronous_begins
 from drill_twin.whirl.onset.threshold_crossing import Crossing
 from drill_twin.whirl.onset_detector import OnsetDetector
@@ -157,8 +157,9 @@ class Decisions:
 
     @property
     def rolling_ratio(self) -> float:
-        """Whirl ratio in pure rolling of the mark with the largest."""
-        return float(self._state.marks.rolling_ratio.min())
+        """Whirl ratio in pure rolling of the mark with the largest, of those that whirled; 0 where none did."""
+        whirled = [any(period.state not in NO_WHIRL for period in one.periods) for one in self.timelines[:-1]]
+        return float(self._state.marks.rolling_ratio[whirled].min(initial=0.0))
 
     @property
     def origin(self) -> float:

@@ -110,6 +110,18 @@ def test_an_orbit_at_half_the_sample_rate_is_not_observable():
         assert rolling(ratio, rate).findings.motion is MotionState.NOT_OBSERVABLE
 
 
+@pytest.mark.parametrize(("whirls", "told"), [(True, True), (False, False)])
+def test_rolling_that_samples_cannot_show_is_told_of_a_mark_that_whirls(whirls, told):
+    """Blade of a stabiliser that would roll at -97 times the rotation: on the low side throughout, or in a whirl."""
+    time = np.arange(2000) / 100.0
+    angle = math.tau * TURNS * time
+    low = np.full(time.size, 0.98 + 0j)
+    centre = 0.9 * np.exp(0.4j * angle) * np.clip(time - 4.0, 0.0, 1.0) if whirls else low
+    summary = analysed(time, angle, centre, 97.0 * CLEARANCE).summary()
+    assert any("rolling, at -97.0 times the rotation" in note for note in summary.notes) is told
+    assert (summary.onset is not None) is whirls
+
+
 def test_sufficient_samples_are_definite():
     analyzer = rolling(-10.0, 100.0)
     assert "not definite" not in analyzer.findings.criterion[0]

@@ -163,11 +163,19 @@ def _friction_below_the_string(scene: Scene) -> Iterator[str]:
 
 
 def _rolling(scene: Scene) -> Iterator[str]:
-    """Rolling along the wall, at minus radius over clearance times the rotation, that frames or steps cannot show."""
+    """Rolling along the wall, at minus radius over clearance times the rotation, that frames or steps cannot show.
+
+    Nothing rolls without friction. Of a blade with a mark, the findings of a run say so once the mark whirls.
+    """
+    if getattr(scene.effects, "wall_friction", None) is None:
+        return
+    marks = [mark.distance_from_bit for mark in scene.string.marks]
     radius, middle = np.array([(0.5 * piece.contact_diameter, piece.length) for piece in scene.string.pieces]).T
     middle = np.cumsum(middle) - 0.5 * middle
     hole = np.array([scene.hole.radius_at(scene.length - float(place)) for place in middle])
     held = (middle < 2.0 * hole) & (scene.string.bit_end == "pinned")
+    for k, piece in enumerate(scene.string.pieces):
+        held[k] |= bool(piece.section.blade_diameter) and any(abs(at - middle[k]) <= 0.5 * piece.length for at in marks)
     ratio = np.where(held, 0.0, radius / np.maximum(hole - radius, 1e-12))
     fastest, turns = int(np.argmax(ratio)), extremes(scene).rotation / math.tau
     frames = scene.numerics.frame_rate

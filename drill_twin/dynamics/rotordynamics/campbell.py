@@ -27,6 +27,8 @@ from drill_twin.dynamics.rotordynamics.turning_frame import TurningFrame
 from drill_twin.scene import Scene
 from drill_twin.scene.set_points.command import Command
 
+AT_REST = 1e-6
+"""Speed over the largest, up to which a string is at rest; chosen: rounding left 1e-26."""
 SPARE = 6
 """Modes computed beyond the number asked for, so that no mode is lost where the order of modes changes."""
 
@@ -95,14 +97,19 @@ def campbell(
 
 
 def critical_speeds(speeds: Array, eigenvalues: ComplexArray) -> tuple[tuple[int, float], ...]:
-    """Speeds of rotation that the frequency of a mode equals, by linear interpolation."""
+    """Speeds of rotation that the frequency of a mode equals, by linear interpolation.
+
+    A mode without oscillation has a frequency of rounding, which a string at rest passes: no critical speed.
+    """
     found: list[tuple[int, float]] = []
     ahead = eigenvalues.imag - speeds[:, None]
     for k, mode in zip(*np.nonzero(ahead[:-1] * ahead[1:] <= 0.0), strict=True):
         before, after = ahead[k, mode], ahead[k + 1, mode]
         share = before / (before - after) if before != after else 0.0
         speed = float(speeds[k] + share * (speeds[k + 1] - speeds[k]))
-        if speed > 0.0 and not any(other == mode and math.isclose(speed, at) for other, at in found):
+        if speed > AT_REST * np.abs(speeds).max() and not any(
+            other == mode and math.isclose(speed, at) for other, at in found
+        ):
             found.append((int(mode), speed))
     return tuple(found)
 

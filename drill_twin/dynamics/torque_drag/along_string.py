@@ -1,16 +1,23 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Forces, moments and stresses along the string in a balance, at the middle of each element."""
+"""Elements of a string in its hole; forces, moments and stresses along it in a balance, at the middle of each."""
 
+import math
 from typing import NamedTuple
 
 import numpy as np
 
 from drill_twin.core.arrays import Array
 from drill_twin.dynamics.audit.energy import element_unknowns, gauss_positions
+from drill_twin.dynamics.discretisation.discretise import axis_at, contact_radius
+from drill_twin.dynamics.torque_drag.soft_string import HoleAndString, Operation, soft_string
+from drill_twin.physics.effects.gravity import line_weight
 from drill_twin.physics.effects.wall import Parameters as Wall
 from drill_twin.physics.model.discrete_model import DiscreteModel
 from drill_twin.physics.model.wellbore import offsets
 from drill_twin.scene import Scene
+
+BEND_PLACES = 32
+"""Places in an element at which direction, bend and friction of the hole are taken, which may change between nodes."""
 
 
 class AlongString(NamedTuple):
@@ -76,3 +83,52 @@ def side_force(model: DiscreteModel, wall: Wall | None, u: Array) -> Array:
     depth = np.maximum(np.linalg.norm(off, axis=1) - bore.clearance, 0.0)
     force = wall.stiffness * depth ** (1.0 if wall.linear else 1.5)
     return np.asarray(force.reshape(-1, 2).mean(axis=1))
+
+
+def hole_and_string(scene: Scene, model: DiscreteModel, bit_depth: float | None = None) -> HoleAndString:
+    """The elements of a string in its hole, for the soft string; of its lower part, with the bit at a depth [m]."""
+    rod = model.rod
+    bit_depth = scene.length if bit_depth is None else bit_depth
+    ends = np.minimum(rod.arc, bit_depth)
+    middle, length = 0.5 * (ends[1:] + ends[:-1]), np.diff(ends)
+    depth, inside = bit_depth - middle, length > 0.0
+    axis = axis_at(scene, depth)
+    down = np.array([math.sin(model.inclination), 0.0, -math.cos(model.inclination)])
+    gravity, friction = scene.effects.gravity, getattr(scene.effects, "wall_friction", None)
+    weight = (np.zeros(middle.size) if gravity is None else line_weight(gravity, model))[:, None] * down
+    tangent = np.tile([0.0, 0.0, 1.0], (middle.size, 1)) if axis is None else axis.tangent
+    along = -np.sum(weight * tangent, axis=1)
+    within = depth[:, None] + length[:, None] * ((np.arange(BEND_PLACES) + 0.5) / BEND_PLACES - 0.5)
+    inner = axis_at(scene, within.ravel())
+    tangents = np.tile([0.0, 0.0, 1.0], (within.size, 1)) if inner is None else inner.tangent
+    bends = np.zeros((within.size, 3)) if inner is None else inner.curvature[:, None] * inner.normal
+    own, tangents, bend = weight[:, None], *(part.reshape(-1, BEND_PLACES, 3) for part in (tangents, bends))
+    across = own - np.sum(own * tangents, axis=2, keepdims=True) * tangents
+    contact = contact_radius(scene, 0.5 * (rod.arc[1:] + rod.arc[:-1]))
+    hole = contact + model.wellbore.clearance.reshape(-1, 2).mean(axis=1)  # radius, from the bottom up
+    own_depth = scene.length - 0.5 * (rod.arc[1:] + rod.arc[:-1])
+    parts = HoleAndString(
+        length, along, across, bend, rod.bending,
+        contact, np.interp(depth, own_depth[::-1], hole[::-1]) - contact,
+        np.zeros(middle.size) if friction is None else friction.coefficient * friction.scale_at(within).mean(axis=1),
+    )  # fmt: skip
+    return HoleAndString(*(part[inside] for part in parts))
+
+
+STOPS = 100
+"""Depths of the bit that are tried; chosen."""
+
+
+def stop_text(scene: Scene, model: DiscreteModel, operation: Operation) -> str:
+    """Words on the first of `STOPS` depths of the bit at which the soft string does not slide in by its own weight.
+
+    Empty where it slides at all of them.
+    """
+    for depth in np.linspace(0.0, scene.length, STOPS + 1)[1:].tolist():
+        soft = soft_string(hole_and_string(scene, model, depth), operation._replace(weight_on_bit=0.0))
+        if not soft.hookload > 0.0:
+            return (
+                ": by the soft string friction holds its pipe, which does not slide in by its own weight with the bit "
+                f"from {scene.unit_system.text(depth, 'length')} on"
+            )
+    return ""

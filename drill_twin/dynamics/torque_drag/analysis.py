@@ -2,18 +2,17 @@
 """Loads, margins and contacts of a scene in each operation of the rig."""
 
 import math
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 from typing import NamedTuple
 
 import numpy as np
 
 from drill_twin.core.arrays import Array
 from drill_twin.core.errors import ArgumentError, RunError, nearest
-from drill_twin.dynamics.discretisation.discretise import axis_at, contact_radius
 from drill_twin.dynamics.discretisation.resolution import MOST, resolution_of
 from drill_twin.dynamics.rotordynamics.equations import TIME_DEPENDENT, EquationsOfMotion
-from drill_twin.dynamics.torque_drag.along_string import AlongString, along_string
+from drill_twin.dynamics.torque_drag.along_string import AlongString, along_string, hole_and_string, stop_text
 from drill_twin.dynamics.torque_drag.sliding_balance import BalancedString, SlidingBalance
 from drill_twin.dynamics.torque_drag.soft_string import (
     BucklingLoads,
@@ -26,17 +25,13 @@ from drill_twin.dynamics.torque_drag.soft_string import (
     straight_weight,
 )
 from drill_twin.physics.effects.bit_torque_stribeck import BitTorqueStribeck
-from drill_twin.physics.effects.gravity import line_weight
 from drill_twin.physics.effects.stretch import Stretch
 from drill_twin.physics.effects.torsion import Torsion
-from drill_twin.physics.model.discrete_model import DiscreteModel
 from drill_twin.scene import Scene
 from drill_twin.scene.blocks.top_drive import TopDrive
 
 IMPERFECTIONS = ("bow", "eccentricity", "rock_floor", "lateral_kick", *TIME_DEPENDENT)
 """Effects that a steady balance leaves out; the weight on bit takes the place of the rock."""
-BEND_PLACES = 8
-"""Places in an element at which bend and friction of the hole are taken, as both may change between nodes."""
 VERTICAL = math.radians(0.1)
 """Inclination below which a hole has no low side [rad]; surveys are not more accurate. Chosen, not measured."""
 NO_TORQUE = 1e-4
@@ -145,15 +140,20 @@ class Statics:
 
     scene: Scene
     operations: tuple[OperationLoads, ...]
+    notes: Mapping[str, str] = field(default_factory=dict)
+    """Sentence on each operation without a balance, or with a push from the top, by its name."""
 
     def __getitem__(self, name: str) -> OperationLoads:
         """Loads in an operation, by its name.
 
         Raises:
             ArgumentError: There is no such operation.
+            RunError: The operation has no balance.
         """
         if name in (known := {loads.operation.name: loads for loads in self.operations}):
             return known[name]
+        if name in self.notes:
+            raise RunError(self.notes[name])
         raise ArgumentError(f'expected one of {", ".join(known)}, found "{name}"{nearest(str(name), known)}')
 
 
@@ -186,41 +186,23 @@ def analyse(scene: Scene, operations: Sequence[Operation]) -> Statics:
         operations: Operations of the rig.
 
     Raises:
-        RunError: There is no balance in an operation.
+        RunError: No operation has a balance.
     """
     own = steady(scene)
     balance = SlidingBalance(EquationsOfMotion(own))
     string = hole_and_string(scene, balance.equations.model)
-    found = tuple(_loads(own, balance, string, operation) for operation in operations)
-    return Statics(scene, found)
-
-
-def hole_and_string(scene: Scene, model: DiscreteModel, bit_depth: float | None = None) -> HoleAndString:
-    """The elements of a string in its hole, for the soft string; of its lower part, with the bit at a depth [m]."""
-    rod = model.rod
-    bit_depth = scene.length if bit_depth is None else bit_depth
-    ends = np.minimum(rod.arc, bit_depth)
-    middle, length = 0.5 * (ends[1:] + ends[:-1]), np.diff(ends)
-    depth, inside = bit_depth - middle, length > 0.0
-    axis = axis_at(scene, depth)
-    down = np.array([math.sin(model.inclination), 0.0, -math.cos(model.inclination)])
-    gravity, friction = scene.effects.gravity, getattr(scene.effects, "wall_friction", None)
-    weight = (np.zeros(middle.size) if gravity is None else line_weight(gravity, model))[:, None] * down
-    tangent = np.tile([0.0, 0.0, 1.0], (middle.size, 1)) if axis is None else axis.tangent
-    along = -np.sum(weight * tangent, axis=1)
-    within = depth[:, None] + length[:, None] * ((np.arange(BEND_PLACES) + 0.5) / BEND_PLACES - 0.5)
-    inner = axis_at(scene, within.ravel())
-    bends = np.zeros((within.size, 3)) if inner is None else inner.curvature[:, None] * inner.normal
-    bend = bends.reshape(-1, BEND_PLACES, 3).mean(axis=1)
-    contact = contact_radius(scene, 0.5 * (rod.arc[1:] + rod.arc[:-1]))
-    hole = contact + model.wellbore.clearance.reshape(-1, 2).mean(axis=1)  # radius, from the bottom up
-    own_depth = scene.length - 0.5 * (rod.arc[1:] + rod.arc[:-1])
-    parts = HoleAndString(
-        length, along, weight + along[:, None] * tangent, bend, rod.bending,
-        contact, np.interp(depth, own_depth[::-1], hole[::-1]) - contact,
-        np.zeros(middle.size) if friction is None else friction.coefficient * friction.scale_at(within).mean(axis=1),
-    )  # fmt: skip
-    return HoleAndString(*(part[inside] for part in parts))
+    found, notes = [], dict[str, str]()
+    for operation in operations:
+        try:
+            found.append(_loads(own, balance, string, operation))
+            if operation.axial_speed < 0.0 and found[-1].hookload < 0.0:
+                held = stop_text(own, balance.equations.model, operation)
+                notes[operation.name] = f"{operation.name}: the top has to push, its hookload is below 0{held}"
+        except RunError as error:
+            notes[operation.name] = str(error)
+    if not found:
+        raise RunError(next(iter(notes.values())))
+    return Statics(scene, tuple(found), notes)
 
 
 def _loads(scene: Scene, solver: SlidingBalance, string: HoleAndString, operation: Operation) -> OperationLoads:
@@ -232,8 +214,8 @@ def _loads(scene: Scene, solver: SlidingBalance, string: HoleAndString, operatio
         straight, most = straight_weight(string, operation), lock_up_weight(string, operation)
         if operation.axial_speed < 0.0 and most == 0.0:
             raise RunError(
-                f'{scene.name}: expected a balance in the operation "{operation.name}", found none: by the soft string '
-                "friction holds its pipe, which does not slide in by its own weight. Take less friction, or rotate"
+                f'{scene.name}: expected a balance in the operation "{operation.name}", found none'
+                f"{stop_text(scene, model, operation)}. Take less friction, or rotate"
             ) from None
         if not operation.weight_on_bit > min(straight, most):
             raise

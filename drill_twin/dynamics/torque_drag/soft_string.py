@@ -128,21 +128,23 @@ def buckling_loads(bending: Array, pressing: Array, weight: Array, clearance: Ar
 
 ITERATIONS = 4
 """Of the tension at the middle of an element."""
+EVEN = 0.81
+"""Least over largest square of the curvature in an element that has one bend; chosen."""
 MOST_WEIGHT = 1e8
 """Compression [N] that no pipe transmits: where friction and helix add up to it, the string is locked."""
 
 
 class HoleAndString(NamedTuple):
-    """Elements of the string in the hole, from the bit up; shape (n,), or (n, 3) for vectors."""
+    """Elements of the string in the hole, from the bit up; shape (n,), or (n, p, 3) for vectors at p places inside."""
 
     length: Array
     """[m]."""
     weight: Array
     """Buoyant weight per length along the hole, positive where it pulls towards the bit [N/m]."""
     across: Array
-    """Buoyant weight per length across the hole [N/m], shape (n, 3)."""
+    """Buoyant weight per length across the hole [N/m], shape (n, p, 3)."""
     bend: Array
-    """Curvature times its normal [1/m], shape (n, 3)."""
+    """Curvature times its normal [1/m], shape (n, p, 3)."""
     bending: Array
     """EI [N m2]."""
     radius: Array
@@ -153,13 +155,13 @@ class HoleAndString(NamedTuple):
     """Coefficient mu."""
 
     def pressing(self, tension: Array) -> Array:
-        """Force per length that presses the elements to the wall under a tension [N/m], shape (n,)."""
-        force = self.across + tension[:, None] * self.bend
-        return np.asarray(np.linalg.norm(force, axis=1))
+        """Mean force per length that presses the elements to the wall under a tension [N/m], shape (n,)."""
+        force = self.across + tension[:, None, None] * self.bend
+        return np.asarray(np.linalg.norm(force, axis=2).mean(axis=1))
 
     def buckling(self, tension: Array) -> BucklingLoads:
         """Buckling loads under a tension, by the force that presses the unbuckled string."""
-        weight = np.hypot(self.weight, np.linalg.norm(self.across, axis=1))
+        weight = np.hypot(self.weight, np.linalg.norm(self.across, axis=2).mean(axis=1))
         return buckling_loads(self.bending, self.pressing(tension), weight, self.clearance)
 
 
@@ -201,18 +203,22 @@ def soft_string(string: HoleAndString, operation: Operation, bit_torque: float =
     speed = np.maximum(np.hypot(operation.axial_speed, around), 1e-300)
     along = operation.axial_speed / speed * string.friction
     turning = around / speed * string.friction * string.radius
-    # N^2 = |w|^2 + 2 T w.kn + T^2 k^2
-    weight2, mixed = np.sum(string.across**2, axis=1), np.sum(string.across * string.bend, axis=1)
-    bend2 = np.sum(string.bend**2, axis=1)
-    helical = WU**3 * string.bending * (string.weight**2 + weight2)  # cube of the helical load of a vertical hole
+    # N^2 = |w|^2 + 2 T w.kn + T^2 k^2, at all places of an element in which the bend changes, as at a station
+    pairs = (string.across, string.across), (string.across, string.bend), (string.bend, string.bend)
+    squares = np.stack([np.sum(one * other, axis=2) for one, other in pairs], axis=2)
+    mean, bend2 = squares.mean(axis=1), squares[:, :, 2]
+    uneven = bend2.min(axis=1) < EVEN * bend2.max(axis=1)
+    places = [part.tolist() if many else [own.tolist()] for part, own, many in zip(squares, mean, uneven, strict=True)]
+    helical = WU**3 * string.bending * (string.weight**2 + mean[:, 0])  # cube of the helical load of a vertical hole
     stiff, gap = string.bending, string.clearance
     tension, torque, side = [-operation.weight_on_bit], [bit_torque], []
-    rows = np.column_stack([string.length, string.weight, along, turning, weight2, mixed, bend2, helical, stiff, gap])
-    for length, weight, drag, lever, w2, wk, k2, vertical, bending, clearance in rows.tolist():
+    rows = np.column_stack([string.length, string.weight, along, turning, helical, stiff, gap]).tolist()
+    for (length, weight, drag, lever, vertical, bending, clearance), inside in zip(rows, places, strict=True):
         here = above = tension[-1]
         for _ in range(ITERATIONS):
             middle = 0.5 * (here + above)
-            force = pressing = math.sqrt(max(w2 + middle * (2.0 * wk + middle * k2), 0.0))
+            at = [math.sqrt(max(w2 + middle * (2.0 * wk + middle * k2), 0.0)) for w2, wk, k2 in inside]
+            force = pressing = sum(at) / len(at)
             snaking2 = 4.0 * bending * pressing / clearance  # square of the sinusoidal load
             if middle < 0.0 and middle * middle > CHEN**2 * snaking2 and -(middle**3) > vertical:
                 force += clearance * middle * middle / (4.0 * bending)

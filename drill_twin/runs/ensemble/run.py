@@ -11,12 +11,10 @@ from typing import Protocol, TypeVar
 from drill_twin.core.errors import DrillTwinError
 from drill_twin.dynamics.solver.slices import checked
 from drill_twin.dynamics.twin.twin import Twin
-from drill_twin.io.messages.stamps import NANOSECONDS, seconds
 from drill_twin.runs.ensemble.members import Member, Members, scene_of
 from drill_twin.runs.ensemble.outputs import OUTPUTS, Request, Variable
 from drill_twin.runs.ensemble.parts import parts_of
 from drill_twin.scene import Scene
-from drill_twin.scene.set_points import Schedule
 
 Key = TypeVar("Key", bound=Hashable)
 Item = TypeVar("Item")
@@ -115,11 +113,10 @@ def run_member(base: Scene, request: Request, member: Member) -> MemberRun:
     values: dict[str, Variable] = {}
     try:
         scene = scene_of(base, member)
-        twin, period = Twin(scene), round(request.period * NANOSECONDS)
-        commands = Schedule.from_scene(scene).over(seconds(frame * period) for frame in range(1, request.frames + 1))
+        twin = Twin(scene)
         collectors = [OUTPUTS[name](twin, request) for name in request.names]
         try:
-            for part in parts_of(twin, commands, request.period):
+            for part in parts_of(twin, request.commands(scene), request.period):
                 simulated = twin.time
                 for collector in collectors:
                     collector.add(part.rows, part.rig)

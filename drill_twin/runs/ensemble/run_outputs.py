@@ -8,7 +8,7 @@ as the rest r, so the size of r in the two quarters tells whether a whirl grows 
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -18,7 +18,10 @@ from drill_twin.core.errors import ArgumentError
 from drill_twin.dynamics.discretisation.discretise import tubes_of
 from drill_twin.dynamics.twin.frame_record import FrameSeries, RigSeries
 from drill_twin.dynamics.twin.twin import Twin
+from drill_twin.io.messages.stamps import NANOSECONDS, seconds
 from drill_twin.physics.model.section_stress import CYCLES, DAMAGE, LARGEST_STRESS, bending_stress
+from drill_twin.scene import Scene
+from drill_twin.scene.set_points import Command, Schedule
 from drill_twin.whirl.motion.stick_slip_index import TIME_BASE, stick_slip_index
 
 
@@ -31,12 +34,24 @@ class Request:
         period: Length of a frame [s].
         frames: Frames of a run.
         every: Frames from one sample of the marks to the next.
+        played: Times [s] and values [SI] of set-points in place of the scene's, by name of a `Command`'s field; linear
+            between, held before and after.
     """
 
     names: tuple[str, ...]
     period: float
     frames: int
     every: int
+    played: Mapping[str, tuple[Array, Array]] = field(default_factory=dict)
+
+    def commands(self, scene: Scene) -> Array:
+        """Set-points of a run of a scene at the ends of its frames, as a `Command`, shape (frames, 3)."""
+        period = round(self.period * NANOSECONDS)
+        ends = [seconds(frame * period) for frame in range(1, self.frames + 1)]
+        found = Schedule.from_scene(scene).over(ends)
+        for name, (time, values) in self.played.items():
+            found[:, Command._fields.index(name)] = np.interp(ends, time, values)
+        return found
 
 
 class Variable(NamedTuple):

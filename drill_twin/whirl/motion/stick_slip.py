@@ -45,12 +45,11 @@ BAND = 0.25
 IN_A_ROW = 2
 """Equal cycles in a row that begin or end a period of stick-slip."""
 QUIET = 3.0
-"""Periods without a cycle after which a period of stick-slip is over."""
+"""Periods without a cycle that end a period of stick-slip."""
 FEWEST_HEIGHTS, MOST_HEIGHTS = 3, 8
 """Cycles over which the decrement is fitted: a line and a scatter about it; chosen: not much longer than the index."""
 CHANCE, FALLEN = 0.01, 0.1
-"""A decay: largest chance, in either sense, that heights which only scatter give the slope (Student), for each cycle;
-and least logarithm of the height lost over the cycles (chosen)."""
+"""A decay: largest chance, in either sense, that scatter alone gives the slope (Student); least logarithm lost."""
 LONGEST_GAP = 0.5
 """Longest interval between samples within a cycle [s]."""
 LARGEST_COUNT = 2000
@@ -200,9 +199,9 @@ class StickSlip:
         if len(self._heights) < FEWEST_HEIGHTS:
             return None
         count = len(self._heights)
-        line, covariance = np.polyfit(range(count), [height for _, height in self._heights], 1, cov=True)
-        slope, error = float(line[0]), math.sqrt(covariance[0, 0])
-        return -slope, error, 2.0 * float(special.stdtr(count - 2, -abs(slope) / max(error, 1e-300)))
+        (slope, _), covariance = np.polyfit(range(count), [height for _, height in self._heights], 1, cov=True)
+        error = math.sqrt(covariance[0, 0])
+        return -float(slope), error, 2.0 * float(special.stdtr(count - 2, -abs(slope) / max(error, 1e-300)))
 
     def push(self, time: float, bit_speed: float, top_speed: float = math.nan) -> None:
         """Add the speeds of bit and top drive [rad/s] at a time [s]; nan for an unknown speed of the top drive.

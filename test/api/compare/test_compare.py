@@ -81,6 +81,18 @@ def test_a_run_beside_itself_does_not_differ() -> None:
     assert not any(row.differs(0.0) for row in rows)
 
 
+def test_a_mirrored_run_is_the_same_run() -> None:
+    """Torque and speed of a string that turns to the left are those of one that turns to the right."""
+    cases = []
+    for turns in ("60 rpm", "-60 rpm"):
+        scene = dt.load_scene("two_mass", {"rpm": turns, "numerics.step": "20 ms", "numerics.frame_rate": 10.0})
+        cases.append(Case(turns, dt.Simulation(scene).run(duration=12.0), dt.statics(scene)["drill"]))
+    rows = {row.name: row for row in quantities(cases)}
+    assert rows["speed of the bit, largest"].values[1] > 1.0
+    assert rows["balance, drill: surface torque"].values[1] > 1e3
+    assert [name for name, row in rows.items() if row.differs(0.01)] == []
+
+
 def contact(name: str, place: float, force: float, build: float = math.nan) -> SimpleNamespace:
     return SimpleNamespace(name=name, distance_from_bit=place, force=force, build=build)
 

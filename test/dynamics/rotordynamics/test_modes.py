@@ -14,7 +14,7 @@ from drill_twin.core.table import Table
 from drill_twin.dynamics.discretisation.joint import collars_of
 from drill_twin.dynamics.rotordynamics.assembly import Extent
 from drill_twin.dynamics.rotordynamics.assembly_modes import critical_ranges, in_trough
-from drill_twin.dynamics.rotordynamics.campbell import campbell, growth_map, mac
+from drill_twin.dynamics.rotordynamics.campbell import campbell, critical_speeds, growth_map, mac
 from drill_twin.dynamics.rotordynamics.eigenvalues import MOST_UNKNOWNS, Pencil, eigenvalues_only
 from drill_twin.dynamics.rotordynamics.equations import EquationsOfMotion, meshed
 from drill_twin.dynamics.rotordynamics.modes import compared, modes
@@ -127,6 +127,13 @@ def test_critical_speeds_are_those_of_modes_of_the_collars(equations):
     well = load_scene(CONFIG / "wells" / "s_shaped.yaml")
     assert collars_of(well) == 112.5
     assert Extent.of(well).assembly == 262.5
+
+
+def test_a_mode_without_oscillation_has_no_critical_speed():
+    """Its frequency is rounding, which a string that begins to turn passes; a mode of 1.5 rad/s is met on the way."""
+    speeds = np.linspace(0.0, 4.0, 5)
+    modes_of = np.array([(-1.0 + 3e-26j * (k == 0), -0.1 + 1.5j) for k in range(5)])
+    assert critical_speeds(speeds, modes_of) == ((1, 1.5),)
 
 
 def test_critical_speeds_near_each_other_are_one_range(equations):

@@ -6,7 +6,7 @@ import pytest
 
 import drill_twin as dt
 from drill_twin.core.errors import ArgumentError, TableError
-from drill_twin.dynamics.torque_drag.analysis import hole_and_string
+from drill_twin.dynamics.torque_drag.along_string import hole_and_string
 from drill_twin.dynamics.torque_drag.soft_string import soft_string
 from drill_twin.studies.over_depth import (
     Points,
@@ -94,6 +94,16 @@ def test_what_is_no_measurement_is_left_out_and_counted(found, tmp_path):
     said = said_of(found, points, fits)
     assert f"measured trip out: left out, {told}" in said
     assert "2 points" in said
+
+
+@pytest.mark.parametrize("load", [0.0, -3.0])
+def test_a_hookload_of_nothing_is_refused_with_its_row(found, tmp_path, load):
+    file, at = tmp_path / "measured.csv", found.depth[4]
+    file.write_text(f"bit depth [m],pick-up [kN],torque [kN.m]\n{at},400,0\n{at},,1\n{at},{load},2\n")
+    with pytest.raises(TableError, match=rf"above 0 in 'pick-up \[kN\]', found {1e3 * load:g} N in row 3; empty it"):
+        read_measured(file)
+    file.write_text(file.read_text().replace(f"{at},{load},2", f"{at},,2"))
+    assert read_measured(file)["torque"].value.tolist() == [0.0, 1e3, 2e3]
 
 
 def test_what_is_no_range_and_no_record_over_depth_is_refused(tmp_path):

@@ -5,6 +5,7 @@ import csv
 import io
 import json
 import math
+import re
 
 import numpy as np
 import pytest
@@ -16,7 +17,8 @@ import drill_twin as dt
 from drill_twin.cli.app import app
 from drill_twin.core.errors import ArgumentError, RunError
 from drill_twin.dynamics.rotordynamics.equations import EquationsOfMotion
-from drill_twin.dynamics.torque_drag.analysis import Statics, hole_and_string, steady
+from drill_twin.dynamics.torque_drag.along_string import hole_and_string
+from drill_twin.dynamics.torque_drag.analysis import Statics, steady
 from drill_twin.dynamics.torque_drag.sliding_balance import SlidingBalance
 from drill_twin.dynamics.torque_drag.soft_string import (
     BucklingState,
@@ -28,6 +30,7 @@ from drill_twin.dynamics.torque_drag.soft_string import (
 )
 from drill_twin.physics.effects.wall_friction import WallFriction
 from drill_twin.scene import Scene, well_scenes
+from drill_twin.scene.load import override
 from drill_twin.studies.statics import loads_table, statics_data
 
 
@@ -146,6 +149,36 @@ def test_a_string_without_weight_is_told(bent_well: Scene) -> None:
         dt.statics(bent_well, {"effects.gravity.magnitude": 0.0, "numerics.elements": 20}, only=[trip])
 
 
+def test_the_possible_operations_of_a_level_well_are_printed(tmp_path) -> None:
+    """Friction holds the string as it slides in: tripping in stops at a depth, and nothing else is lost."""
+    leans = ((0.0, 0.0), (150.0, 0.0), (450.0, 90.0), (1000.0, 90.0))
+    survey = [{"depth": depth, "inclination": math.radians(angle), "azimuth": 0.5} for depth, angle in leans]
+    scene = well(0.6)
+    hole = type(scene.hole).model_validate({"radius": 0.1556, "survey": survey})
+    weight = scene.rig.weight_on_bit.model_copy(update={"value": 5e3})
+    rig = scene.rig.model_copy(update={"weight_on_bit": weight})
+    found = dt.statics(scene.model_copy(update={"hole": hole, "rig": rig}))
+    assert [loads.operation.name for loads in found.operations] == ["trip out", "off bottom", "drill"]
+    assert [*found.notes] == ["trip in", "slide"]
+    stop = float(re.search(r"with the bit from (\d+) m on", found.notes["trip in"])[1])
+    trip = operations(0.0, 0.0)[1]
+    solver = SlidingBalance(EquationsOfMotion(steady(found.scene)))
+    loads = [soft_string(hole_and_string(found.scene, solver.equations.model, stop + by), trip).hookload
+             for by in (-20.0, 0.0)]  # fmt: skip
+    assert loads[0] > 0.0 > loads[1]
+    with pytest.raises(RunError, match="friction holds its pipe"):
+        found["slide"]
+    pushed = dt.statics(found.scene, {"effects.wall_friction.coefficient": 0.45}, only=[trip])
+    assert pushed["trip in"].hookload < 0.0
+    assert pushed.notes["trip in"].startswith("trip in: the top has to push, its hookload is below 0: by the soft")
+    (tmp_path / "level.yaml").write_text(found.scene.to_yaml())
+    said = CliRunner().invoke(app, ["statics", str(tmp_path / "level.yaml"), "--out", str(tmp_path / "out")])
+    assert said.exit_code == 0, said.output
+    assert "drill " in said.stdout
+    assert f"with the bit from {stop:g} m on" in " ".join(said.stdout.split())
+    assert [*json.loads((tmp_path / "out" / "statics.json").read_text())["notes"]] == ["trip in", "slide"]
+
+
 @pytest.mark.parametrize("weight", ["170", "200"])
 def test_weight_that_buckles_the_pipe_is_told(bent_well: Scene, weight: str) -> None:
     """Below and above the weight that the string takes without a push, both limits are named."""
@@ -170,6 +203,20 @@ def test_friction_by_depth(bent_well: Scene) -> None:
     expected = (0.1 * 400.0 + 0.3 * (scene.length - 400.0)) * across * 0.5 * PIPE["outer_diameter"]
     assert loads.soft.surface_torque == pytest.approx(expected, rel=5e-3)
     assert loads.surface_torque == pytest.approx(expected, rel=0.06)  # off the wall near both ends
+
+
+def test_a_soft_string_does_not_depend_on_where_a_bend_begins_in_an_element() -> None:
+    """Tension lifts the string to the high side in a drop and gravity pulls it down below: forces do not add up."""
+    leans = ((0.0, 0.0), (203.0, 0.0), (251.0, 12.0), (352.0, 3.0), (1000.0, 3.0))
+    survey = [{"depth": depth, "inclination": math.radians(angle), "azimuth": 0.5} for depth, angle in leans]
+    turning, found = operations(0.0, 10.0)[2], []
+    for elements in (100, 1500):
+        own = override(well(), {"numerics.elements": elements})
+        own = own.model_copy(update={"hole": type(own.hole).model_validate({"radius": 0.1556, "survey": survey})})
+        equations = EquationsOfMotion(steady(own))
+        found.append(soft_string(hole_and_string(equations.scene, equations.model), turning))
+    assert found[0].surface_torque == pytest.approx(found[1].surface_torque, rel=2e-3)
+    assert found[0].hookload == pytest.approx(found[1].hookload, rel=1e-5)
 
 
 def test_lock_up_of_a_straight_hole() -> None:

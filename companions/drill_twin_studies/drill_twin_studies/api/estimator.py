@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from drill_twin.api.scenes import Overrides, as_scene, range_of
+from drill_twin.api.scenes import GivenRange, Overrides, as_scene, range_of
 from drill_twin.core.arrays import Array
 from drill_twin.core.errors import ArgumentError, SceneError, nearest
 from drill_twin.core.rig_channels import INSTANT
@@ -73,7 +73,7 @@ class Estimator:
         channels = [str(name).removesuffix(INSTANT) for name in channels] if instant else channels
         _check(channels, free)
         self.channels = tuple(channels)
-        ranges = {key: _ends(given) if key == LOAD else _range(self.scene, key, given) for key, given in free.items()}
+        ranges = {key: _ends(given) if key == LOAD else _range(self.scene, key, free) for key, given in free.items()}
         subs = (subs,) if isinstance(subs, str) else tuple(subs)
         self.filter = EnsembleFilter(self.scene, ranges, channels, options or EstimatorOptions(), subs, instant)
         self.intake = Intake(self.filter.pace, self.scene, channels, self.filter.members.subs, instant)
@@ -176,10 +176,10 @@ def _check(channels: Sequence[str], free: Mapping[str, Any]) -> None:
         raise ArgumentError(f"expected each channel once, found {', '.join(channels)}")
 
 
-def _range(scene: Scene, key: str, given: str | tuple[float, float]) -> tuple[float, float]:
+def _range(scene: Scene, key: str, free: Mapping[str, GivenRange]) -> tuple[float, float]:
     """Ends of the range of a number of the scene; the sentence on an unknown key names the keys near to it."""
     try:
-        return range_of(scene, key, given)
+        return range_of(scene, key, free[key], {other: given for other, given in free.items() if other != LOAD})
     except SceneError:
         known, wanted = [LOAD, *_numbers(scene)], key.removeprefix("effects.")
         if wanted in known:

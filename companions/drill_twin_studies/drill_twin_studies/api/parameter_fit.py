@@ -8,12 +8,13 @@ from pathlib import Path
 import numpy as np
 
 from drill_twin.api.ensemble import Ensemble
-from drill_twin.api.scenes import Overrides, Quantity, as_scene, in_si, range_of
+from drill_twin.api.scenes import Overrides, Quantity, as_scene, in_si, range_of, which_fit
 from drill_twin.core.arrays import Array
 from drill_twin.core.errors import ArgumentError, RunError
 from drill_twin.core.rig_channels import INSTANT
 from drill_twin.core.units.dimension import FREQUENCY, TIME
 from drill_twin.scene import Scene
+from drill_twin.scene.overrides import full_key
 from drill_twin_studies.fitting import (
     CHANNELS,
     SET_POINTS,
@@ -55,9 +56,10 @@ def fit(
 
     Args:
         record: Record, or a CSV, MAT, LAS or WITSML file or a bag with `channels`.
-        scene: The scene; its set-points should be the record's (`rig.table`).
+        scene: The scene. Set-points among `channels` are played, as `estimate` does; others are the scene's.
         free: Range of each number by key: "0.05..0.5", with units where they are needed ("1 s/m..1e3 s/m"), or SI.
             The prior is uniform, in the logarithm if the ends are positive and differ by a factor of 20 or more.
+            Draws that the scene does not take together have no weight.
         channels: Columns of a file, as `drill_twin_studies.fitting.record.channel_column` parses them; of a bag,
             names of channels. A sample is a mean since the last sample; of "torque@instant", a value at its time.
         overrides: Values that replace the scene's values.
@@ -82,18 +84,21 @@ def fit(
     """
     base = as_scene(scene, overrides)
     found = record if isinstance(record, Record) else read_record(record, channels)
-    ranges = {key: range_of(base, key, given) for key, given in free.items()}
+    ranges = {key: range_of(base, key, given, free) for key, given in free.items()}
+    places = [full_key(key, base) for key in ranges]
     if not ranges or likelihood not in {"series", "features"}:
         raise ArgumentError(
             f"fit: expected a range of at least one number and a likelihood of series, features, "
             f"found {len(ranges)} and {likelihood!r}"
         )
-    if told := sorted(SET_POINTS & found.series.keys()):
-        note = f"{', '.join(told)}: not compared; runs take the set-points of the scene (rig.table: of a record)"
+    if played := {name: found.series[name] for name in sorted(SET_POINTS & found.series.keys())}:
+        note = f"{', '.join(played)}: played, not compared; fitted.yaml has the set-points of the scene"
         series = {name: each for name, each in found.series.items() if name not in SET_POINTS}
         found = replace(found, series=series, notes=[*found.notes, note])
     if not found.series:
         raise ArgumentError(f"fit: expected a channel that a run computes, {', '.join(CHANNELS)}, found none")
+    if idle := [place for place in places if place.startswith(tuple(f"rig.{name}." for name in played))]:
+        raise ArgumentError(f"fit: expected a number beside the set-points that are played, found {idle[0]}")
     length = base.rig.duration if end is None else in_si("end", end, TIME)
     frequency, first = in_si("rate", rate, FREQUENCY), in_si("begin", begin, TIME)
     if (length - first) * min(frequency, base.numerics.frame_rate) < FEWEST:
@@ -105,20 +110,26 @@ def fit(
     batches: list[dict[str, Array]] = []
     time: Array = np.zeros(0)
     measured: dict[str, Array] = {}
-    failed = 0
+    failed = refused = 0
 
     def evaluate(cube: Array) -> Array:
-        nonlocal time, measured, failed
+        nonlocal time, measured, failed, refused
         drawn = in_ranges(cube, ranges)
-        vary = {key: drawn[:, place].tolist() for place, key in enumerate(ranges)}
+        fits = which_fit(base, (dict(zip(places, row, strict=True)) for row in drawn.tolist()))
+        vary = {key: drawn[fits, place].tolist() for place, key in enumerate(ranges)}
         outputs = ("channels", "instants") if found.instant else ("channels",)
-        runs = Ensemble(base, vary, zipped=True).run(length, outputs=outputs, mark_rate=frequency, workers=workers)
+        runs = Ensemble(base, vary, zipped=True).run(
+            length, outputs=outputs, mark_rate=frequency, workers=workers, played=played
+        )
         failed += len(runs.failed)
+        refused += fits.count(False)
         if not measured:
             time = runs["time"][runs["time"] >= first]
             measured = {channel: found.at(channel, time) for channel in found.series}
         computed = {name: f"{name}{INSTANT}" if name in found.instant else name for name in measured}
-        batches.append({name: runs[output][:, -time.size :] for name, output in computed.items()})
+        batches.append({name: np.full((len(fits), time.size), np.nan) for name in computed})
+        for name, output in computed.items():
+            batches[-1][name][fits] = runs[output][:, -time.size :]
         merged = {channel: np.concatenate([batch[channel] for batch in batches]) for channel in measured}
         if likelihood == "series":
             result = of_series(measured, merged, len(ranges))
@@ -135,5 +146,8 @@ def fit(
     )
     merged = {channel: np.concatenate([batch[channel] for batch in batches]) for channel in measured}
     drawn = in_ranges(sampling.cube, ranges)
+    if refused:
+        note = f"{refused} of {len(drawn)} draws left out: the scene does not take their numbers together"
+        found = replace(found, notes=[*found.notes, note])
     windows = size if likelihood == "features" else None
     return Posterior(base, ranges, drawn, sampling, found, time, measured, merged, failed, windows)

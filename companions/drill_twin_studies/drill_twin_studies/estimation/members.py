@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from scipy import special
 
+from drill_twin.api.scenes import takes, which_fit
 from drill_twin.core.arrays import Array, Mask
 from drill_twin.core.errors import ArgumentError, DrillTwinError, RunError
 from drill_twin.dynamics.discretisation.discretise import tubes_of
@@ -34,6 +35,8 @@ _TAIL = "tail"
 WIDEST, FARTHEST = 4.0, 2.5
 """Standard deviations to which a number of a member, and the mean of the members, may move in the space where the prior
 of the number is standard normal: all members at one end of a range would have no spread, and none would come back."""
+_INWARD = 0.95
+"""Step of numbers that do not fit together towards numbers that do; chosen."""
 
 
 class EstimatorMembers:
@@ -74,6 +77,8 @@ class EstimatorMembers:
         self._check()
         drawn = sobol(len(ranges), count, np.random.default_rng(seed))
         self.normal: Array = special.ndtri(np.clip(drawn, 1e-4, 1.0 - 1e-4))
+        fit = which_fit(scene, map(self._overrides, self.values))
+        self._middle = self.normal[fit].mean(axis=0)
         self.twins = [Twin(self._scene(number)) for number in range(count)]
         self.lateral, self._reader = LateralMotion(scene, self.twins[0]), SubReader(scene, self.twins[0], self.subs)
         self._record = self.twins[0].record(pace.frames, nodes=bool(self.subs))
@@ -260,12 +265,15 @@ class EstimatorMembers:
         return values, sensors, whirls, readings, rig.bit_speed.copy()
 
     def _scene(self, number: int) -> Scene:
-        """Scene of a member."""
-        found = dict(zip(self.keys, self.values[number].tolist(), strict=True))
-        return self._with({"numerics.seed": self._seeds[number]} | found)
+        """Scene of a member; numbers that do not fit together go towards the middle of the draws until they do."""
+        while not takes(self.scene, values := self._overrides(self.values[number])):
+            self.normal[number] = self._middle + _INWARD * (self.normal[number] - self._middle)
+        return override(self.scene, values | {"numerics.seed": self._seeds[number]})
 
-    def _with(self, values: Mapping[str, float]) -> Scene:
-        return override(self.scene, {self._full.get(key, key): value for key, value in values.items() if key != LOAD})
+    def _overrides(self, values: Array) -> dict[str, float]:
+        """Values of the free numbers, shape (d,), by full key, without the load's."""
+        named = zip(self.keys, values.tolist(), strict=True)
+        return {self._full[key]: value for key, value in named if key != LOAD}
 
     def _check(self) -> None:
         """Refuse what cannot be changed in the middle of a run.
@@ -279,7 +287,7 @@ class EstimatorMembers:
                     f"free: expected numbers of effects, of rig.top_drive, or {LOAD}, found {key}, which shapes the "
                     "mesh; `drill-twin fit` finds it from a record"
                 )
-        ends = [in_ranges(np.full((1, len(self.keys)), end), self.ranges)[0].tolist() for end in (0.0, 1.0)]
-        low, high = (kernel_of(self._with(dict(zip(self.keys, end, strict=True)))) for end in ends)
-        if low != high or low[-1]:
+        ends = [self._overrides(in_ranges(np.full((1, len(self.keys)), end), self.ranges)[0]) for end in (0.0, 1.0)]
+        kernels = {kernel_of(override(self.scene, end)) for end in ends if takes(self.scene, end)}
+        if len(kernels) > 1 or any(kernel[-1] for kernel in kernels):
             raise ArgumentError("free: expected one law over each range and no numerics.audit, found another at an end")

@@ -10,7 +10,7 @@ from typer.testing import CliRunner
 
 import drill_twin as dt
 from drill_twin.cli.app import app
-from drill_twin.core.errors import ArgumentError
+from drill_twin.core.errors import ArgumentError, SceneError
 from drill_twin.dynamics.twin.twin import Twin
 from drill_twin_studies.estimation.doubts import Jumps, told_of_jumps
 from drill_twin_studies.estimation.innovations import widening, widening_of_numbers
@@ -138,6 +138,25 @@ def test_numbers_changed_at_the_start_are_those_of_another_twin():
     plain.advance_frames(commands, 0.1, rows[0])
     wanted.advance_frames(commands, 0.1, rows[1])
     assert not np.array_equal(rows[0].frames.rig, rows[1].frames.rig)
+
+
+def test_members_of_overlapping_ranges_have_numbers_that_fit_together(record):
+    """The scene takes no sticking torque below the sliding torque; its own are 0.8 and 0.5."""
+    free = {"bit_torque_stribeck.sticking": "0.45..0.95", "bit_torque_stribeck.sliding": "0.3..0.9"}
+    estimator = dt.Estimator("two_mass", free, overrides=OVER, options=FEW)
+    members = estimator.filter.members
+    assert estimator.filter.members.ranges["bit_torque_stribeck.sliding"] == (0.3, 0.9)
+    assert np.all(members.values[:, 0] >= members.values[:, 1])
+    far = np.tile([[-1.5, 1.5], [1.5, -1.5]], (8, 1))
+    members.set_numbers(far)
+    assert np.all(members.values[:, 0] >= members.values[:, 1])
+    np.testing.assert_array_equal(members.normal[1::2], far[1::2])
+    found = feed(estimator, record)[-1]
+    low = found.numbers["bit_torque_stribeck.sliding"]
+    assert low.low < low.mean < low.high < 0.9
+    never = {"bit_torque_stribeck.sticking": "0.2..0.3", "bit_torque_stribeck.sliding": "0.5..0.9"}
+    with pytest.raises(SceneError, match="expected `sticking` not below `sliding`"):
+        dt.Estimator("two_mass", never, overrides=OVER)
 
 
 @pytest.mark.parametrize(

@@ -14,6 +14,7 @@ from drill_twin.cli.app import app
 from drill_twin.core.errors import ArgumentError, SceneError, TableError
 from drill_twin.io.bag.series import CommandSeries
 from drill_twin.scene.records.channels import channel_column
+from drill_twin.scene.set_points import Schedule
 
 HIDDEN = {"bit_torque_stribeck.sticking": 0.71, "bit_torque_stribeck.decay": 1.3}
 FREE = {"bit_torque_stribeck.sticking": "0.55..0.95", "bit_torque_stribeck.decay": "0.2 s/rad..6 s/rad"}
@@ -246,18 +247,52 @@ def test_what_is_no_measurement_is_left_out_of_a_fit_and_told(record, tmp_path):
     assert found.to_dict()["notes"] == told
 
 
-def test_a_set_point_of_the_record_is_told_and_not_compared(tmp_path):
-    """As `estimate` takes it; runs of a fit have the set-points of the scene."""
-    time = np.arange(0.0, 8.0, 0.5)
-    rows = "".join(f"{at},{2000.0 + 300.0 * np.sin(at)},50\n" for at in time.tolist())
-    record = tmp_path / "rig.csv"
-    record.write_text(f"time [s],T,WOB\n{rows}")
-    found = dt.fit(
-        record, "two_mass", {"wob": "50 kN..58 kN"}, channels=["torque=T:N m", "weight_on_bit=WOB:kN"], end=7.0,
-        members=4, rounds=1,
+def test_set_points_of_a_record_are_played(tmp_path):
+    """As `estimate` plays them: a scene with constant set-points follows a rig whose weight and speed change."""
+    over = OVER | {"numerics.frame_rate": 50.0}
+    ramps = {
+        "rig.weight_on_bit.shape": "ramp", "rig.weight_on_bit.initial": 20e3, "rig.weight_on_bit.duration": 6.0,
+        "rig.rotation.shape": "ramp", "rig.rotation.initial": 6.0, "rig.rotation.duration": 8.0,
+    }  # fmt: skip
+    key, hidden = "bit_torque_stribeck.sticking", 0.71
+    rig = dt.Ensemble("two_mass", {key: [hidden]}, overrides=over | ramps)
+    found = rig.run(9.0, outputs=("channels",), mark_rate=10.0)
+    at = Schedule.from_scene(dt.load_scene("two_mass", over | ramps)).over(np.arange(0.0, 10.0, 0.5))
+    rows = np.column_stack((np.arange(0.0, 10.0, 0.5), at[:, :2]))
+    torque = np.column_stack((found["time"], found["torque"][0]))
+    played = {name: (rows[:, 0], rows[:, number]) for number, name in ((1, "weight_on_bit"), (2, "rotation"))}
+    again = dt.Ensemble("two_mass", {key: [hidden]}, overrides=over).run(
+        9.0, outputs=("channels",), mark_rate=10.0, played=played
+    )
+    np.testing.assert_allclose(again["torque"], found["torque"], rtol=1e-6)  # its start has another load
+    record = dt.Record("rig", {"torque": tuple(torque.T), **played}, ends=frozenset({"torque"}))
+    told = dt.fit(record, "two_mass", {key: (0.6, 0.8)}, overrides=over, end=9.0, rate=10.0, members=16, rounds=4)
+    assert set(told.record.series) == {"torque"}
+    assert told.best[key] == pytest.approx(hidden, abs=2e-3)
+    assert told.record.notes == [
+        "rotation, weight_on_bit: played, not compared; fitted.yaml has the set-points of the scene"
+    ]
+    with pytest.raises(ArgumentError, match=r"set-points that are played, found rig\.weight_on_bit"):
+        dt.fit(record, "two_mass", {"wob": "50 kN..58 kN"}, overrides=over, end=9.0)
+
+
+OVERLAPPING = {"bit_torque_stribeck.sticking": "0.45..0.95", "bit_torque_stribeck.sliding": "0.3..0.9"}
+"""The scene takes no sticking torque below the sliding torque, and has 0.5 and 0.8."""
+
+
+def test_overlapping_ranges_lose_the_draws_that_do_not_fit(record):
+    told = dt.fit(
+        record, "two_mass", OVERLAPPING, channels=["bit_speed=bit speed [rpm]"], overrides=OVER, end=10.0, rate=10.0,
+        members=16, rounds=2,
     )  # fmt: skip
-    assert set(found.record.series) == {"torque"}
-    assert any(note.startswith("weight_on_bit: not compared; runs take the set-points") for note in found.record.notes)
+    assert [*told.ranges.values()] == [(0.45, 0.95), (0.3, 0.9)]
+    below = told.values[:, 0] < told.values[:, 1]
+    assert below.any()
+    assert not told.sampling.weights[below].any()
+    assert told.record.notes == [f"{below.sum()} of 32 draws left out: the scene does not take their numbers together"]
+    never = {"bit_torque_stribeck.sticking": "0.2..0.3", "bit_torque_stribeck.sliding": "0.5..0.9"}
+    with pytest.raises(SceneError, match="expected `sticking` not below `sliding`"):
+        dt.fit(record, "two_mass", never, channels=["bit_speed=bit speed [rpm]"], overrides=OVER)
 
 
 def test_a_channel_needs_a_name_of_the_contract_and_a_unit(tmp_path):
