@@ -57,9 +57,6 @@ def operating_map(
     no_hysteresis: Annotated[
         bool, typer.Option("--no-hysteresis", help="Leave out the boundary at which an existing whirl dies.")
     ] = False,
-    no_growth: Annotated[
-        bool, typer.Option("--no-growth", help="Do not place first runs by the growth rates of the linear string.")
-    ] = False,
     workers: options.WorkersOption = 0,
     dask: Annotated[
         str, typer.Option("--dask", metavar="ADDRESS", help="Address of a Dask scheduler whose workers make the runs.")
@@ -94,7 +91,7 @@ def operating_map(
     with shown_progress("calm", runs, unit="runs", kept=going_on, most=True) as bar:
         found = make(
             described, wob=wob, rpm=rpm, seeds=seeds, vary=ranges, runs=runs,
-            hysteresis=not no_hysteresis, growth=not no_growth, steps=steps, folder=folder, workers=workers, dask=dask,
+            hysteresis=not no_hysteresis, steps=steps, folder=folder, workers=workers, dask=dask,
             calm_for=calm_for or None,
             progress=lambda phase, done, expected: bar.show(phase, done, max(runs, expected)),
         )  # fmt: skip
