@@ -89,9 +89,9 @@ def analyze(
         make_folder(out)
         check_new(out / SUMMARY, replace=replace)
     if sub == "":
-        raise BagError("--sub: expected a downhole sub, found no name; leave the option out to analyse the marks")
+        raise BagError("--sub: expected a downhole sub, found no name; without --sub, marks are analysed")
     if sub and marks:
-        raise BagError(f"--marks: expected none beside --sub, which is analysed instead of marks, found {marks[0]}")
+        raise BagError(f"--marks: expected none beside --sub, which takes their place, found {marks[0]}")
     with shown_progress("analysing the bag"):
         chosen = tuple(name.strip() for text in marks for name in text.split(",") if name.strip())
         room = in_si("--clearance", clearance, LENGTH) if clearance else None
@@ -101,7 +101,7 @@ def analyze(
         selection = Selection(chosen, begin, end, names, namespace or None, room, rim, sub or "", run, columns, units)
         recording = _recording(bag, scene, selection)
         if clearance and isinstance(recording.bag, RecordBag):
-            remark("--clearance: a table's columns of marks are not read; drill_twin.analyze or a bag takes positions")
+            remark("--clearance: no marks are read from a table; drill_twin.analyze or a bag takes them")
         summary = summarise(recording)
     if why:
         from drill_twin.api.cause import cause_of

@@ -61,6 +61,8 @@ def emit(
                 say(part)
     if folder is not None:
         remark(f"{folder}: {', '.join([*names, *also])}")
+    elif files:
+        remark(f"no file was written; --out DIR writes {', '.join(files)}")
 
 
 def say(part: Table | Text | str) -> None:

@@ -80,7 +80,7 @@ DurationOption = Annotated[
 FittedArgument = Annotated[
     Path, typer.Argument(metavar="RECORD", help="A CSV, MAT, LAS or WITSML file, or a bag of a twin.")
 ]
-FittedOption = Annotated[str, typer.Option("--scene", metavar="SCENE", help="Installed scene or scene file.")]
+FittedOption = Annotated[str, typer.Option("--scene", metavar="SCENE", help="Scene, by name or file.")]
 FreeOption = Annotated[
     list[str],
     typer.Option(
@@ -111,15 +111,15 @@ ColumnOption = Annotated[
 NullOption = Annotated[
     list[str], typer.Option("--null", metavar="NUMBER", help="Number that a record has for no value; repeatable.")
 ]
-SeedOption = Annotated[int, typer.Option("--seed", min=0, help="Seed of the draws.")]
+SeedOption = Annotated[int, typer.Option("--seed", metavar="N", min=0, help="Seed of the draws.")]
 SceneOption = Annotated[
     str, typer.Option("--scene", metavar="SCENE", help="Scene of the record, or of a bag that contains none.")
 ]
 NamespaceOption = Annotated[
     str, typer.Option("--namespace", metavar="NS", help="Namespace of the twin, as /rig2, where a bag holds several.")
 ]
-FromOption = Annotated[float, time_option("--from", "Leave out all samples before this time", shown=False)]
-ToOption = Annotated[float, time_option("--to", "Leave out all samples after this time", shown=False)]
+FromOption = Annotated[float, time_option("--from", "Leave out samples before this time", shown=False)]
+ToOption = Annotated[float, time_option("--to", "Leave out samples after this time", shown=False)]
 RunOption = Annotated[
     int,
     typer.Option(
@@ -134,7 +134,7 @@ RemapOption = Annotated[
         help='Read a topic under our name, as "/camera/marks=/marks/state"; repeatable.',
     ),
 ]
-JsonOption = Annotated[bool, typer.Option("--json", help="Print the result as JSON, and nothing else, on stdout.")]
+JsonOption = Annotated[bool, typer.Option("--json", help="Print JSON on stdout, and nothing else.")]
 ReplaceOption = Annotated[
     bool, typer.Option("--replace", help="Replace an older result, which is moved to DIR.old if it is a folder.")
 ]

@@ -52,6 +52,7 @@ def replay(
         float,
         typer.Option(
             "--rate",
+            metavar="NUMBER",
             help="Speed of the replay, as a multiple of that recorded; 0: as fast as possible.",
             min=0.0,
             max=1000.0,
