@@ -64,7 +64,7 @@ def analyze(
         typer.Option(
             "--sub",
             metavar="NAME",
-            help="Analyse the readings of this downhole sub instead of the marks; of a rig's sub measured/NAME.",
+            help="Analyse the readings of this downhole sub instead of the marks; for the sub of a rig, measured/NAME.",
         ),
     ] = None,
     units: options.UnitsOption = "",

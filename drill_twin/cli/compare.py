@@ -28,8 +28,8 @@ def compare(
         list[str],
         typer.Argument(
             metavar="CASE",
-            help='Scenes, as "bha_full_size" or "bha_full_size,wob=120 kN,hole.radius=6 in", or bags; the first one is '
-            "what the others are compared with.",
+            help='Scenes, as "bha_full_size" or "bha_full_size,wob=120 kN,hole.radius=6 in", or bags; the first is '
+            "compared with the others.",
         ),
     ],
     duration: options.DurationOption = "",

@@ -86,8 +86,8 @@ FreeOption = Annotated[
     typer.Option(
         "--free",
         metavar="KEY=LO..HI",
-        help='Number to find and its range, as "wall_friction.coefficient=0.05..0.5"; of `estimate` also '
-        '"load_factor=0.8..1.2", a range for the load; repeatable.',
+        help='Number to find and its range, as "wall_friction.coefficient=0.05..0.5"; for `estimate` also '
+        '"load_factor=0.8..1.2", a factor on the load; repeatable.',
     ),
 ]
 ChannelOption = Annotated[
@@ -95,8 +95,8 @@ ChannelOption = Annotated[
     typer.Option(
         "--channel",
         metavar="NAME=COLUMN:UNIT",
-        help='Channel and its column, as "bit_speed=Bit_Speed:rpm"; of a bag NAME; weight_on_bit and rotation are the '
-        "set-points; repeatable.",
+        help='Channel and its column, as "bit_speed=Bit_Speed:rpm"; for a bag NAME alone; set-points are '
+        "weight_on_bit and rotation; repeatable.",
     ),
 ]
 ColumnOption = Annotated[
@@ -104,12 +104,13 @@ ColumnOption = Annotated[
     typer.Option(
         "--channel",
         metavar="NAME=COLUMN:UNIT",
-        help='Column of a record for a channel, as "weight_on_bit=WOB:klbf"; of dates the form, as '
+        help='Column of a record for a channel, as "weight_on_bit=WOB:klbf"; for dates the form, as '
         '"time=Time:DD/MM/YYYY"; repeatable. All commands read such pairs from RECORD.yaml beside the record.',
     ),
 ]
 NullOption = Annotated[
-    list[str], typer.Option("--null", metavar="NUMBER", help="Number that a record has for no value; repeatable.")
+    list[str],
+    typer.Option("--null", metavar="NUMBER", help="Number that stands for a missing value in a record; repeatable."),
 ]
 SeedOption = Annotated[int, typer.Option("--seed", metavar="N", min=0, help="Seed of the draws.")]
 SceneOption = Annotated[

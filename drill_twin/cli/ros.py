@@ -53,7 +53,7 @@ def replay(
         typer.Option(
             "--rate",
             metavar="NUMBER",
-            help="Speed of the replay, as a multiple of that recorded; 0: as fast as possible.",
+            help="Speed of the replay over the recorded speed; 0: as fast as possible.",
             min=0.0,
             max=1000.0,
         ),

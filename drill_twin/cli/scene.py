@@ -70,7 +70,7 @@ def check(
         print(described.to_yaml(), end="")
     else:
         notes = [("note", note) for note in notes_on(described)]
-        say(Table((), [("scene", f"{scene_path(scene)} is right"), *scene_rows(described), *notes]))
+        say(Table((), [("scene", f"{scene_path(scene)}, without errors"), *scene_rows(described), *notes]))
         if schedule.record is not None:
             print(schedule.record.report)
 

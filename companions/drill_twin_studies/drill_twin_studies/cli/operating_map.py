@@ -49,7 +49,7 @@ def operating_map(
         ),
     ] = "",
     runs: Annotated[
-        int, typer.Option("--runs", metavar="N", min=1, max=1_000_000, help="Most runs of the search.")
+        int, typer.Option("--runs", metavar="N", min=1, max=1_000_000, help="Largest number of runs.")
     ] = 1500,
     steps: Annotated[
         int, typer.Option("--steps", metavar="N", help="A boundary is located within 1/N of each range; a power of 2.")
@@ -62,7 +62,7 @@ def operating_map(
         str, typer.Option("--dask", metavar="ADDRESS", help="Address of a Dask scheduler whose workers make the runs.")
     ] = "",
     out: Annotated[
-        Path | None, options.folder_option("Folder of the result; a map that was broken off goes on.", "out/map_SCENE")
+        Path | None, options.folder_option("Folder of the result; an interrupted map is continued.", "out/map_SCENE")
     ] = None,
     replace: options.ReplaceOption = False,
     units: options.UnitsOption = "",
