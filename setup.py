@@ -86,6 +86,8 @@ setup(
             )
         ],
         "opcua": [f"drill_twin_rig=={VERSION}"],
+        # A wheel of 170 MB, 0.5 GB on the disk, which needs numpy 2; so it is not among the packages of the tests.
+        "rerun": [f"drill_twin_dashboard=={VERSION}", "rerun-sdk>=0.28"],  # older ones cannot say where the eye is
         "xarray": ["pandas>=2.2", "xarray"],
     },
     zip_safe=False,

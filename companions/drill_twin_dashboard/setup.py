@@ -31,6 +31,7 @@ setup(
     license="Apache-2.0",
     entry_points={
         "drill_twin.commands": ["watch = drill_twin_dashboard.cli.watch:watch"],
+        "drill_twin.exports": ["rerun = drill_twin_dashboard.cli.rerun_file:recording"],
         "drill_twin.nodes": ["watch = drill_twin_dashboard.ros.live_page:run"],
     },
 )

@@ -64,7 +64,7 @@ def analyze(
         typer.Option(
             "--sub",
             metavar="NAME",
-            help="Analyse the readings of this downhole sub instead of the marks; of a rig's sub measured/NAME.",
+            help="Analyse the readings of this downhole sub instead of the marks; for the sub of a rig, measured/NAME.",
         ),
     ] = None,
     units: options.UnitsOption = "",
@@ -89,9 +89,9 @@ def analyze(
         make_folder(out)
         check_new(out / SUMMARY, replace=replace)
     if sub == "":
-        raise BagError("--sub: expected a downhole sub, found no name; leave the option out to analyse the marks")
+        raise BagError("--sub: expected a downhole sub, found no name; without --sub, marks are analysed")
     if sub and marks:
-        raise BagError(f"--marks: expected none beside --sub, which is analysed instead of marks, found {marks[0]}")
+        raise BagError(f"--marks: expected none beside --sub, which takes their place, found {marks[0]}")
     with shown_progress("analysing the bag"):
         chosen = tuple(name.strip() for text in marks for name in text.split(",") if name.strip())
         room = in_si("--clearance", clearance, LENGTH) if clearance else None
@@ -101,7 +101,7 @@ def analyze(
         selection = Selection(chosen, begin, end, names, namespace or None, room, rim, sub or "", run, columns, units)
         recording = _recording(bag, scene, selection)
         if clearance and isinstance(recording.bag, RecordBag):
-            remark("--clearance: a table's columns of marks are not read; drill_twin.analyze or a bag takes positions")
+            remark("--clearance: no marks are read from a table; drill_twin.analyze or a bag takes them")
         summary = summarise(recording)
     if why:
         from drill_twin.api.cause import cause_of
@@ -191,6 +191,13 @@ def export(
             "its rules; exit code 1 if one is broken. Needs the package drill_twin_rig.",
         ),
     ] = False,
+    rerun: Annotated[
+        bool,
+        typer.Option(
+            "--rerun",
+            help="Write run.rrd, to be seen in the viewer rerun: string, orbits, trends; needs the extra `rerun`.",
+        ),
+    ] = False,
     well: Annotated[
         str,
         typer.Option(
@@ -217,19 +224,22 @@ def export(
     channel: options.ColumnOption = [],  # noqa: B006
     null: options.NullOption = [],  # noqa: B006
 ) -> None:
-    """Write weight on bit, hookload, torques and speeds of a bag over time as CSV or LAS, in kN, kN.m and rpm."""
+    """Write a bag for other programs: the rig's channels as CSV or LAS, in kN, kN.m and rpm, or all for a viewer."""
     from drill_twin.report.selection import Selection
 
-    if not (las or csv or drillbotics):
-        raise ArgumentError("export: expected --csv, --las, --drillbotics or several, found none")
+    if not (las or csv or drillbotics or rerun):
+        raise ArgumentError("export: expected --csv, --las, --drillbotics, --rerun or several, found none")
     folder = out or default_folder(bag)
     selection = Selection(begin=begin, end=end, namespace=namespace or None, choices=options.choices(channel, null))
     if files := [folder / f"rig.{ending}" for ending, wanted in (("csv", csv), ("las", las)) if wanted]:
         _series(bag, selection, files, replace=replace)
-    if drillbotics:
-        if (competition := entry_of(EXPORTS, "drillbotics")) is None:
-            raise not_installed("`drill-twin export --drillbotics`", "drill_twin_rig")
-        if not competition.load()(bag, selection, folder, well, rate, start, replace=replace):
+    others: list[tuple[str, str, tuple[str, ...]]] = [
+        ("drillbotics", "drill_twin_rig", (well, rate, start))
+    ] * drillbotics
+    for name, package, given in others + [("rerun", "drill_twin_dashboard", ())] * rerun:
+        if (written := entry_of(EXPORTS, name)) is None:
+            raise not_installed(f"`drill-twin export --{name}`", package)
+        if written.load()(bag, selection, folder, *given, replace=replace) is False:  # rules are broken
             raise typer.Exit(1)
 
 

@@ -28,8 +28,8 @@ def compare(
         list[str],
         typer.Argument(
             metavar="CASE",
-            help='Scenes, as "bha_full_size" or "bha_full_size,wob=120 kN,hole.radius=6 in", or bags; the first one is '
-            "what the others are compared with.",
+            help='Scenes, as "bha_full_size" or "bha_full_size,wob=120 kN,hole.radius=6 in", or bags; the first is '
+            "compared with the others.",
         ),
     ],
     duration: options.DurationOption = "",
@@ -45,7 +45,10 @@ def compare(
     ] = 3,
     change: options.SetOption = [],  # noqa: B006  typer makes a new list of it
     tolerance: Annotated[
-        float, typer.Option("--tolerance", min=0.0, max=1.0, help="Share by which numbers must differ to be shown.")
+        float,
+        typer.Option(
+            "--tolerance", metavar="SHARE", min=0.0, max=1.0, help="Share by which numbers must differ to be shown."
+        ),
     ] = 0.05,
     everything: Annotated[bool, typer.Option("--all", help="Show the numbers that do not differ, too.")] = False,
     out: Annotated[Path, typer.Option("--out", metavar="DIR", help="New folder of the result.")] = Path("out/compare"),

@@ -172,6 +172,7 @@ def effects(
         float,
         typer.Option(
             "--tolerance",
+            metavar="SHARE",
             min=0.001,
             max=1.0,
             help="Smallest relevant change: relative for onset time and whirl frequency, absolute for mean orbit "
@@ -185,7 +186,7 @@ def effects(
             metavar="N",
             min=2,
             max=100,
-            help="Number of runs for each set of effects, with small random differences.",
+            help="Runs of each set of effects, with small random differences.",
         ),
     ] = 5,
     duration: options.DurationOption = "",

@@ -61,6 +61,8 @@ def emit(
                 say(part)
     if folder is not None:
         remark(f"{folder}: {', '.join([*names, *also])}")
+    elif files:
+        remark(f"no file was written; --out DIR writes {', '.join(files)}")
 
 
 def say(part: Table | Text | str) -> None:
@@ -113,15 +115,15 @@ def check_new(file: Path, *, replace: bool) -> None:
         raise BagError(f"{file}: expected a new file, found an existing file; choose another, or --replace")
 
 
-def write_file(file: Path, text: str) -> None:
-    """Write a text file as a whole or not at all, and its folders.
+def write_file(file: Path, content: bytes | str) -> None:
+    """Write a file as a whole or not at all, and its folders.
 
     Raises:
         BagError: The file cannot be written.
     """
     try:
         file.parent.mkdir(parents=True, exist_ok=True)
-        write_whole(file, text)
+        write_whole(file, content)
     except OSError as error:
         raise BagError(f"{file}: cannot be written: {error.strerror or error}; choose another place") from error
 

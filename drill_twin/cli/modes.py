@@ -36,7 +36,9 @@ def modes(
     rpm: options.RpmOption = "",
     change: options.SetOption = [],  # noqa: B006  typer makes a new list of it
     without: options.WithoutOption = [],  # noqa: B006
-    count: Annotated[int, typer.Option("--count", min=1, max=100, help="Number of modes of each kind.")] = 6,
+    count: Annotated[
+        int, typer.Option("--count", metavar="N", min=1, max=100, help="Number of modes of each kind.")
+    ] = 6,
     campbell: Annotated[
         int, typer.Option("--campbell", metavar="N", min=0, max=1000, help="Draw the Campbell diagram over N speeds.")
     ] = 0,

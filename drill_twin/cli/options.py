@@ -78,14 +78,14 @@ DurationOption = Annotated[
 FittedArgument = Annotated[
     Path, typer.Argument(metavar="RECORD", help="A CSV, MAT, LAS or WITSML file, or a bag of a twin.")
 ]
-FittedOption = Annotated[str, typer.Option("--scene", metavar="SCENE", help="Installed scene or scene file.")]
+FittedOption = Annotated[str, typer.Option("--scene", metavar="SCENE", help="Scene, by name or file.")]
 FreeOption = Annotated[
     list[str],
     typer.Option(
         "--free",
         metavar="KEY=LO..HI",
-        help='Number to find and its range, as "wall_friction.coefficient=0.05..0.5"; of `estimate` also '
-        '"load_factor=0.8..1.2", a range for the load; repeatable.',
+        help='Number to find and its range, as "wall_friction.coefficient=0.05..0.5"; for `estimate` also '
+        '"load_factor=0.8..1.2", a factor on the load; repeatable.',
     ),
 ]
 ChannelOption = Annotated[
@@ -93,8 +93,8 @@ ChannelOption = Annotated[
     typer.Option(
         "--channel",
         metavar="NAME=COLUMN:UNIT",
-        help='Channel and its column, as "bit_speed=Bit_Speed:rpm"; of a bag NAME; weight_on_bit and rotation are the '
-        "set-points; repeatable.",
+        help='Channel and its column, as "bit_speed=Bit_Speed:rpm"; for a bag NAME alone; set-points are '
+        "weight_on_bit and rotation; repeatable.",
     ),
 ]
 ColumnOption = Annotated[
@@ -102,22 +102,23 @@ ColumnOption = Annotated[
     typer.Option(
         "--channel",
         metavar="NAME=COLUMN:UNIT",
-        help='Column of a record for a channel, as "weight_on_bit=WOB:klbf"; of dates the form, as '
+        help='Column of a record for a channel, as "weight_on_bit=WOB:klbf"; for dates the form, as '
         '"time=Time:DD/MM/YYYY"; repeatable. All commands read such pairs from RECORD.yaml beside the record.',
     ),
 ]
 NullOption = Annotated[
-    list[str], typer.Option("--null", metavar="NUMBER", help="Number that a record has for no value; repeatable.")
+    list[str],
+    typer.Option("--null", metavar="NUMBER", help="Number that stands for a missing value in a record; repeatable."),
 ]
-SeedOption = Annotated[int, typer.Option("--seed", min=0, help="Seed of the draws.")]
+SeedOption = Annotated[int, typer.Option("--seed", metavar="N", min=0, help="Seed of the draws.")]
 SceneOption = Annotated[
     str, typer.Option("--scene", metavar="SCENE", help="Scene of the record, or of a bag that contains none.")
 ]
 NamespaceOption = Annotated[
     str, typer.Option("--namespace", metavar="NS", help="Namespace of the twin, as /rig2, where a bag holds several.")
 ]
-FromOption = Annotated[float, time_option("--from", "Leave out all samples before this time", shown=False)]
-ToOption = Annotated[float, time_option("--to", "Leave out all samples after this time", shown=False)]
+FromOption = Annotated[float, time_option("--from", "Leave out samples before this time", shown=False)]
+ToOption = Annotated[float, time_option("--to", "Leave out samples after this time", shown=False)]
 RunOption = Annotated[
     int,
     typer.Option(
@@ -132,7 +133,7 @@ RemapOption = Annotated[
         help='Read a topic under our name, as "/camera/marks=/marks/state"; repeatable.',
     ),
 ]
-JsonOption = Annotated[bool, typer.Option("--json", help="Print the result as JSON, and nothing else, on stdout.")]
+JsonOption = Annotated[bool, typer.Option("--json", help="Print JSON on stdout, and nothing else.")]
 ReplaceOption = Annotated[
     bool, typer.Option("--replace", help="Replace an older result, which is moved to DIR.old if it is a folder.")
 ]

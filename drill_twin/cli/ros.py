@@ -52,7 +52,8 @@ def replay(
         float,
         typer.Option(
             "--rate",
-            help="Speed of the replay, as a multiple of that recorded; 0: as fast as possible.",
+            metavar="NUMBER",
+            help="Speed of the replay over the recorded speed; 0: as fast as possible.",
             min=0.0,
             max=1000.0,
         ),

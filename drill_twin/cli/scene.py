@@ -70,7 +70,7 @@ def check(
         print(described.to_yaml(), end="")
     else:
         notes = [("note", note) for note in notes_on(described)]
-        say(Table((), [("scene", f"{scene_path(scene)} is right"), *scene_rows(described), *notes]))
+        say(Table((), [("scene", f"{scene_path(scene)}, without errors"), *scene_rows(described), *notes]))
         if schedule.record is not None:
             print(schedule.record.report)
 
@@ -129,7 +129,7 @@ def new(
         typer.Option(
             "--bit",
             metavar="DIAMETER TYPE",
-            help='Bit, as "8 1/2 in pdc": what the tally lacks of diameter and pdc, roller_cone, hybrid or bicentre.',
+            help='Bit, as "8 1/2 in pdc", where the tally lacks size or type: pdc, roller_cone, hybrid, bicentre.',
         ),
     ] = "",
     depth: Annotated[
@@ -143,11 +143,18 @@ def new(
     ] = "1.2 sg",
     viscosity: Annotated[str, typer.Option("--viscosity", metavar="VISCOSITY", help="Viscosity of the mud.")] = "20 cP",
     friction: Annotated[
-        float, typer.Option("--friction", min=0.0, max=5.0, help="Friction coefficient of the string on the wall.")
+        float,
+        typer.Option("--friction", metavar="NUMBER", min=0.0, max=5.0, help="Friction coefficient on the wall."),
     ] = 0.25,
     cased_friction: Annotated[
         float | None,
-        typer.Option("--cased-friction", min=0.0, max=5.0, help="Friction coefficient in the casing, if another."),
+        typer.Option(
+            "--cased-friction",
+            metavar="NUMBER",
+            min=0.0,
+            max=5.0,
+            help="Friction coefficient in the casing, if another.",
+        ),
     ] = None,
     wob: options.WeightOption = "100 kN",
     rpm: options.RpmOption = "120 rpm",

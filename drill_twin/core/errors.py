@@ -147,7 +147,8 @@ class CheckpointError(DrillTwinError):
 
 
 _EXTRAS = {"xarray": ("xarray", "to_xarray"), "lasio": ("las", "LAS file"), "distributed": ("dask", "--dask"),
-           "pandas": ("xarray", "to_pandas"), "arviz_base": ("arviz", "to_inferencedata")}  # fmt: skip
+           "pandas": ("xarray", "to_pandas"), "arviz_base": ("arviz", "to_inferencedata"),
+           "rerun": ("rerun", "--rerun")}  # fmt: skip
 """Package -> its extra, and what it is for."""
 
 
@@ -155,7 +156,7 @@ def import_extra(package: str) -> Any:
     """Import a package.
 
     Args:
-        package: `xarray`, `pandas`, `lasio`, `distributed` or `arviz_base`.
+        package: Name of its module: `xarray`, `pandas`, `lasio`, `distributed`, `arviz_base` or `rerun`.
 
     Raises:
         ArgumentError: The package is not installed.

@@ -8,6 +8,7 @@ from typing import Literal
 
 import numpy as np
 
+from drill_twin.core.arrays import Array
 from drill_twin.core.errors import DrillTwinError
 from drill_twin.dynamics.discretisation.discretise import survey_of
 from drill_twin.dynamics.sensors.subs import REAL, subs_by_name, subs_of
@@ -27,11 +28,15 @@ INCLINED = 0.002
 
 def string_geometry(twin: Twin) -> StringGeometry:
     """Geometry of the string for the markers in RViz and Foxglove."""
-    scene = twin.scene
+    return drawn_geometry(twin.scene, twin.rod.arc)
+
+
+def drawn_geometry(scene: Scene, distances: Array) -> StringGeometry:
+    """Geometry of a string that is drawn through points at these distances from the bit [m], shape (k,)."""
     line = survey_of(scene)
     marks = scene.string.marks
     return StringGeometry(
-        node_count=twin.elements + 1,
+        node_count=len(distances),
         mark_names=tuple(mark.name for mark in marks),
         mark_distances=tuple(mark.distance_from_bit for mark in marks),
         length=scene.length,
@@ -39,7 +44,7 @@ def string_geometry(twin: Twin) -> StringGeometry:
         hole_radius=scene.hole.radius,
         hole_steps=hole_steps(scene),
         string_steps=string_steps(scene),
-        node_distances=twin.rod.arc,
+        node_distances=distances,
         axis_at=None if line is None else line.at,
         subs=tuple(subs_of(scene)),
         section_names=() if scene.effects.fatigue is None else tuple(s.name for s in scene.effects.fatigue.sections),

@@ -220,8 +220,10 @@ def soft_wall(found: dict[str, Any] | None, units: UnitSystem) -> Iterator[str]:
     if found is None or found["deepest_m"] <= SOFT * found["clearance_m"]:
         return
     depth, share = found["deepest_m"], found["deepest_m"] / found["clearance_m"]
-    at_rest = f", {units.text(found['static_m'], 'offset')} of it under its load at rest" if found["static_m"] else ""
+    at_rest = (
+        f" (at rest the load presses it in by {units.text(found['static_m'], 'offset')})" if found["static_m"] else ""
+    )
     yield (
-        f"the wall is soft for this motion: the string went {units.text(depth, 'offset')} into it, {share:.0%} of the "
-        f"clearance{at_rest}; radii and frequencies depend on its stiffness: compare with a stiffer `wall`"
+        f"the wall is soft for this motion: the string went {units.text(depth, 'offset')} into the wall, {share:.0%} "
+        f"of the clearance{at_rest}; radii and frequencies depend on the stiffness: compare with a stiffer `wall`"
     )

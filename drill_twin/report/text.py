@@ -77,9 +77,9 @@ def _wall(summary: Summary) -> Iterator[Row]:
         units = units_of(summary)
         share = f"{found['deepest_m'] / found['clearance_m']:.1%} of the clearance"
         still = found["static_m"]
-        at_rest = "" if still is None else f"; its load at rest gives {units.text(still, 'offset')}"
+        at_rest = "" if still is None else f"; {units.text(still, 'offset')} at rest"
         place = f"{units.text(found['distance_from_bit_m'], 'length')} from the bit at {found['time_s']:.2f} s"
-        yield "deepest in the wall", f"{units.text(found['deepest_m'], 'offset')} ({share}), {place}{at_rest}"
+        yield "depth into the wall", f"{units.text(found['deepest_m'], 'offset')} ({share}), {place}{at_rest}"
 
 
 def timeline_rows(periods: Sequence[Mapping[str, Any]]) -> list[tuple[str, str, str, str]]:

@@ -42,7 +42,7 @@ class Analyzer(TwinNode):
         Parameter(
             "marks_scene",
             "",
-            'scene that the marks belong to, by name or path, where none is on /twin/scene; "": the one there',
+            'scene that the marks belong to, by name or path, where none is on /twin/scene; "": the scene there',
         ),
         Parameter(
             "sub",

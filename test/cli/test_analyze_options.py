@@ -29,7 +29,7 @@ def test_a_table_has_no_clearance_of_marks(tmp_path):
     table.write_text(f"time [s],RPM [rpm],x [m]\n{rows}")
     result = ran(table, "--clearance", "36 mm")
     assert result.exit_code == 0, result.output
-    assert "a table's columns of marks are not read; drill_twin.analyze" in " ".join(result.output.split())
+    assert "no marks are read from a table; drill_twin.analyze" in " ".join(result.output.split())
     assert "columns of marks" not in ran(table).output
 
 

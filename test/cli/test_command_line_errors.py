@@ -90,7 +90,7 @@ def field(inside, bench_run):
         ),
         (["analyze", "good", "--from", "nan"], "--from: expected a time such as"),
         (["analyze", "no_bag", "--sub", "near_bit", "--marks", "mark_2"], "--marks: expected none beside --sub, which"),
-        (["analyze", "no_bag", "--sub", ""], "--sub: expected a downhole sub, found no name; leave the option out"),
+        (["analyze", "no_bag", "--sub", ""], "--sub: expected a downhole sub, found no name; without --sub"),
         (["modes", "pa6_bench", "--out", "text.mcap"], "text.mcap: expected a place to write the result"),
         (["scene", "schema", "--out", "taken"], "expected a new file, found an existing file"),
         (["scene", "schema", "--out", "text.mcap/x"], "cannot be written"),

@@ -40,7 +40,7 @@ def test_both_files_hold_the_recorded_channels_in_their_units(bench_run, tmp_pat
 
 
 def test_what_cannot_be_exported_is_refused(bench_run, tmp_path):
-    with pytest.raises(ArgumentError, match="expected --csv, --las, --drillbotics or several"):
+    with pytest.raises(ArgumentError, match="expected --csv, --las, --drillbotics, --rerun or several"):
         export(bench_run.bag)
     with pytest.raises(BagError, match="expected a start before the end, found 2 s and 1 s"):
         export(bench_run.bag, csv=True, out=tmp_path, begin=2.0, end=1.0)

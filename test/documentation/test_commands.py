@@ -2,7 +2,8 @@
 """Every command that a page shows is one that the command line takes; the long run runs each once, to its exit code.
 
 A page has a folder of its own, in which its commands run in their order; a command of several pages runs on the first
-one. What a page leaves to its reader (a record, a survey) is `GIVEN`.
+one. What a page leaves to its reader (a record, a survey) is `GIVEN`. A command prints what the page shows under it,
+and the files are there that `--out` and the page's sentences with "writes" name.
 Commands that go on until they are stopped get SIGINT once they have said something. What is not run is in `ELSEWHERE`,
 with the reason.
 """
@@ -66,24 +67,42 @@ class Shown(NamedTuple):
     """In a sentence, where it may be the name of a command."""
     followed: bool = False
     """In a block `sh`, which `test_tutorials.py` follows."""
+    prints: str = ""
+    """What the page shows as its output, or a part of it."""
+
+
+def plain(command):
+    """A command without comment, with the quotes of `shlex`, so that it is known again on another page."""
+    return shlex.join(shlex.split(command, comments=True)).removesuffix(" '&'")
 
 
 def shown_commands(page):
-    """Commands of blocks, without comments, in their order, and then those in sentences."""
+    """Commands of blocks in their order, each with its output, and then those in sentences.
+
+    A block without commands shows output: of the command that the paragraph before it begins with; behind a block of
+    Python of its script, unless that paragraph is on "the command"; else of the last command.
+    """
     text, name = page.read_text("utf-8"), str(page.relative_to(ROOT))
+    found, output, end, script = [], {}, 0, False
     for block in FENCE.finditer(text):
-        if block[1].strip() in {"text", "yaml", "mermaid", "python"}:
+        kind, between, end = block[1].strip(), text[end : block.start()], block.end()
+        if kind in {"yaml", "mermaid", "python"}:
+            script = kind == "python"
             continue
-        followed = block[1].strip() == "sh"
-        for line in re.sub(r"\\\n *", " ", block[2]).splitlines():
-            command = re.sub(r"^ *(?:\$ )?", "", line)
-            if COMMAND.match(command):
-                yield Shown(
-                    name, shlex.join(shlex.split(command, comments=True)).removesuffix(" '&'"), followed=followed
-                )
-    for command in re.findall(r"`([^`\n]+)`", FENCE.sub("", text)):
-        if COMMAND.match(command):
-            yield Shown(name, command, named=True)
+        lines = [re.sub(r"^ *(?:\$ )?", "", line) for line in re.sub(r"\\\n *", " ", block[2]).splitlines()]
+        commands = [line for line in lines if COMMAND.match(line)] if kind != "text" else []
+        if commands:
+            found += [Shown(name, plain(line), followed=kind == "sh") for line in commands]
+        elif kind in {"", "text"} and not page.match("reference/*"):
+            paragraph = between.strip().rpartition("\n\n")[2]
+            if begin := re.match(r"`([^`\n]+)`", paragraph):
+                output[plain(begin[1])] = block[2]
+            elif found and (not script or "command" in paragraph):
+                found[-1] = found[-1]._replace(prints=block[2])
+        script = False
+    quoted = re.findall(r"`([^`\n]+)`", FENCE.sub("", text))
+    named = [plain(command) for command in quoted if COMMAND.match(command)]
+    return [*found, *(Shown(name, line, named=True, prints=output.get(line, "")) for line in named)]
 
 
 ALL = [one for page in PAGES for one in shown_commands(page)]
@@ -138,8 +157,22 @@ def to_be_run():
     for one in ALL:
         elsewhere = one.followed or any(re.search(of, one.line) for of in ELSEWHERE)
         if not (elsewhere or PATTERN.search(one.line) or is_name(one)) and first.setdefault(one.line, one) is one:
-            pages.setdefault(one.page, []).append(one.line)
+            pages.setdefault(one.page, []).append(one)
     return pages
+
+
+def test_output_on_a_page_is_compared():
+    run = {one for commands in to_be_run().values() for one in commands}
+    shown = {one for one in ALL if one.prints and not one.followed}
+    assert {one.page for one in shown} >= {"docs/accuracy.md", "docs/analyzer.md", "docs/drill_twin_studies/fit.md"}
+    assert {one for one in shown - run if not any(re.search(of, one.line) for of in ELSEWHERE)} == set()
+
+
+def written(page):
+    """Names of the files that a page says its commands write."""
+    for sentence in re.split(r"(?<=[.:]) |\n\s*\n", FENCE.sub("", (ROOT / page).read_text("utf-8"))):
+        if re.search(r"\bwrites\b", sentence):
+            yield from re.findall(r"`([\w-]+\.(?:csv|html|json|las|npz|png|rrd|yaml))`", sentence)
 
 
 def test_each_page_with_a_shell_is_followed():
@@ -222,6 +255,10 @@ GIVEN = {
     ),
 }  # fmt: skip
 """What a page takes from its reader, by the words of a command that name it."""
+OF_THE_MACHINE = re.compile(
+    r"[\d.]+(?= s of processor time)|(?<=the motion: )[\d.]+|(?<=expected )[\d.]+(?= s)|(?<=the check: )[\d.]+"
+)
+"""Numbers in an output that are processor times."""
 ANSWERS = {"ros keys": "a password of a driller\n"}
 
 
@@ -273,16 +310,28 @@ def ended(line, folder, domain):
 def test_the_commands_of_a_page_end_as_they_should(page, tmp_path):
     claim = DomainClaim()
 
-    def run(line):
+    def run(line, prints=""):
         code, said = ended(line, tmp_path, claim.domain)
         used = resource.getrusage(resource.RUSAGE_CHILDREN)
         print(f"{used.ru_utime + used.ru_stime:6.1f} s of processor time up to {line}: {code}")
         assert "Traceback" not in said, f"{line}\n{said}"
         assert code == 0, f"{line}\n{said}"
+        words = OF_THE_MACHINE.sub("#", " ".join(said.split()))
+        missing = [row for row in prints.splitlines() if OF_THE_MACHINE.sub("#", " ".join(row.split())) not in words]
+        assert missing == [], f"{line}\n{said}"
+        if out := re.search(r" --out '?([\w./-]+)", line):
+            assert any((tmp_path / out[1]).iterdir()), line
+
+    def pictures():
+        return {path for kind in ("html", "png") for path in tmp_path.rglob(f"*.{kind}")}
 
     try:
-        for line in to_be_run()[page]:
-            given(tmp_path, line, run)
-            run(line)
+        for one in to_be_run()[page]:
+            given(tmp_path, one.line, run)
+            before = pictures()
+            run(one.line, one.prints)
+            if page == "docs/gallery.md" and not UNTIL_STOPPED.search(one.line):
+                assert pictures() > before, one.line
+        assert [name for name in written(page) if not any(tmp_path.rglob(name))] == []
     finally:
         claim.release()

@@ -90,7 +90,7 @@ def test_depth_in_a_soft_wall_beside_that_at_rest(tmp_path):
     pressed = (load + weight) ** 2 * clearance / (4.0 * bending) + section.mass_per_length * 9.81
     assert wall["static_m"] == pytest.approx((pressed / 1e3) ** (2.0 / 3.0), rel=1e-6)
     assert wall["clearance_m"] == pytest.approx(clearance)
-    assert "of the clearance" in dict(findings(found))["deepest in the wall"]
+    assert "of the clearance" in dict(findings(found))["depth into the wall"]
     assert any(note.startswith("the wall is soft") for note in found["notes"]) == (deepest > 0.1 * clearance)
     assert deepest > 0.1 * clearance
 
@@ -108,7 +108,7 @@ def test_no_onset_is_not_said_of_too_few_samples_nor_of_what_a_sub_cannot_see(su
 
 def test_without_contact_no_depth_is_told(summary):
     assert summary["wall"]["deepest_m"] == 0.0
-    assert "deepest in the wall" not in dict(findings(summary))
+    assert "depth into the wall" not in dict(findings(summary))
     assert not any("soft" in note for note in summary["notes"])
 
 

@@ -40,7 +40,7 @@ _Panel = tuple[str, str, dict[str, Array], Array | None]
 
 def set_points(recording: Recording) -> Figure:
     """One panel a quantity of the rig that the recording holds."""
-    found = list(_panels(recording))
+    found = list(rig_panels(recording))
     figure, panels = over_time(recording.duration, [1.35] * len(found), title=_title(found))
     units = recording.units
     if not recording.places and len(recording.rig):
@@ -62,7 +62,7 @@ def set_points(recording: Recording) -> Figure:
     return figure
 
 
-def _panels(recording: Recording) -> Iterator[_Panel]:
+def rig_panels(recording: Recording) -> Iterator[_Panel]:
     """Panels with at least one line that has values; spikes, which would set the axes, are left out."""
     recorded, kept, commands = recording.rig, without_spikes(recording), recording.commands
     rig = SimpleNamespace(**{name: kept.get(name, getattr(recorded, name)) for name in (*CHANNELS, "bit_torque")})

@@ -55,7 +55,12 @@ class Recorder(TwinNode):
             "regex", "", "also topics in whose full name this regular expression is found", such_as="/rig/|/marks/"
         ),
         Parameter("exclude_topics", (), "topics not to record", such_as='["/string/markers"]'),
-        Parameter("exclude_regex", "", "nor topics in whose full name this is found", such_as="/string/.*"),
+        Parameter(
+            "exclude_regex",
+            "",
+            "regular expression of topics not to record",
+            such_as="/string/.*",
+        ),
         AUTOSTART,
     )
     RIGHTS = Rights(subscribes=tuple(ALL_TOPICS))

@@ -49,13 +49,13 @@ class Replayer(TwinNode):
         Parameter(
             "start_offset",
             0.0,
-            "place in the bag where the replay begins, again where it loops; it goes there when this is changed",
+            "place in the bag where the replay begins, also after a loop; a change moves the replay there",
             "s",
             0.0,
             _LONGEST,
             live=True,
         ),
-        Parameter("start_paused", False, "whether it begins paused, for ~/play_next or ~/resume"),
+        Parameter("start_paused", False, "whether the replay begins paused, for ~/play_next or ~/resume"),
         Parameter(
             "topics",
             (),
@@ -85,7 +85,7 @@ class Replayer(TwinNode):
             "clock_rate", 40.0, "/clock of a bag that holds none, per second of wall time; 0: none", "Hz", 0.0, 1000.0
         ),
         Parameter("wait_for", (), "nodes that must be ready before the first message"),
-        Parameter("wait_timeout", 30.0, "longest wait for them", "s", 0.0, 3600.0),
+        Parameter("wait_timeout", 30.0, "longest wait for nodes", "s", 0.0, 3600.0),
         Parameter("loop", False, "whether to begin again at the end"),
         AUTOSTART,
     )

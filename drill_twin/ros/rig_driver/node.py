@@ -55,12 +55,12 @@ PARAMETERS = (
     Parameter(
         "follow",
         "clock",
-        "clock: send with the simulator's /clock; wall: send and stamp by the wall clock, for a simulator without one",
+        "clock: send with the simulator's /clock; wall: send and stamp by the wall clock, where there is no /clock",
         choices=("clock", "wall"),
     ),
     Parameter("frame_rate", 0.0, "set-points per second; 0: the scene's frame rate", "Hz", 0.0, 1000.0),
     Parameter("wait_for", ("simulator",), "nodes that must be ready before the first set-point"),
-    Parameter("wait_timeout", 120.0, "longest wait for them", "s", 0.0, 3600.0),
+    Parameter("wait_timeout", 120.0, "longest wait for nodes", "s", 0.0, 3600.0),
     Parameter(
         "at_end",
         "hold",

@@ -22,15 +22,18 @@ def watch(
             "--namespace, --limit, --units or --foxglove, the running twin.",
         ),
     ] = None,
-    port: Annotated[int, typer.Option(min=0, max=65535, help="Port of the page; 0: any free one.")] = 8000,
+    port: Annotated[
+        int, typer.Option(min=0, max=65535, metavar="PORT", help="Port of the page; 0: any free one.")
+    ] = 8000,
     host: Annotated[
-        str, typer.Option(help="Address on which the page is served. Commands need the link that is printed.")
+        str,
+        typer.Option(
+            metavar="ADDRESS", help="Address on which the page is served. Commands need the link that is printed."
+        ),
     ] = ("127.0.0.1"),
     allow_host: Annotated[
         list[str],
-        typer.Option(
-            "--allow-host", metavar="NAME", help="Further name by which browsers reach this server; repeatable."
-        ),
+        typer.Option("--allow-host", metavar="NAME", help="Further name of this server for browsers; repeatable."),
     ] = [],  # noqa: B006  typer does not change the default
     limit: Annotated[
         list[str],
@@ -38,7 +41,7 @@ def watch(
             "--limit",
             metavar="NAME=VALUE",
             help='Limit that raises an alarm, as "torque_high=12 kN m": _low or _high of wob, rps, bit_rps, torque, '
-            "hookload or rop; repeatable. A limit can be changed on the page.",
+            "hookload or rop; repeatable. The page changes limits too.",
         ),
     ] = [],  # noqa: B006
     browser: Annotated[bool, typer.Option("--browser/--no-browser", help="Open the page in the browser.")] = True,
@@ -47,7 +50,10 @@ def watch(
     foxglove: Annotated[
         int | None,
         typer.Option(
-            min=0, max=65535, metavar="PORT", help="Also serve all topics of a running twin to Foxglove, at this port."
+            min=0,
+            max=65535,
+            metavar="PORT",
+            help="Port at which Foxglove gets all topics of a running twin.",
         ),
     ] = None,
 ) -> None:

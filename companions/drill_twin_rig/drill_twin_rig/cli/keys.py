@@ -9,23 +9,25 @@ import typer
 
 
 def keys(
-    folder: Annotated[Path, typer.Argument(help="Folder of the keys; it is made if there is none.")],
-    user: Annotated[str, typer.Option(help="Name of a user to add, or who gets another password.")],
+    folder: Annotated[Path, typer.Argument(metavar="DIR", help="Folder of the keys; it is made if there is none.")],
+    user: Annotated[str, typer.Option(metavar="NAME", help="Name of a user to add, or who gets another password.")],
     password: Annotated[
         str,
         typer.Option(
+            metavar="TEXT",
             prompt=True,
             hide_input=True,
-            help="Password, 8 characters or more; asked for if left out (others see the options of a command).",
+            help="Password, 8 characters or more; asked for if left out, as others see options.",
         ),
     ],
     host: Annotated[
-        str, typer.Option(help="Name of the machine in the certificate; this machine's name if left out.")
+        str,
+        typer.Option(metavar="NAME", help="Name of the machine in the certificate; this machine's name if left out."),
     ] = "",
 ) -> None:
     """Make the keys of the gateway: a self-signed certificate, and users that may command.
 
-    Put the certificates of clients into FOLDER/trusted.
+    Put the certificates of clients into DIR/trusted.
     """
     from drill_twin_rig.gateway.opc_ua.keys import CERTIFICATE, TRUSTED, USERS, make_keys
 

@@ -63,12 +63,16 @@ PARAMETERS = (
     Parameter(
         "rig_security",
         "sign_and_encrypt",
-        "connection with it: sign_and_encrypt: with keys, Basic256Sha256; none: open, and set-points are followed on "
-        "this host only",
+        "connection: sign_and_encrypt: with keys, Basic256Sha256; none: open, and set-points are followed "
+        "on this host only",
         choices=("sign_and_encrypt", "none"),
     ),
-    Parameter("rig_user", "", 'user on it, whose password is in the file rig_password in keys; "": anonymous'),
-    Parameter("rig_rate", 10.0, "readings of it a second", "Hz", 0.1, 50.0),
+    Parameter(
+        "rig_user",
+        "",
+        'user on the rig; password: in the file rig_password in keys; "": anonymous',
+    ),
+    Parameter("rig_rate", 10.0, "readings of the rig a second", "Hz", 0.1, 50.0),
     AUTOSTART,
 )
 

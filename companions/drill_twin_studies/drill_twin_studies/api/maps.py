@@ -117,7 +117,7 @@ def operating_map(
     """Regimes of motion over weight on bit and speed, from runs that crowd where the regime changes.
 
     >>> found = operating_map("pa6_bench", wob="1..300 N", rpm="60..390")
-    >>> found.regime(40.0, 12.6), found.margin(40.0, 12.6), found.windows, found.basis
+    >>> found.regime("40 N", "2 rev/s"), found.margin("40 N", "2 rev/s"), found.windows, found.basis
 
     Args:
         scene: The scene, or its name or file; each run begins as it does.

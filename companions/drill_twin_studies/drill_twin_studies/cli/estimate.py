@@ -38,15 +38,18 @@ def estimate(
         ),
     ] = [],  # noqa: B006
     change: options.SetOption = [],  # noqa: B006  typer makes a new list of it
-    members: Annotated[int, typer.Option("--members", min=4, help="Number of members of the ensemble.")] = 64,
+    members: Annotated[int, typer.Option("--members", metavar="N", min=4, help="Members of the ensemble.")] = 64,
     window: Annotated[float, options.time_option("--window", "Time from estimate to estimate", 0.05)] = 1.0,
     error: Annotated[
         float,
-        typer.Option("--error", min=1e-6, help="Error of a sample, as a share of the largest value of its channel."),
+        typer.Option(
+            "--error",
+            metavar="SHARE",
+            min=1e-6,
+            help="Error of a sample, as a share of the largest value of its channel.",
+        ),
     ] = 0.02,
-    horizon: Annotated[
-        float, options.time_option("--horizon", "Time ahead for which the chance of whirl is computed", 0.0)
-    ] = 4.0,
+    horizon: Annotated[float, options.time_option("--horizon", "Time ahead for the chance of whirl", 0.0)] = 4.0,
     seed: options.SeedOption = 1,
     out: Annotated[Path | None, options.folder_option("Write estimate.json and estimate.png to this folder.")] = None,
     units: options.UnitsOption = "",

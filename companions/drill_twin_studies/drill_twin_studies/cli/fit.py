@@ -28,18 +28,19 @@ def fit(
     channel: options.ChannelOption,
     change: options.SetOption = [],  # noqa: B006  typer makes a new list of it
     likelihood: Annotated[
-        str, typer.Option("--likelihood", help="What is compared: the series, or features of windows (features).")
+        str,
+        typer.Option(
+            "--likelihood", metavar="series|features", help="What is compared: the series, or features of windows."
+        ),
     ] = "series",
     begin: options.FromOption = 0.0,
     end: options.ToOption = math.inf,
-    rate: Annotated[
-        str, typer.Option("--rate", metavar="FREQUENCY", help="Number of samples per second that are compared.")
-    ] = "20 Hz",
+    rate: Annotated[str, typer.Option("--rate", metavar="FREQUENCY", help="Samples compared per second.")] = "20 Hz",
     window: Annotated[
         float, options.time_option("--window", "With --likelihood features: length of a window", 0.0)
     ] = 5.0,
-    members: Annotated[int, typer.Option("--members", min=8, help="Number of runs in a round.")] = 64,
-    rounds: Annotated[int, typer.Option("--rounds", min=1, help="Most rounds.")] = 24,
+    members: Annotated[int, typer.Option("--members", metavar="N", min=8, help="Runs in a round.")] = 64,
+    rounds: Annotated[int, typer.Option("--rounds", metavar="N", min=1, help="Most rounds.")] = 24,
     seed: options.SeedOption = 1,
     workers: options.WorkersOption = 0,
     out: Annotated[

@@ -49,7 +49,7 @@ def operating_map(
         ),
     ] = "",
     runs: Annotated[
-        int, typer.Option("--runs", metavar="N", min=1, max=1_000_000, help="Most runs of the search.")
+        int, typer.Option("--runs", metavar="N", min=1, max=1_000_000, help="Largest number of runs.")
     ] = 1500,
     steps: Annotated[
         int, typer.Option("--steps", metavar="N", help="A boundary is located within 1/N of each range; a power of 2.")
@@ -57,15 +57,12 @@ def operating_map(
     no_hysteresis: Annotated[
         bool, typer.Option("--no-hysteresis", help="Leave out the boundary at which an existing whirl dies.")
     ] = False,
-    no_growth: Annotated[
-        bool, typer.Option("--no-growth", help="Do not place first runs by the growth rates of the linear string.")
-    ] = False,
     workers: options.WorkersOption = 0,
     dask: Annotated[
         str, typer.Option("--dask", metavar="ADDRESS", help="Address of a Dask scheduler whose workers make the runs.")
     ] = "",
     out: Annotated[
-        Path | None, options.folder_option("Folder of the result; a map that was broken off goes on.", "out/map_SCENE")
+        Path | None, options.folder_option("Folder of the result; an interrupted map is continued.", "out/map_SCENE")
     ] = None,
     replace: options.ReplaceOption = False,
     units: options.UnitsOption = "",
@@ -94,7 +91,7 @@ def operating_map(
     with shown_progress("calm", runs, unit="runs", kept=going_on, most=True) as bar:
         found = make(
             described, wob=wob, rpm=rpm, seeds=seeds, vary=ranges, runs=runs,
-            hysteresis=not no_hysteresis, growth=not no_growth, steps=steps, folder=folder, workers=workers, dask=dask,
+            hysteresis=not no_hysteresis, steps=steps, folder=folder, workers=workers, dask=dask,
             calm_for=calm_for or None,
             progress=lambda phase, done, expected: bar.show(phase, done, max(runs, expected)),
         )  # fmt: skip

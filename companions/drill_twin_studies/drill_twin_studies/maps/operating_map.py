@@ -12,11 +12,13 @@ from typing import Annotated, Any, Literal, NamedTuple
 import numpy as np
 from pydantic import BaseModel, Field, ValidationError
 
+from drill_twin.api.scenes import Quantity, in_si
 from drill_twin.core.arrays import Mask
 from drill_twin.core.errors import ArgumentError, SceneError
 from drill_twin.core.files.foreign_file import ForeignFile
 from drill_twin.core.table import Table
 from drill_twin.core.units import show
+from drill_twin.core.units.dimension import ANGULAR_SPEED, FORCE
 from drill_twin.core.units.system import UnitSystem
 from drill_twin.io.messages.topic_words import digest_of
 from drill_twin.scene import Scene
@@ -104,23 +106,21 @@ class OperatingMap(MapFields):
         """The set-point [N], [rad/s] lies in or on the edge of a known cell."""
         return bool(self.known[self.plane.cells_at(self.plane.place(weight, speed))].any())
 
-    def regime(self, weight: float, speed: float) -> Regime:
-        """Regime from rest at a set-point [N], [rad/s].
+    def regime(self, weight: Quantity, speed: Quantity) -> Regime:
+        """Regime from rest at a set-point: text with units, as "5 N" and "120 rpm", or numbers [N], [rad/s].
 
         Raises:
-            ArgumentError: The set-point lies outside the ranges.
+            ArgumentError: The set-point lies outside the ranges, or a text is no force or no speed.
         """
-        self._check_inside(weight, speed)
-        return REGIMES[int(self.regimes[self.node(weight, speed)])]
+        return REGIMES[int(self.regimes[self.node(*self._inside(weight, speed))])]
 
-    def margin(self, weight: float, speed: float) -> Margin:
-        """Distance of a set-point [N], [rad/s] to the boundary of calm operation.
+    def margin(self, weight: Quantity, speed: Quantity) -> Margin:
+        """Distance of a set-point, given as for `regime`, to the boundary of calm operation.
 
         Raises:
-            ArgumentError: The set-point lies outside the ranges.
+            ArgumentError: As for `regime`.
         """
-        self._check_inside(weight, speed)
-        return self.margin_of(self.calm, weight, speed)
+        return self.margin_of(self.calm, *self._inside(weight, speed))
 
     def margin_of(self, flags: Mask, weight: float, speed: float) -> Margin:
         """Distance of a set-point [N], [rad/s] in the ranges to the boundary of flagged nodes; negative outside it."""
@@ -139,13 +139,16 @@ class OperatingMap(MapFields):
         n = self.plane.steps
         return Margin(along[0] / n * step[0], along[1] / n * step[1], nearest / n)
 
-    def _check_inside(self, weight: float, speed: float) -> None:
+    def _inside(self, load: Quantity, turn: Quantity) -> tuple[float, float]:
+        """Set-point [N], [rad/s] of two arguments, if it lies in the ranges."""
+        weight, speed = in_si("weight", load, FORCE), in_si("speed", turn, ANGULAR_SPEED)
         if not self.contains(weight, speed):
             low, high = self.plane.weight, self.plane.speed
             raise ArgumentError(
                 f"expected a set-point of the map, {self.units.span(*low, 'force')} and "
                 f"{self.units.span(*high, 'rotation')}, found {self.units.set_point(weight, speed)}"
             )
+        return weight, speed
 
     # --- file -----------------------------------------------------------------------------------------------------
 

@@ -29,6 +29,10 @@ def test_it_has_both_boundaries_and_knows_its_regimes(found):
     assert found.has_second_boundary
     assert found.regime(2.0, 2 * math.tau) is dt.Regime.SMOOTH
     assert found.regime(40.0, 2 * math.tau) is dt.Regime.FORWARD
+    assert found.regime("2 N", "120 rpm") is dt.Regime.SMOOTH
+    assert found.margin("40 N", "2 rev/s") == found.margin(40.0, 2 * math.tau)
+    with pytest.raises(dt.DrillTwinError, match=r'weight: expected a force such as .*, found "40" \(no unit\)'):
+        found.regime("40", "2 rev/s")
 
 
 def test_each_run_is_repeated_by_its_command(found):

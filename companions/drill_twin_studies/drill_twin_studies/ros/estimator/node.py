@@ -71,7 +71,7 @@ PARAMETERS = (
     Parameter("window", 1.0, "time from estimate to estimate", "s", 0.05, 60.0),
     Parameter("rate", 10.0, "samples a second that are compared", "Hz", 0.1, 1000.0),
     Parameter("error", 0.02, "error of a sample, over the largest value of its channel", "", 1e-6, 1.0),
-    Parameter("horizon", 4.0, "time ahead for which the chance of whirl is computed; 0: it is not", "s", 0.0, 60.0),
+    Parameter("horizon", 4.0, "time ahead for which the chance of whirl is computed; 0: not computed", "s", 0.0, 60.0),
     Parameter("show", True, "publish the member nearest to the rig under estimate/"),
     Parameter("seed", 1, "seed of the draws", "", 0, 2**31 - 1),
     AUTOSTART,
