@@ -81,7 +81,7 @@ def cost(
             scene, changes, resolutions, folder / "runs", replicas=replicas, workers=workers, progress=bar.step
         )
     data = asdict(curve)
-    tables = (_meshes,) if elements else (_table, _tolerances)
+    tables = (_meshes,) if elements else (_table, _tolerances, *([_meshes] if curve.whole else []))
     emit(
         data, (table(curve) for table in tables), json=json, folder=folder, also=["runs"],
         files={"cost.json": data, "cost.csv": _all(curve).csv(), "cost.png": lambda: cost_figure(curve)},
@@ -132,14 +132,20 @@ def _meshes(curve: Curve) -> Table:
         )  # fmt: skip
         return elements, *map(_share, found), *price
 
+    whole = curve.whole
+    step = (whole or curve.runs[0]).resolution.step
     rows = [
-        row(str(one.resolution.elements), one.errors, f"{one.cost * 1e3:.3g}", f"{one.realtime_factor:.3g}")
-        for one in sorted(curve.runs, key=lambda one: one.resolution.elements)
-    ]
+        row(f"{one.resolution.elements}{' whole' if one is whole else ''}", one.errors, f"{one.cost * 1e3:.3g}",
+            f"{one.realtime_factor:.3g}")
+        for one in sorted(curve.runs, key=lambda one: (one is whole, one.resolution.elements))
+        if one.resolution.step == step and one.resolution.tolerance is None
+    ]  # fmt: skip
     rows.append(row("spread", curve.noise, "", ""))
     title = (
-        f"{curve.scene}: errors over elements at a step of {curve.runs[0].resolution.step * 1e3:.2g} ms, against "
-        f"{curve.reference.elements} elements and {curve.reference.step * 1e3:.2g} ms.\n"
+        f"{curve.scene}: errors over elements at a step of {step * 1e3:.2g} ms, against "
+        f"{curve.reference.elements} elements and {curve.reference.step * 1e3:.2g} ms"
+        f"{' with the joint; whole: `lateral_from=0 m`, what the joint changes (path: marks above it)' * bool(whole)}"
+        ".\n"
         "Path and time of the onset; means of hookload and torque over the second half; period of stick-slip; whirl "
         "frequency. Time: processor ms per simulated second, speed over real time (× rt). "
         "Spread: of runs set apart by a push of 0.1 mm/s."

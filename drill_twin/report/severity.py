@@ -10,6 +10,7 @@ import numpy as np
 from drill_twin.core.arrays import Array
 from drill_twin.core.severity import DEFAULT, Bounds, Grade, grade, told, worst_row
 from drill_twin.dynamics.discretisation.discretise import tubes_of
+from drill_twin.dynamics.discretisation.joint import joint_of
 from drill_twin.report.load_text import Summary, units_of
 from drill_twin.report.quantities import fatigue, settled_from
 from drill_twin.report.recording import Recording
@@ -38,7 +39,8 @@ def severity(bag: Recording) -> dict[str, Any]:
     * `severity_source`: source of the bounds that the scene gives, and of which; None where none is given.
     * `acceleration`: by mark `lateral_rms_m_s2`, `lateral_peak_m_s2`, `axial_rms_m_s2`, `axial_peak_m_s2`; of the
       centre line, without gravity, from positions at the rate `acceleration_rate_hz`: a shock shorter than two samples
-      is not in them. Empty with too few samples in a revolution (`whirl.criteria.FEWEST_SAMPLES`).
+      is not in them. Without marks above `numerics.lateral_from`, which stay on the axis. Empty with too few samples in
+      a revolution (`whirl.criteria.FEWEST_SAMPLES`).
     * `wear_power_w`: by mark the mean of wall force, on about an element's length, times sliding speed across the
       hole, which wears both surfaces; not graded, since no bound of it is known.
     * `bending_cycles_per_second`: of the effect `fatigue`, else upward passages of the mean stress of the fibre with
@@ -94,9 +96,11 @@ def _of_marks(bag: Recording) -> tuple[float | None, dict[str, dict[str, float]]
     rim = np.array([place.wall_offset for place in bag.places]) * bag.marks.spin_rate[late][:, columns]
     power, found = (np.linalg.norm(push, axis=-1) * np.abs(around + rim)).mean(axis=0), {}
     names = [f"{name}_m_s2" for name in _OF_MARKS]
-    for mark, place in enumerate(bag.places):
-        found[place.name] = dict(zip(names, (*sizes(lateral[:, mark]), *sizes(axial[:, mark])), strict=True))
-    return 1.0 / step, found, dict(zip(found, power.tolist(), strict=True))
+    joint = (joint_of(bag.scene) if bag.scene_known else None) or math.inf
+    moving = [(mark, place.name) for mark, place in enumerate(bag.places) if place.distance_from_bit <= joint]
+    for mark, name in moving:
+        found[name] = dict(zip(names, (*sizes(lateral[:, mark]), *sizes(axial[:, mark])), strict=True))
+    return 1.0 / step, found, {name: float(power[mark]) for mark, name in moving}
 
 
 def _unseen(bag: Recording) -> str:

@@ -69,27 +69,26 @@ def contradictions(scene: Scene) -> Iterator[Problem]:
             yield from each(scene)
 
 
-NEED_LATERAL = ("fatigue", "top_shake")
-"""Effects that need lateral motion of the whole string."""
+def needs_lateral(scene: Scene) -> list[str]:
+    """Keys of a scene that need lateral motion of the whole string (`numerics.lateral_from`)."""
+    effects, kick = scene.effects, scene.effects.lateral_kick
+    found = ["effects.top_shake"] if effects.top_shake is not None else []
+    found += ["effects.lateral_kick.offset"] if kick is not None and kick.offset else []
+    found += ["no stretch and torsion"] if effects.stretch is None else []
+    return found + ([f"rig.start: {scene.rig.start}"] if scene.rig.start != "axis" else [])
 
 
 def _may_follow_the_hole(scene: Scene) -> Iterator[Problem]:
-    numerics, effects = scene.numerics, scene.effects
-    depth = numerics.lateral_from
-    if depth == 0.0:
+    depth = scene.numerics.lateral_from
+    if depth == "auto" or not depth:
         return
-    if depth != "auto" and depth >= scene.string.length:
+    if depth >= scene.string.length:
         yield Incompatibility(
             ("numerics", "lateral_from"),
             f"expected a depth above the bit ({scene.unit_system.text(scene.string.length, 'length')}), found "
             f"{scene.unit_system.text(depth, 'length')}",
         )
-    found = [f"effects.{key}" for key in NEED_LATERAL if key in effects.blocks]
-    found += ["effects.lateral_kick.offset"] if effects.lateral_kick is not None and effects.lateral_kick.offset else []
-    found += ["no stretch and torsion"] if effects.stretch is None else []
-    found += ["numerics.accuracy"] if numerics.accuracy is not None else []
-    found += [f"rig.start: {scene.rig.start}"] if scene.rig.start != "axis" else []
-    if found:
+    if found := needs_lateral(scene):
         yield Incompatibility(
             ("numerics", "lateral_from"),
             f"expected 0 m, the whole string, as a string that follows the hole has no lateral motion for them, found "

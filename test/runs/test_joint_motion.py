@@ -17,14 +17,14 @@ RUBBING = THIN | {
 }
 
 
-def _told(changes, depth="auto"):
-    scene = load_scene("wells/vertical_3000", {"numerics.lateral_from": depth, **changes})
+def _told(changes, well="vertical_3000", until=20.0):
+    scene = load_scene(f"wells/{well}", changes)
     loop, schedule, period = (
         RunLoop(scene, scene.numerics.frame_period, lambda *_: None),
         Schedule.from_scene(scene),
         0.02,
     )
-    while loop.twin.time < 20.0:
+    while loop.twin.time < until:
         ahead = [schedule.at(loop.twin.time + (k + 1) * period) for k in range(min(50, loop.most_frames))]
         frames, error = loop.fill(ahead)
         assert error is None
@@ -39,3 +39,8 @@ def test_a_calm_string_says_nothing():
 @pytest.mark.parametrize("changes", [FAST, RUBBING], ids=["fast", "rubbing"])
 def test_a_string_that_whirls_at_the_joint_says_so(changes):
     assert "the string whirled where its lateral motion ends" in _told(changes)
+
+
+def test_a_string_that_falls_to_the_low_side_before_it_turns_does_not_whirl():
+    """From rest on the axis: it moves sideways faster than the surface that has begun to turn."""
+    assert _told({"rig.rotation.duration": "30 s"}, "s_shaped", 5.0) == ""

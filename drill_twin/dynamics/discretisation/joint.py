@@ -19,8 +19,9 @@ from drill_twin.dynamics.discretisation.discretise import (
 )
 from drill_twin.dynamics.solver.joined.linear_solver import Workspace, make_workspace
 from drill_twin.physics.effects.gravity import line_weight
-from drill_twin.physics.model import Axis, DiscreteModel, Rod, Tube, build_rod, part_of, tube_constants
+from drill_twin.physics.model import SPIN, Axis, DiscreteModel, Rod, Tube, build_rod, part_of, tube_constants
 from drill_twin.scene import Scene
+from drill_twin.scene.check import needs_lateral
 from drill_twin.scene.set_points import Command, extremes
 
 STIFFER = 3.0
@@ -33,7 +34,8 @@ LONGEST_ABOVE = 30.0
 """Longest element above the joint [m]: a stand, a sixth of the torsional wave of 17 Hz."""
 WHIRLS, OVER = 0.5, 2.0
 """Sideways speed at the joint over the speed of the surface there, from which the string is said to whirl, rms over a
-time [s]: calm wells of 1,000 m had 0.04 to 0.32, and wells whose hookload or torque was off 0.57 to 1.3."""
+time [s]: calm wells of 1,000 m had 0.04 to 0.32, and wells whose hookload or torque was off 0.57 to 1.3. Frames count
+once the joint has turned round: a string that starts on the axis falls to the low side before."""
 SAMPLES = 400
 """Elements of the mesh by length on which the compression is evaluated."""
 
@@ -42,13 +44,13 @@ def joint_of(scene: Scene) -> float | None:
     """Distance from the bit up to which the string moves laterally too [m]; None: the whole string does.
 
     With `auto` that is `WAVES` bending waves above the assembly, the sections from the bit up that are stiffer than
-    pipe, and above all pipe whose compression may buckle it.
+    pipe, and above all pipe whose compression may buckle it; none where the scene needs lateral motion further up.
 
     Raises:
         TableError: `auto` is to be chosen for a record that cannot be used.
     """
     depth = scene.numerics.lateral_from
-    if depth == 0.0:
+    if depth == 0.0 or (depth == "auto" and needs_lateral(scene)):
         return None
     return _chosen_joint(scene, extremes(scene)) if depth == "auto" else scene.length - depth
 
@@ -134,7 +136,7 @@ class JointMotion:
         self._depth = scene.unit_system.text(scene.length - (joint or 0.0), "length")
         self._node = None if joint is None else int(np.searchsorted(rod.arc, joint - 1e-6))
         self._lever, self._since, self._fastest = float(rod.outer_radius[self._node or 0]), 0.0, 0.0
-        self._squares, self._frames = 0.0, 0
+        self._squares, self._frames, self._spin = 0.0, 0, math.nan
 
     def update(self, time: Array, u: Array, v: Array, top_speed: Array) -> list[str]:
         """Check frames, in order; returns a sentence once, where the string whirls at the joint.
@@ -146,6 +148,10 @@ class JointMotion:
             top_speed: Of the top drive [rad/s], shape (F,).
         """
         if self._node is None or not time.size:
+            return []
+        spin = u[:, self._node, SPIN]
+        self._spin = float(spin[0]) if math.isnan(self._spin) else self._spin
+        if abs(spin[0] - self._spin) < math.tau:
             return []
         along, moving = u[:, self._node, 3:6], v[:, self._node, :3]
         along = along / np.linalg.norm(along, axis=1, keepdims=True)

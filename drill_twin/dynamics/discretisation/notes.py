@@ -14,7 +14,7 @@ from drill_twin.dynamics.discretisation.discretise import (
     sections_of,
     tubes_of,
 )
-from drill_twin.dynamics.discretisation.joint import LONGEST_ABOVE, buckled_up_to, joint_of
+from drill_twin.dynamics.discretisation.joint import buckled_up_to, joint_of
 from drill_twin.dynamics.discretisation.resolution import (
     ELEMENTS_PER_PITCH,
     IN_TORSION,
@@ -30,6 +30,7 @@ from drill_twin.physics.effects import gyroscopic
 from drill_twin.physics.model import build_rod, tube_constants
 from drill_twin.scene import Scene
 from drill_twin.scene.blocks.numerics import MOST_ELEMENTS
+from drill_twin.scene.check import needs_lateral
 from drill_twin.scene.set_points import extremes
 
 LARGEST_SHEAR = 4e-4
@@ -71,30 +72,29 @@ def notes_on_rotors(scene: Scene) -> list[str]:
 
 
 def _joint(scene: Scene) -> Iterator[str]:
-    joint = joint_of(scene)
+    joint, effects, text = joint_of(scene), scene.effects, scene.unit_system.text
     if joint is None:
         if scene.numerics.lateral_from == "auto":
-            yield "`numerics.lateral_from: auto` is 0 m: the whole string moves laterally"
+            why = ", ".join(needs_lateral(scene))
+            yield f"`numerics.lateral_from: auto` is 0 m: the whole string moves laterally{why and ', for ' + why}"
         return
-    buckled = buckled_up_to(scene)
-    depth, above_bit, reaches, at_most, longest = (
-        scene.unit_system.text(each, "length")
-        for each in (scene.length - joint, joint, buckled, max(scene.length - buckled, 0.0), LONGEST_ABOVE)
-    )
-    above = [mark.name for mark in scene.string.marks if mark.distance_from_bit > joint]
-    stays = f"; marks that stay on the axis: {', '.join(above)}" if above else ""
-    idle = [support.name for support in scene.string.supports if support.distance_from_bit > joint]
-    stays += f"; supports that hold nothing, as nothing moves across the hole there: {', '.join(idle)}" if idle else ""
-    coarse = f", in elements of up to {longest} (a period of stick-slip may be off by 2 %; more `elements` divide them)"
-    coarse = coarse if scene.numerics.elements == "auto" else ""
+    above: dict[str, list[str]] = {
+        "marks on the axis": [mark.name for mark in scene.string.marks if mark.distance_from_bit > joint],
+        "supports that hold nothing": [held.name for held in scene.string.supports if held.distance_from_bit > joint],
+        "fatigue of the hole's bending only": [
+            section.name
+            for section in (effects.fatigue.sections if effects.fatigue else ())
+            if section.distance(scene.length) > joint
+        ],
+    }
     yield (
-        f"lateral motion from {depth} on, {above_bit} above the bit (`numerics.lateral_from`); the string "
-        f"above it follows the hole, stretches and twists{coarse}{stays}"
+        f"lateral motion from {text(scene.length - joint, 'length')} down (`numerics.lateral_from`); above, the string "
+        + "; ".join(["follows the hole", *(f"{what}: {', '.join(names)}" for what, names in above.items() if names)])
     )
-    if buckled > joint:
+    if (buckled := buckled_up_to(scene)) > joint:
         yield (
-            f"pipe up to {reaches} from the bit may buckle, but has no lateral motion there: expected "
-            f"numerics.lateral_from at most {at_most}"
+            f"pipe up to {text(buckled, 'length')} from the bit may buckle, but has no lateral motion there: expected "
+            f"numerics.lateral_from at most {text(max(scene.length - buckled, 0.0), 'length')}"
         )
 
 

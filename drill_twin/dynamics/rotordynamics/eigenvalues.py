@@ -163,7 +163,7 @@ def modes_near(pencil: Pencil, shift: complex = SHIFT, count: int = NEAREST) -> 
     mass, damping, stiffness = map(scipy.sparse.csc_array, pencil)
     unit = scipy.sparse.diags_array(np.ones(size))
     left = scipy.sparse.block_array([[None, unit], [-stiffness, -damping]])
-    values, vectors = nearest_to(left, scipy.sparse.block_diag([unit, mass]), shift, count)
+    values, vectors = nearest_to(left, scipy.sparse.block_diag([unit, mass], format="csr"), shift, count)
     return values, vectors[:size]
 
 

@@ -208,7 +208,7 @@ class WellPlan(NamedTuple):
                 "wall_friction": {"coefficient": self.friction, **self._cased_friction(casing)},
                 "bit_torque_stribeck": {"radius": f"{bit / 3.0:.6g} m", **bit_law(kind)},
             },
-            "numerics": {"frame_rate": "50 Hz" if long else "200 Hz"},
+            "numerics": {"frame_rate": "50 Hz", "lateral_from": "auto"} if long else {"frame_rate": "200 Hz"},
         }  # fmt: skip
 
     def _bit(self, pieces: list[TallyPiece], hole: float) -> tuple[str, float]:

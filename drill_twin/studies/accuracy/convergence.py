@@ -8,6 +8,7 @@ from pathlib import Path
 
 from drill_twin.core import __version__
 from drill_twin.core.errors import RunError, SceneError
+from drill_twin.dynamics.discretisation.kernel_arguments import JOINED, LATERAL, SPATIAL, form_of
 from drill_twin.dynamics.discretisation.resolution import resolution_of
 from drill_twin.dynamics.twin.twin import Twin
 from drill_twin.scene import Scene, load_scene
@@ -24,7 +25,6 @@ TOLERANCES = (1e-3, 1e-4, 1e-6)
 FINER = 2.0
 """Elements of the converged run over the elements of the finest resolution; its time step is as much shorter."""
 MIN_ELEMENTS = 4
-SPATIAL, LATERAL = "spatial", "lateral"
 
 
 @dataclass(frozen=True)
@@ -49,6 +49,7 @@ class Resolution:
             "numerics.accuracy": "null", "numerics.elements": str(self.elements), "numerics.step": f"{self.step!r} s",
         }  # fmt: skip
         off = {"effects.stretch": "off", "effects.torsion": "off"} if self.form == LATERAL else {}
+        off |= {"numerics.lateral_from": "0 m"} if self.form == SPATIAL else {}
         own = {} if self.tolerance is None else {"numerics.tolerance": repr(self.tolerance)}
         return numerics | off | own
 
@@ -87,6 +88,12 @@ class Curve:
     """Resolutions that could not be run, and why."""
 
     @property
+    def whole(self) -> MeasuredRun | None:
+        """The run of the whole string beside runs with lateral motion from a depth down (`numerics.lateral_from`)."""
+        others = (run for run in self.runs if self.reference.form == JOINED and run.resolution.form == SPATIAL)
+        return next(others, None)
+
+    @property
     def front(self) -> list[MeasuredRun]:
         """Runs on the Pareto front, cheapest first."""
         return sorted((run for run in self.runs if run.on_front), key=lambda run: run.cost)
@@ -110,13 +117,14 @@ def choose_resolutions(
 ) -> list[Resolution]:
     """Multiples of the resolution that `auto` chooses, for each formulation that the scene permits (`forms`)."""
     numerics = scene.numerics.model_copy(update={"elements": "auto", "step": "auto", "accuracy": None})
-    twin, sections = Twin(scene.model_copy(update={"numerics": numerics})), len(scene.string.sections)
+    automatic, sections = scene.model_copy(update={"numerics": numerics}), len(scene.string.sections)
+    twin = Twin(automatic)
     counts = sorted({max(MIN_ELEMENTS, sections, round(share * twin.elements)) for share in elements})
     frame = scene.numerics.frame_period
     lengths = sorted({min(share * twin.step_size, frame) for share in steps}, reverse=True)
     resolutions = [Resolution(form, count, length) for form in forms(scene) for count in counts for length in lengths]
     plain = (resolutions[0].form, max(MIN_ELEMENTS, sections, twin.elements), min(twin.step_size, frame))
-    return resolutions + [Resolution(*plain, tolerance) for tolerance in TOLERANCES]
+    return resolutions + [Resolution(*plain, tolerance) for tolerance in TOLERANCES] + whole_string(automatic)
 
 
 def on_meshes(scene: Scene, elements: Sequence[int]) -> list[Resolution]:
@@ -126,13 +134,20 @@ def on_meshes(scene: Scene, elements: Sequence[int]) -> list[Resolution]:
         SceneError: A scene that asks for an accuracy.
     """
     form, step = forms(scene)[0], resolution_of(scene)[1]
-    return [Resolution(form, count, step) for count in elements]
+    return [Resolution(form, count, step) for count in elements] + whole_string(scene)
+
+
+def whole_string(scene: Scene) -> list[Resolution]:
+    """The whole string with elements of `auto`, at the step of a scene with a joint, which it prices; else none."""
+    numerics = scene.numerics.model_copy(update={"lateral_from": 0.0, "elements": "auto"})
+    whole = scene.model_copy(update={"numerics": numerics})
+    return [Resolution(SPATIAL, *resolution_of(whole))] if form_of(scene) == JOINED else []
 
 
 def forms(scene: Scene) -> list[str]:
-    """The scene's own formulation, and the lateral one if none of its effects needs stretch or torsion."""
-    if scene.effects.stretch is None:
-        return [LATERAL]
+    """The scene's own formulation, and the lateral one too if none of its effects needs stretch, torsion or a joint."""
+    if (form := form_of(scene)) != SPATIAL:
+        return [form]
     needing = [key for key, block in scene.effects.blocks.items() if {"stretch", "torsion"} & set(block.requires)]
     return [SPATIAL] if needing else [SPATIAL, LATERAL]
 
@@ -141,7 +156,7 @@ def converged(resolutions: list[Resolution]) -> Resolution:
     """Resolution of the reference run: the first formulation, finer than the finest resolution."""
     return Resolution(
         resolutions[0].form,
-        round(FINER * max(resolution.elements for resolution in resolutions)),
+        round(FINER * max(one.elements for one in resolutions if one.form == resolutions[0].form)),
         min(resolution.step for resolution in resolutions) / FINER,
     )
 
@@ -191,7 +206,8 @@ def measure(
             measured.append(MeasuredRun(resolution, compare(motion, reference), *costs))
     if not measured:
         raise SceneError(f"none of the resolutions of {described.name} could be run; the first: {failures[0]}")
-    front = pareto_front(measured, lambda run: run.errors.controlled)
+    own = [run for run in measured if exact.form != JOINED or run.resolution.form == JOINED]
+    front = pareto_front(own, lambda run: run.errors.controlled)
     return Curve(
         scene=described.name,
         version=__version__,

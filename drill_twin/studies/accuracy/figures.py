@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
 from drill_twin.core.arrays import Array
-from drill_twin.report.figures.style import BLUE, GREY, INK, VERMILION, laid_out, styled
+from drill_twin.report.figures.style import BLUE, GREY, INK, PURPLE, VERMILION, laid_out, styled
 from drill_twin.studies.accuracy.ablation import Ablation, Change
 from drill_twin.studies.accuracy.convergence import Curve, MeasuredRun, pareto_front
 from drill_twin.studies.accuracy.errors import NAMES
@@ -63,8 +63,10 @@ def _label(change: Change) -> str:
     return f"{first} (with {', '.join(others)})" if others else first
 
 
-COLOURS = {"spatial": BLUE, "lateral": VERMILION}
-FORMULATION_NAMES = {"spatial": "spatial formulation", "lateral": "lateral formulation"}
+COLOURS = {"spatial": BLUE, "lateral": VERMILION, "joined": PURPLE}
+FORMULATION_NAMES = {
+    "spatial": "spatial formulation", "lateral": "lateral formulation", "joined": "lateral motion from a depth down",
+}  # fmt: skip
 PLAIN = FuncFormatter(lambda value, _: f"{value:g}")
 LABEL_RATIO = 0.6  # a point is labelled if its error is below this share of the last labelled one
 FLOOR = 1e-9  # drawn in place of zero

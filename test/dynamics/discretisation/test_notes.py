@@ -88,9 +88,10 @@ def test_rolling_that_frames_or_steps_cannot_show_is_told():
 
     A run tells it of a blade with a mark once the mark whirls; without friction nothing rolls.
     """
-    bare = {"string.marks": "[{name: collars, distance_from_bit: 100 m}]"}
+    whole = {"numerics.lateral_from": "0 m"}
+    bare = {"string.marks": "[{name: collars, distance_from_bit: 100 m}]"} | whole
     (note,) = notes_on(load_scene("wells/vertical_3000", overrides=bare))
-    assert notes_on(load_scene("wells/vertical_3000")) == []
+    assert notes_on(load_scene("wells/vertical_3000", overrides=whole)) == []
     assert notes_on(load_scene("wells/vertical_3000", overrides=bare | {"effects.wall_friction": "off"})) == []
     assert (
         "near-bit stabiliser, 1.5 m from the bit, whirls at -97 times the rotation (radius over clearance), 194 Hz"

@@ -18,6 +18,7 @@ from drill_twin.dynamics.discretisation.resolution import (
 from drill_twin.physics.model.mesh import build_rod
 from drill_twin.scene import load_scene
 
+WHOLE = {"numerics.lateral_from": "0 m"}
 BARE = {f"effects.{name}": "off" for name in ("mud", "added_mass", "quadratic_drag", "rotation_drag", "viscous_drag")}
 
 
@@ -29,7 +30,7 @@ def test_short_strings_are_meshed_by_length() -> None:
 
 @pytest.mark.parametrize("elements", [50, 300, 777])
 def test_a_graded_mesh_has_its_elements_and_every_change_of_section_on_a_node(elements: int) -> None:
-    scene = load_scene("wells/vertical_3000")
+    scene = load_scene("wells/vertical_3000", overrides=WHOLE)
     rod = mesh(scene, elements)
     assert rod.length.size == elements
     assert rod.arc[-1] == pytest.approx(3000.0)
@@ -43,9 +44,9 @@ def test_a_graded_mesh_has_its_elements_and_every_change_of_section_on_a_node(el
 
 def test_auto_takes_what_the_rule_asks_for() -> None:
     for name in ("wells/vertical_3000", "wells/s_shaped"):
-        scene = load_scene(name)
+        scene = load_scene(name, overrides=WHOLE)
         assert resolution_of(scene)[0] == math.ceil(elements_needed(scene).sum()) < 400
-    scene = load_scene("wells/extended_reach")
+    scene = load_scene("wells/extended_reach", overrides=WHOLE)
     assert resolution_of(scene)[0] == 1000
     note, rolling = notes_on(scene)
     assert "stabiliser" in rolling

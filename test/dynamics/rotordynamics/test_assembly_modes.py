@@ -7,9 +7,11 @@ from typing import Any
 import numpy as np
 import pytest
 
+from drill_twin.api import rotordynamics
 from drill_twin.core.errors import RunError
 from drill_twin.dynamics.rotordynamics import assembly_modes
-from drill_twin.dynamics.rotordynamics.modes import Mode
+from drill_twin.dynamics.rotordynamics.assembly_modes import modes_along
+from drill_twin.dynamics.rotordynamics.modes import Mode, coupled_modes
 from drill_twin.scene import load_scene
 from drill_twin.scene.set_points.command import Command
 
@@ -62,3 +64,23 @@ def test_a_string_that_does_not_turn_is_told_what_to_give():
     given: Any = None
     with pytest.raises(RunError, match=r"found 0 rad/s: .* does not turn; give one, such as --rpm 120$"):
         assembly_modes.table_of(load_scene("wells/vertical_3000"), Command(1e5, 0.0), 10.0, given, 6)
+
+
+@pytest.mark.parametrize("well", ["extended_reach", pytest.param("s_shaped", marks=pytest.mark.long)])
+def test_torsional_and_axial_modes_are_those_among_all_modes_near_zero(well, monkeypatch):
+    """The first axial mode of s_shaped is found from 12 % away."""
+    given = []
+    monkeypatch.setattr(
+        assembly_modes, "modes_along", lambda *arguments: given.append(arguments[:2]) or modes_along(*arguments)
+    )
+    rotordynamics.modes(rotordynamics.steady_scene(f"wells/{well}", None, ()), count=1)
+    ((equations, pencil),) = given
+    every = coupled_modes(equations, np.arange(equations.unknowns), pencil, None)
+    reach = max(abs(mode.eigenvalue) for mode in every)
+    found = modes_along(equations, pencil, 8)
+    for kind in ("torsional", "axial"):
+        own, among = (
+            sorted((mode.eigenvalue for mode in modes if mode.kind == kind), key=abs) for modes in (found, every)
+        )
+        assert len(own) >= 8
+        assert [value for value in own if abs(value) < reach] == pytest.approx(among, rel=1e-6)

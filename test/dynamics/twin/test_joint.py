@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """A string with lateral motion from a depth on only, beside the whole one."""
 
+import math
 from types import SimpleNamespace
 
 import numpy as np
@@ -16,24 +17,29 @@ from drill_twin.dynamics.discretisation.resolution import mesh, resolution_of
 from drill_twin.dynamics.solver.joined import elements
 from drill_twin.dynamics.twin.dynamics import Dynamics
 from drill_twin.dynamics.twin.twin import Twin
+from drill_twin.physics.model.section_stress import SCALARS
 from drill_twin.report.quantities import wall_depth
 from drill_twin.scene import load_scene
 from drill_twin.scene.set_points import Command
 
 AUTO = {"numerics.lateral_from": "auto"}
+WHOLE = {"numerics.lateral_from": "0 m"}
 
 
 @pytest.mark.parametrize(("name", "least"), [("s_shaped", 112.5), ("vertical_3000", 200.0), ("extended_reach", 30.0)])
 def test_auto_keeps_the_assembly_and_says_where_it_ends(name, least):
-    scene = load_scene(f"wells/{name}", overrides=AUTO)
+    scene = load_scene(f"wells/{name}")
     joint = joint_of(scene)
     assert least + 30.0 < joint < least + 300.0
     rod = mesh(scene, resolution_of(scene)[0])
     assert rod.length.size == resolution_of(scene)[0]
     assert np.isclose(rod.arc, joint).any()
     assert rod.length[rod.arc[:-1] > joint - 1e-6].max() <= LONGEST_ABOVE
-    assert notes_on(scene)[0].startswith(f"lateral motion from {scene.length - joint:.4g} m on")
-    assert joint_of(load_scene(f"wells/{name}")) is None
+    assert notes_on(scene)[0] == (
+        f"lateral motion from {scene.length - joint:.4g} m down (`numerics.lateral_from`); above, the string follows "
+        "the hole; marks on the axis: middle"
+    )
+    assert joint_of(load_scene(f"wells/{name}", overrides=WHOLE)) is None
 
 
 def test_pipe_that_may_buckle_keeps_its_lateral_motion():
@@ -52,13 +58,21 @@ def test_pipe_that_may_buckle_keeps_its_lateral_motion():
     ("more", "named"),
     [
         ({"effects.lateral_kick": "{velocity: 0 m/s, offset: 1 mm}"}, "effects.lateral_kick.offset"),
+        ({"effects.top_shake": "{amplitude: 1 mm, frequency: 1 Hz}"}, "effects.top_shake"),
         ({"rig.start": "equilibrium"}, "rig.start: equilibrium"),
-        ({"numerics.lateral_from": "3000 m"}, "expected a depth above the bit"),
     ],
 )
-def test_what_needs_the_whole_string_is_refused(more, named):
+def test_what_needs_the_whole_string_moves_all_of_it_with_auto_and_is_refused_with_a_depth(more, named):
+    scene = load_scene("wells/vertical_3000", overrides=more)
+    assert joint_of(scene) is None
+    assert notes_on(scene)[0] == f"`numerics.lateral_from: auto` is 0 m: the whole string moves laterally, for {named}"
     with pytest.raises(SceneError, match=named):
-        load_scene("wells/s_shaped", overrides=AUTO | more)
+        load_scene("wells/vertical_3000", overrides={"numerics.lateral_from": "2700 m"} | more)
+
+
+def test_a_joint_below_the_bit_is_refused():
+    with pytest.raises(SceneError, match="expected a depth above the bit"):
+        load_scene("wells/s_shaped", overrides={"numerics.lateral_from": "3000 m"})
 
 
 def test_a_push_moves_only_what_may_move_laterally():
@@ -96,7 +110,7 @@ STRAIGHT = {"effects.eccentricity.offset": "0 mm", "rig.rotation.value": "40 rpm
 @pytest.mark.long
 def test_a_straight_string_on_its_axis_is_the_same_with_and_without():
     """On one mesh stretch, twist and stick-slip differ by the tolerance of Newton's method only."""
-    whole = load_scene("wells/vertical_3000", overrides=STRAIGHT | {"numerics.elements": "120"})
+    whole = load_scene("wells/vertical_3000", overrides=STRAIGHT | WHOLE | {"numerics.elements": "120"})
     joined = load_scene("wells/vertical_3000", overrides=STRAIGHT | {"numerics.lateral_from": "1500 m"})
     rod = Dynamics(joined).rod
     ends = []
@@ -113,7 +127,10 @@ def test_a_straight_string_on_its_axis_is_the_same_with_and_without():
 def test_the_deepest_place_in_the_wall_is_below_the_joint():
     """The element above the joint bends with the string below it and meets no wall."""
     scene = load_scene("wells/s_shaped", overrides=AUTO)
-    own, joint = dt.Simulation(scene).run(duration=3).recording, joint_of(scene)
+    result, joint = dt.Simulation(scene).run(duration=3), joint_of(scene)
+    own = result.recording
+    told = ["near_bit", "stabiliser", "collars"]  # no lateral acceleration of `middle`, which stays on the axis
+    assert list(result.summary["acceleration"]) == list(result.summary["wear_power_w"]) == told
     position, arc = own.poses.position.copy(), mesh(scene, resolution_of(scene)[0]).arc
     poses = SimpleNamespace(time=own.poses.time, position=position, tangent=own.poses.tangent)
     bag = SimpleNamespace(scene_known=True, scene=scene, nodes=own.nodes, poses=poses)
@@ -144,7 +161,7 @@ def test_the_energy_balance_closes_over_the_joint():
 def test_a_curved_string_is_that_of_the_whole_one_within_a_hundredth():
     """Hookload and torque over the rotating part of the run, period of stick-slip (docs/accuracy.md)."""
     found = []
-    for more in ({}, AUTO):
+    for more in (WHOLE, AUTO):
         result = dt.Simulation(load_scene("wells/s_shaped", overrides=more)).run(duration=40)
         late = np.asarray(result.time) > 10.0
         (slip,) = result.summary["stick_slip"]
@@ -198,4 +215,17 @@ def test_a_support_above_the_joint_holds_nothing_and_the_note_says_so():
     held = [{"name": name, "distance_from_bit": f"{at} m", "stiffness": "1e6 N/m"} for name, at in places.items()]
     scene = load_scene("wells/vertical_3000", overrides={"numerics.lateral_from": "2700 m", "string.supports": held})
     (note,) = [note for note in notes_on(scene) if "numerics.lateral_from" in note]
-    assert note.endswith("supports that hold nothing, as nothing moves across the hole there: upper")
+    assert note.endswith("supports that hold nothing: upper")
+
+
+def test_fatigue_above_the_joint_is_of_the_bending_of_the_hole_and_the_note_says_so():
+    """Half-way through the build, 20 degrees in 300 m: E r / R beside the stress of the tension."""
+    places = "[{name: low, distance_from_bit: 60 m}, {name: build, distance_from_bit: 2000 m}]"
+    scene = load_scene("wells/s_shaped", overrides={"effects.fatigue": f"{{sections: {places}}}"})
+    assert notes_on(scene)[0].endswith("marks on the axis: middle; fatigue of the hole's bending only: build")
+    twin = Twin(scene)
+    frame = [twin.advance(Command(0.0, 0.2), 0.02) for _ in range(5)][-1]
+    build = dict(zip(SCALARS, frame.stress[1], strict=True))
+    pipe = scene.string.section_at(2000.0)
+    bending = 207e9 * math.pi / 64.0 * (pipe.outer_diameter**4 - pipe.inner_diameter**4) * math.radians(20.0) / 300.0
+    assert math.hypot(build["moment_x"], build["moment_y"]) == pytest.approx(bending, rel=0.01)

@@ -11,7 +11,16 @@ from typer.testing import CliRunner
 
 from drill_twin.cli.app import app
 from drill_twin.scene import load_scene
-from drill_twin.studies.accuracy.convergence import LATERAL, SPATIAL, Resolution, choose_resolutions, converged, forms
+from drill_twin.studies.accuracy.convergence import (
+    JOINED,
+    LATERAL,
+    SPATIAL,
+    Resolution,
+    choose_resolutions,
+    converged,
+    forms,
+    on_meshes,
+)
 from drill_twin.studies.accuracy.errors import compare, path_error, spread
 from drill_twin.studies.accuracy.motion_run import Motion
 
@@ -74,6 +83,37 @@ def test_a_scene_that_needs_torsion_has_no_lateral_resolution():
     assert exact.elements > max(resolution.elements for resolution in resolutions)
     assert exact.step < min(resolution.step for resolution in resolutions)
     assert Resolution(LATERAL, 8, 1e-3).overrides()["effects.torsion"] == "off"
+
+
+def test_lateral_motion_from_a_depth_down_is_priced_by_a_run_of_the_whole_string():
+    well = load_scene("wells/s_shaped")
+    assert forms(well) == [JOINED]
+    own, whole = on_meshes(well, [134])
+    assert own == Resolution(JOINED, 134, whole.step)
+    assert whole.form == SPATIAL
+    assert whole.elements > 2 * own.elements
+    assert whole.overrides()["numerics.lateral_from"] == "0 m"
+    assert "numerics.lateral_from" not in own.overrides()
+    assert converged([own, whole]) == Resolution(JOINED, 268, 0.5 * own.step)
+    assert on_meshes(load_scene("wells/s_shaped", overrides={"numerics.lateral_from": "0 m"}), [134]) == [
+        Resolution(SPATIAL, 134, whole.step)
+    ]
+
+
+@pytest.mark.long
+def test_the_table_of_meshes_ends_with_the_whole_string(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("COLUMNS", "160")
+    made = CliRunner().invoke(
+        app, ["cost", "wells/s_shaped", "--duration", "2 s", "--repeats", "0", "--elements", "120", "--out", "made"]
+    )
+    assert made.exit_code == 0, made.output
+    rows = [line.split() for line in made.stdout.splitlines() if "e-" in line or "whole" in line.split()]
+    assert [row[0] for row in rows][-2:] == ["120", "323"]
+    runs = {one["resolution"]["form"]: one for one in json.loads((tmp_path / "made/cost.json").read_text())["runs"]}
+    assert runs[JOINED]["on_front"]
+    assert not runs[SPATIAL]["on_front"]
+    assert runs[SPATIAL]["cost"] > runs[JOINED]["cost"]
 
 
 def test_the_command_measures_resumes_and_finds_the_order_of_the_scheme(tmp_path, monkeypatch):
