@@ -31,7 +31,7 @@ EVERY = (
     ["statics", "SCENE", "--friction", "0.15..0.35:3", "--out", "OUT/depths"],
     ["analyze", "OUT/run"], ["report", "OUT/run", "--out", "OUT/report"],
     ["export", "OUT/run", "--csv", "--out", "OUT/csv"],
-    ["rerun", "OUT/run", "--wob", "40 kN", "--out", "OUT/again"],
+    ["rerun", "OUT/run", "--out", "OUT/again"],
     ["estimate", "OUT/run", "--scene", "SCENE", *FREE, "--channel", "torque", "--members", "4", "--horizon", "0 s"],
     ["fit", "OUT/run", "--scene", "SCENE", *FREE, "--channel", "torque", "--channel", "rotation", "--members", "8",
      "--rounds", "1", "--to", "3 s", "--rate", "10 Hz"],
