@@ -267,7 +267,9 @@ def test_what_is_modelled_of_a_motor_and_a_reamer_is_told(tmp_path: Path) -> Non
 
 def test_tools_have_marks_and_drill_pipe_without_grade_is_of_the_weakest(tmp_path: Path) -> None:
     rows = "rss,20,6.75,2.5,,,,8\nLWD,30,6.75,3,,,,\njar,30,6.5,2.75,,,,\nhwdp,200,5,,,,4145H,\ndp,rest,5,,19.5,,,\n"
-    string = made(tmp_path, tally=HEADING + rows).string
+    scene = made(tmp_path, tally=HEADING + rows)
+    string = scene.string
+    assert "rotor" not in scene.provenance
     assert [mark.name for mark in string.marks] == ["near_bit", "rss", "lwd", "jar", "middle"]
     assert string.sections[0].contact_diameter == pytest.approx(8.0 * INCH)
     assert string.sections[-1].yield_strength == pytest.approx(75.0 * 6.894757e6, rel=1e-5)

@@ -164,7 +164,7 @@ def _weighted(normal: Array, cube: Array, found: Array, proposals: list[Any], me
     wanted: float = min(max(2.0 * normal.shape[1] + 2.0, members / 4.0), members / 1.5)
 
     def weights(power: float) -> Array:
-        logarithm = base + np.where(np.isfinite(found), power * found, -np.inf)
+        logarithm = base + np.where(np.isfinite(found), power * np.nan_to_num(found), -np.inf)
         return np.asarray(special.softmax(logarithm))
 
     def excess(power: float) -> float:

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Draws of the fit against posteriors that are known, and the likelihoods against what they count."""
 
+import warnings
+
 import numpy as np
 import pytest
 from scipy import special
@@ -192,3 +194,17 @@ def test_a_band_holds_its_share():
     low, high = predictive_band(runs, np.full(500, 1 / 500), 1.0, 0.9)
     truth = generator.standard_normal(200) * np.sqrt(2.0)
     assert 0.84 < np.mean((low < truth) & (truth < high)) < 0.96
+
+
+def test_draws_without_a_likelihood_have_no_weight_at_any_power():
+    """As of numbers that do not fit together; without a warning at the power 0 of a likelihood that few draws share."""
+
+    def log_density(normal):
+        return np.where(normal[:, 0] > 0.0, -1e9 * (normal[:, 0] - 1.0) ** 2, -np.inf)
+
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        found = sample(lambda cube: log_density(special.ndtri(cube)), 1, members=8, rounds=1, effective=8.0, seed=1)
+    assert found.power < 1e-6
+    assert not found.weights[found.cube[:, 0] < 0.5].any()
+    assert found.weights.sum() == pytest.approx(1.0)
