@@ -38,7 +38,7 @@ PIP := $(CLEAN) $(PYTHON) -m pip install --disable-pip-version-check -qq -c $(ST
 help:
 	@echo 'make demo       the paper'"'"'s drillstring over DDS: four nodes, a bag, a report in out/demo/'
 	@echo 'make docs       the documentation as a site in out/docs/html'
-	@echo 'make quick      the tests that neither start a process nor compile a kernel'
+	@echo 'make quick      the short tests that neither start a process nor compile a kernel'
 	@echo 'make test       the test suite'
 	@echo 'make test-long  its variants, soaks and large random samples, and one variant of each test in evidence/'
 	@echo 'make evidence   the tests of what shows that the twin is right (evidence/), all variants'
@@ -145,9 +145,9 @@ test: setup-test
 	cat $(BESIDE); \
 	exit $$found
 
-# Tests that neither start a process nor compile: what one wants after an edit.
+# Tests that neither start a process nor compile, of less than a second each: what one wants after an edit. Who takes longer is listed, and marked slow.
 quick: setup-test
-	@$(PYTEST) -q $(addprefix --ignore=,$(WITH_ROS)) -m 'not long and not process and not compiles' test companions
+	@$(PYTEST) -q $(addprefix --ignore=,$(WITH_ROS)) -m 'not long and not slow and not process and not compiles' --durations=5 test companions
 
 # The long tests of nodes wait for most of their time: the others run beside them, with less right to the processor.
 test-long: setup-test

@@ -145,6 +145,7 @@ def judged(name):
     return cause, [one for one in cause.causes if not one.startswith(case.causes)]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", QUICK)
 def test_a_known_cause_is_found(name):
     cause, wrong = judged(name)

@@ -44,6 +44,7 @@ def followed(scene: Scene) -> tuple[np.ndarray, float]:
     return np.array(rows), deepest
 
 
+@pytest.mark.slow
 def test_the_sets_hold_every_pair():
     sets = covering()
     held = set().union(*(pairs_of(on) for on in sets))

@@ -6,6 +6,8 @@ import sys
 from importlib import metadata
 from pathlib import Path
 
+import pytest
+
 import drill_twin as dt
 from drill_twin.io.messages.diagnostics import decode_diagnostics
 from drill_twin.io.messages.topics import DIAGNOSTICS, OF_SUBS, TOPICS
@@ -28,6 +30,7 @@ def _keys(text):
     return set(re.findall(r"^\| `([^`]*)`", text, re.MULTILINE))
 
 
+@pytest.mark.slow
 def test_every_part_is_on_a_page_and_committed_ones_are_those_of_the_code(printed):
     pages = [page.read_text("utf-8") for page in (DOCS.parent / "README.md", *DOCS.rglob("*.md"))]
     used = {name for page in pages for name in re.findall(r"^<!-- printed: (\w+)", page, re.MULTILINE)}

@@ -57,6 +57,7 @@ def work(name, text):
     return least
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ALL)
 def test_the_work_of_a_pattern_grows_as_the_text(name):
     for repeat in REPEATS:

@@ -130,6 +130,7 @@ def test_one_odd_message(topic, kind, first, good, expected, tmp_path):
     assert all(len(note) < 1000 and note.isprintable() for note in found["notes"])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("topic", one_of(3, sorted(set(PAGE.INPUTS if PAGE else ()) & set(TOPICS))))
 def test_the_page_plays_on(topic, good, tmp_path):
     for kind in (*ANY, *BY_TYPE.get(TOPICS[topic].type_name, ())):

@@ -32,10 +32,12 @@ def _told(changes, well="vertical_3000", until=20.0):
     return loop.diagnostics().get("left_out", "")
 
 
+@pytest.mark.slow
 def test_a_calm_string_says_nothing():
     assert _told({}) == ""
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("changes", [FAST, RUBBING], ids=["fast", "rubbing"])
 def test_a_string_that_whirls_at_the_joint_says_so(changes):
     assert "the string whirled where its lateral motion ends" in _told(changes)

@@ -103,6 +103,7 @@ def set_points(draw: st.DrawFn, largest: float) -> dict[str, Any]:
     }
 
 
+@pytest.mark.slow
 @settings(suppress_health_check=[HealthCheck.too_slow], deadline=None)
 @given(scenes())
 def test_a_scene_reads_back_equal(scene):

@@ -69,11 +69,13 @@ def test_a_slow_whirl_of_a_tilted_section_is_not_taken_for_a_larger_one():
     assert steady == pytest.approx(0.5 * CLEARANCE, rel=0.03)
 
 
+@pytest.mark.slow
 def test_steady_rotation_with_noise_has_no_onset():
     found = analyse_sub(*read(600.0, 0.5, 1e6, seed=3), MARK, RADIUS, NOISE)
     assert found.onset is None
 
 
+@pytest.mark.slow
 def test_a_noisier_tool_sees_faster_whirls_only():
     corners = [corner_for(CLEARANCE, ToolNoise(0.005 * k, 0.001 * k), 0.01) for k in (1, 4, 16)]
     assert corners[0] < corners[1] < corners[2]
@@ -114,6 +116,7 @@ def test_readings_that_cannot_be_used_are_refused(what):
         analyse_sub(stamp, values, MARK, RADIUS, NOISE)
 
 
+@pytest.mark.slow
 def test_readings_that_are_lost_repeated_or_absurd_are_survived():
     stamp, values = read(30.0, 0.5, 14.0)
     values[500, 2] = math.nan
@@ -145,6 +148,7 @@ def test_a_whirl_that_is_there_at_the_start_is_found_and_said_to_be():
     assert "contact" not in found.mark_motion["sub"][-1].criterion
 
 
+@pytest.mark.slow
 def test_the_onset_has_an_uncertainty_and_that_of_a_creeping_orbit_is_not_dated():
     quiet = ToolNoise(0.00125, 0.00025)
     known = analyse_sub(*read(30.0, 0.5, 14.0, noise=quiet), MARK, RADIUS, quiet).onset
@@ -173,6 +177,7 @@ def test_impacts_are_counted_with_their_peaks():
     assert found.largest_impact == pytest.approx(20.0, abs=1.0)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("sense", [1.0, -1.0])
 def test_stick_slip_has_its_share_of_time_at_rest_and_the_radius_of_the_sensor(sense):
     time = (np.arange(6000) + 0.5) / RATE

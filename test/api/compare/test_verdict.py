@@ -25,10 +25,12 @@ def verdict(first, other):
     return verdicts(found, SYSTEMS["lab"])[0]
 
 
+@pytest.mark.slow
 def test_the_same_assembly_in_other_seeds_is_no_better(first):
     assert verdict(first, "pa6_bench,numerics.seed=70").startswith(f"A and B: {NONE}")
 
 
+@pytest.mark.slow
 def test_the_worse_assembly_is_named_with_figures(first):
     said = verdict(first, "pa6_bench,wob=80 N")
     assert said.startswith("A is better than B, decided by lateral acceleration, rms ")

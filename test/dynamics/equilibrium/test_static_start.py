@@ -103,6 +103,7 @@ def test_scene_reads_it() -> None:
     assert load_scene("pa6_bench").rig.first == (0.0, 0.0)
 
 
+@pytest.mark.slow
 def test_whirl_is_that_of_a_run_with_ramps() -> None:
     """What comes of it does not depend on the start: orbits and contact; but it comes at once."""
     ramps = run_motion(load_scene("pa6_bench", overrides={"duration": "24 s"}))

@@ -25,6 +25,7 @@ def state(fast):
     return next(one for one in fast[1] if one.is_stable)
 
 
+@pytest.mark.slow
 def test_a_branch_over_speed_turns_back_at_a_fold_where_stability_is_lost(turning, state):
     found = branch(speed_of(turning, FAST, 2.0 * math.tau, 7.0 * math.tau), state.whirl, FAST.rotation)
     assert found.parameter in PARAMETERS  # as the axis of the figure is labelled
@@ -38,6 +39,7 @@ def test_a_branch_over_speed_turns_back_at_a_fold_where_stability_is_lost(turnin
     assert all(one in {"end of the range", "the string leaves the wall"} for one in found.ends)
 
 
+@pytest.mark.slow
 def test_points_of_a_branch_are_states(turning, state):
     found = branch(load_of(turning, FAST, 30.0, 50.0), state.whirl, FAST.weight_on_bit)
     assert found.parameter in PARAMETERS

@@ -23,6 +23,7 @@ def whirling(equations, omega=-3.0, size=1.001):
     return u, v + omega * turned, omega**2 * quarter_turn(turned)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("derivative", "number", "step"), [("stiffness", 0, 1e-8), ("damping", 1, 1e-6), ("mass", 2, 1e-4)]
 )

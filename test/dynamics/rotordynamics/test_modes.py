@@ -68,6 +68,7 @@ def test_an_inclined_hole_has_no_string_on_the_axis(bench):
         campbell(equations, 5.0, np.array([1.0, 2.0]))
 
 
+@pytest.mark.slow
 def test_few_modes_of_a_string_on_the_wall_are_those_of_the_full_matrices():
     """Where friction couples the wall's stiffness with the soft motion along it, no undamped modes are a basis."""
     scene = load_scene("pa6_bench", overrides={"hole.inclination": "0.5 rad", "numerics.elements": "45", "wob": "5 N"})
@@ -90,6 +91,7 @@ def test_an_assembly_that_does_not_turn_is_refused():
 LONG = [pytest.param(well, marks=pytest.mark.long) for well in ("s_shaped", "vertical_3000")]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("well", ["extended_reach", *LONG])
 def test_a_well_has_modes_of_its_assembly_and_a_forced_response(well):
     """Critical speeds do not move with the cut, and the response to unbalance is largest at one of them."""
@@ -144,6 +146,7 @@ def test_critical_speeds_near_each_other_are_one_range(equations):
     assert critical_ranges(table._replace(modes=(*shown, pipe))) == [[4.82, 4.9], [5.15], [13.29]]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("without", [(), ("wall_friction",)])
 def test_without_wall_friction_is_advised_where_there_is_some(without):
     with pytest.raises(RunError, match="at 60 N at 2 rev/s, found none") as raised:

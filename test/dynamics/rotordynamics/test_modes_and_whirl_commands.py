@@ -17,6 +17,7 @@ def invoke(*arguments):
     return CliRunner().invoke(app, [*arguments, *FORM])
 
 
+@pytest.mark.slow
 def test_modes_as_json_with_its_figures(tmp_path):
     said = invoke(
         "modes", "pa6_bench", "--wob", "5 N", "--campbell", "5", "--growth", "3", "--json", "--out", str(tmp_path)
@@ -38,6 +39,7 @@ def test_modes_as_a_table():
     assert "backward" in said.stdout
 
 
+@pytest.mark.slow
 def test_the_api_gives_the_numbers_of_the_command(bench):
     table = dt.modes(bench, {"wob": 5.0})
     said = json.loads(invoke("modes", "pa6_bench", "--wob", "5 N", "--json", "--count", "12").stdout)

@@ -33,6 +33,7 @@ def coarse():
     return scene, search(EquationsOfMotion(scene), Command(20.0, 2.0 * math.tau), random_starts=0).states
 
 
+@pytest.mark.slow
 def test_two_contact_points_on_16_elements_change_the_sign_of_the_growth(coarse):
     """The mesh says that it grows, the rod decays; `evidence/test/verify` has the same by code that is not ours."""
     scene, (state,) = coarse
@@ -50,6 +51,7 @@ def test_a_state_that_a_finer_mesh_has_not_is_told(coarse, monkeypatch):
     assert (lost.lost_at, lost.verdict, lost.stability()["stable"]) == (32, "not determined", None)
 
 
+@pytest.mark.slow
 def test_a_string_that_stretches_and_twists_is_sought_from_its_lateral_form():
     """As typed, with the options of the shipped scene: stretch and torsion stay on."""
     scene = meshed(load_scene("pa6_calibrated", {"wob": 40.0, "rpm": "6.5 rev/s"}), 12)

@@ -133,6 +133,7 @@ def test_a_run_from_the_axis_ends_on_a_stable_state(weight, turns):
     assert min(abs(state.ratio - frequency / turns) for state in found if state.is_stable) < 2e-3
 
 
+@pytest.mark.slow
 def test_a_state_on_the_command_line(tmp_path):
     """The states as JSON; their figure."""
     form = ["--set", "effects.stretch=off", "--set", "effects.torsion=off", "--set", "numerics.elements=12"]

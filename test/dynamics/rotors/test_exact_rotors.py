@@ -129,6 +129,7 @@ def test_an_overhung_disc_splits_its_frequencies_by_the_gyroscopic_moment(form):
     assert turning[0] > at_rest[0]  # softer backward
 
 
+@pytest.mark.slow
 def test_a_campbell_diagram_crosses_where_the_closed_form_does():
     """A disc with Ip > Id is met forward by its first frequency alone; the diagram has its speed."""
     own = rotor(discs=[DISC], ends=("free", "clamped"), speed=10.0)

@@ -37,6 +37,7 @@ def straight(*sections: dict[str, object], **changes: object) -> Scene:
     return own.model_copy(update={"numerics": numerics})
 
 
+@pytest.mark.slow
 def test_a_slick_pendulum_drops_with_half_the_weight_to_its_tangency() -> None:
     """No moment and no slope at the tangency: L^4 = 24 EI r / q, and the bit carries q L / 2."""
     bit = dt.statics(straight(PLAIN | {"length": 120.0}), only=[OUT])["trip out"].contacts[0]
@@ -77,6 +78,7 @@ def test_a_near_bit_stabiliser_below_a_gap_of_90_ft_builds() -> None:
     assert upper.force > 0.0
 
 
+@pytest.mark.slow
 def test_the_bit_presses_outwards_in_a_turn() -> None:
     """A pinned end wants to go straight: to the left in a turn to the right, as much to the right in the other turn."""
     walks = []
@@ -111,6 +113,7 @@ def test_loads_of_the_parts_add_up(bent_well: Scene, tmp_path) -> None:
     assert (tmp_path / "out" / "statics.csv").read_text().splitlines()[0].endswith(",buckling,part")
 
 
+@pytest.mark.slow
 def test_forces_of_a_vertical_plan_are_explained() -> None:
     said = " ".join(CliRunner().invoke(app, ["statics", "wells/vertical_3000"]).stdout.split())
     assert "forces of bit and stabilisers are 0, as the hole is vertical" in said

@@ -30,6 +30,7 @@ def found():
     return dt.statics_over_depth("wells/s_shaped", [0.15, 0.25, 0.35], depths=6)
 
 
+@pytest.mark.slow
 def test_at_the_depth_of_the_scene_it_is_the_soft_string_of_statics(found):
     whole = dt.statics("wells/s_shaped", {"effects.wall_friction.coefficient": 0.25})
     for rows, operation in zip(found.hookload, found.operations, strict=True):
@@ -136,6 +137,7 @@ def trip(cased: float, uncased: float, load: str, depth: np.ndarray) -> np.ndarr
     return np.array([one.surface_torque if load == "torque" else one.hookload for one in loads])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("load", ["trip out", "trip in", "torque"])
 def test_two_factors_of_made_up_trips_are_found_within_their_errors(found, load):
     """Errors hold in 95 of 100 trips with noise: fits of four agree with linear least squares, which make 500 trips."""
@@ -178,6 +180,7 @@ def test_a_truth_beyond_the_curves_is_fitted_and_not_censored(found):
     assert f"{fit.beyond} points outside of the curves, counted; outside of --friction, 0.15 to 0.35" in said
 
 
+@pytest.mark.slow
 def test_where_cased_and_open_cannot_be_told_apart_it_is_said(found):
     """Points in the casing tell its factor only; points near one depth only the factor that both have together."""
     shallow, near = np.linspace(700.0, 1490.0, 9), np.linspace(2900.0, 2950.0, 9)
@@ -216,6 +219,7 @@ def test_a_single_point_has_a_factor_without_an_error(found):
     assert "friction cased and open hole 0.3, error not known (least squares, 1 points" in said
 
 
+@pytest.mark.slow
 def test_a_factor_at_its_bound_has_the_error_of_the_linear_problem(found):
     """Noise of 1 % takes the factor of a smooth casing below 0; the derivative there tells its error."""
     depth = np.linspace(900.0, 2950.0, 14)

@@ -249,6 +249,7 @@ def test_published_buckling_loads() -> None:
     assert vertical.helical[0] == pytest.approx(5.55 * (bending * weight**2) ** (1.0 / 3.0))
 
 
+@pytest.mark.slow
 def test_the_command(bent_well: Scene, found: Statics, tmp_path) -> None:
     scene = tmp_path / "well.yaml"
     scene.write_text(bent_well.to_yaml())
@@ -288,6 +289,7 @@ def test_shipped_wells_have_a_balance_in_each_operation(name: str) -> None:
         )
 
 
+@pytest.mark.slow
 def test_a_level_rotor_is_balanced_by_its_weight_across() -> None:
     """None of its weight is along the hole."""
     loads = dt.statics("rotor_kit")["trip out"]

@@ -55,6 +55,7 @@ def decompressed(monkeypatch):
     return sizes
 
 
+@pytest.mark.slow
 def test_a_window_takes_its_part_of_the_bytes_and_gives_the_same_samples(tmp_path, decompressed):
     bag = write(tmp_path / "bag")
     whole = Bag(bag)
@@ -75,6 +76,7 @@ def test_a_window_takes_its_part_of_the_bytes_and_gives_the_same_samples(tmp_pat
     assert not window.damage
 
 
+@pytest.mark.slow
 def test_open_ends_and_windows_beside_the_bag(tmp_path):
     bag = write(tmp_path / "bag")
     for begin, end, first, last in ((-np.inf, 2.0, 0.0, 2.0), (398.0, np.inf, 398.0, 399.99)):
@@ -82,6 +84,7 @@ def test_open_ends_and_windows_beside_the_bag(tmp_path):
     assert len(list(Bag(bag, window=(1000.0, 1001.0)).messages((RIG_STATE,)))) < 0.2 * SECONDS * RATE
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("what", ["cut", "checksum", "two runs"])
 def test_a_bag_without_an_index_to_trust_is_read_whole(tmp_path, decompressed, what):
     bag = write(tmp_path / "bag", scenes=2 if what == "two runs" else 1)
@@ -97,6 +100,7 @@ def test_a_bag_without_an_index_to_trust_is_read_whole(tmp_path, decompressed, w
     assert sum(decompressed) > 0.9 * len(data)
 
 
+@pytest.mark.slow
 def test_damage_in_a_window_is_told(tmp_path):
     bag = write(tmp_path / "bag")
     file = bag / "bag_0.mcap"
@@ -132,6 +136,7 @@ def sqlite_bag(tmp_path_factory):
     return folder / "sql"
 
 
+@pytest.mark.slow
 def test_a_window_of_an_sqlite_bag_takes_its_part_of_the_bytes_and_gives_the_same_samples(sqlite_bag):
     size = next(sqlite_bag.glob("*.db3")).stat().st_size
     (rig, _), taken = bytes_read(read_rig, sqlite_bag, Selection(begin=300.0, end=310.0))

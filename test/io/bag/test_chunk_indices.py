@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Chunk indices of a long recording take little memory and are complete in the file."""
 
+import pytest
 from mcap.reader import make_reader
 from mcap.records import ChunkIndex
 from mcap.writer import Writer
@@ -30,6 +31,7 @@ def _index(k):
     )
 
 
+@pytest.mark.slow
 def test_an_hour_of_chunks_is_kept_in_a_few_megabytes_and_comes_back():
     kept = PackedIndices()
     for k in range(36_000):

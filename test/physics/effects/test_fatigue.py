@@ -102,6 +102,7 @@ def test_the_count_does_not_act_and_survives_a_checkpoint(rolling, tmp_path):
         np.testing.assert_array_equal(one.stress, other.stress)
 
 
+@pytest.mark.slow
 def test_yield_is_told_once():
     weak = FATIGUE | {"sections": [{"name": "weak", "distance_from_bit": 2.5}]}
     scene = quiet_scene(ROLLING, of=STRESSED | {"fatigue": weak}, radius=0.04, step=2e-3,

@@ -139,6 +139,7 @@ def records(draw):
     return Made(text, step * np.arange(rows), values)
 
 
+@pytest.mark.slow
 @settings(max_examples=100, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(made=records())
 def test_a_made_record_is_read_right_or_refused(made, tmp_path):

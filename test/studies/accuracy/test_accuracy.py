@@ -53,6 +53,7 @@ def true_error(plan: AccuracyPlan) -> float:
     return compare(run_motion(plan.scene, until=float(exact.time[-1])), exact).controlled
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "changes", [pytest.param(SWING, marks=pytest.mark.long, id="swing"), pytest.param(WHIRL, id="whirl")]
 )
@@ -168,6 +169,7 @@ def test_nothing_is_loaded_in_a_timed_part(monkeypatch: pytest.MonkeyPatch) -> N
     assert sum(part.rows.time.size for part in parts_of(twin, commands, period, 10)) == 20
 
 
+@pytest.mark.slow
 def test_coarser_resolutions_are_tried_as_well() -> None:
     """5 % takes fewer elements than 1 %, and the choice costs at most twice the cheapest of a grid that keeps it."""
     chosen = [resolve(asking(accuracy, WHIRL)) for accuracy in ("5 %", "1 %")]

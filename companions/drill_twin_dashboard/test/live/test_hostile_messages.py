@@ -4,6 +4,7 @@
 import json
 
 import numpy as np
+import pytest
 
 from drill_twin.io.messages.cdr import JointStateTemplate, PoseArrayTemplate
 from drill_twin.io.messages.diagnostics import Level, Status, encode_diagnostics
@@ -22,6 +23,7 @@ def marks(names):
     return JointStateTemplate(names, velocity=False, effort=False).fill(0, np.zeros(len(names)))
 
 
+@pytest.mark.slow
 def test_the_picture_stays_small_and_plain():
     page = PageState(Sources())
     for turn in range(15):

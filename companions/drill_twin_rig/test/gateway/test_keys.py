@@ -48,6 +48,7 @@ def folder(made, tmp_path):
     return Path(shutil.copytree(made, tmp_path / "keys"))
 
 
+@pytest.mark.slow
 def test_a_user_who_is_there_gets_another_password_and_the_others_keep_theirs(folder):
     assert make_keys(folder, APPLICATION, "localhost", {"guest": LONG}) == ["guest"]
     assert make_keys(folder, APPLICATION, "localhost", {"driller": OTHER}) == []
@@ -170,6 +171,7 @@ async def _client(url, folder, password):
     return client
 
 
+@pytest.mark.slow
 def test_others_are_served_while_a_password_is_checked(folder, monkeypatch):
     """The check of one client is held up; another reads meanwhile, which it could not if the loop did the check."""
     (folder / TRUSTED / "client.der").write_bytes((folder / CERTIFICATE).read_bytes())

@@ -20,6 +20,7 @@ def windows(doubts, ratios, off=KNOWN, start=0):
     return found
 
 
+@pytest.mark.slow
 def test_a_model_that_is_right_is_not_doubted_in_a_day():
     draw = np.random.default_rng(7)
     doubts = Doubts(["torque"])

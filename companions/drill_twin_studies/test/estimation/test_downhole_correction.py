@@ -63,6 +63,7 @@ def test_the_place_of_a_mark_far_from_the_sub_is_followed(bag):
     assert {"near_bit/speed"} < found[-1].misfit.keys()
 
 
+@pytest.mark.slow
 def test_command_takes_the_sub_of_a_bag(bag):
     options = ["--scene=pa6_bench", "--channel=torque", "--channel=hookload", "--horizon=0", "--members=4"]
     options += [f"--free={key}={span}" for key, span in FREE.items()] + [f"--set={k}={v}" for k, v in OVER.items()]

@@ -41,6 +41,7 @@ def followed():
     return follow
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("rig_changes", "lost", "chosen"), [(1.0, False, [True, False]), (0.0, True, [False, False])])
 def test_what_was_measured_is_explained_by_the_number_that_jumped_or_by_a_motion_that_was_lost(
     followed, rig_changes, lost, chosen

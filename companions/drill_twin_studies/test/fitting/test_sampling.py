@@ -160,6 +160,7 @@ def test_few_windows_are_refused_and_gaps_count():
             of_features({"torque": changed}, runs, 0.05, window)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("length", one_of(3, [24.0, 16.0, 48.0]))
 def test_features_of_a_motion_of_any_phase_and_noise_hold_their_share(length):
     """Records of a relaxation oscillation, its period and height free: a 90 % interval of each holds nine of ten."""

@@ -75,6 +75,7 @@ FIELDS = (
 )  # fmt: skip
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("field", [*FIELDS[:2], *(pytest.param(field, marks=pytest.mark.long) for field in FIELDS[2:])])
 def test_each_value_altered_is_used_or_refused_by_the_name_of_its_field(data, tmp_path, field):
     file, refused, accepted = tmp_path / "map.json", [], []

@@ -45,6 +45,7 @@ def test_without_two_labels_the_rate_is_zero():
     assert (PLANE.labels() == UNKNOWN).all()
 
 
+@pytest.mark.slow
 def test_growth_rates_are_those_of_a_vertical_string_only():
     scene = dt.load_scene("pa6_bench", {"numerics.elements": 8, "numerics.step": "10 ms"})
     plane = Plane(Span(1.0, 40.0), Span(6.0, 40.0), 8)

@@ -191,6 +191,7 @@ def test_the_command_of_a_run_is_rounded_in_the_units_of_its_reader():
     assert "rig.rotation.value=120 rpm" in said
 
 
+@pytest.mark.slow
 def test_rolling_needs_the_friction_that_carries_its_drag():
     """Drag C_d rho r_o (w c)^2 against the centrifugal force of string, mud inside and around it, m w^2 c."""
     scene = parse_scene(COLLARS, name="collars")

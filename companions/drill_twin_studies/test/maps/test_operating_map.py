@@ -21,6 +21,7 @@ from drill_twin_studies.maps.operating_map import OperatingMap
 ALL = {regime.value for regime in dt.Regime}
 
 
+@pytest.mark.slow
 def test_it_has_both_boundaries_and_knows_its_regimes(found):
     regimes = {record.regime.value for record in found.records.values()}
     assert {"smooth", "forward whirl"} <= regimes <= ALL
@@ -131,6 +132,7 @@ def test_a_folder_has_the_runs_of_one_map(place):
         dt.operating_map("pa6_bench", {**COARSE, "effects.bow.amplitude": 1e-4}, folder=place, **ASKED)
 
 
+@pytest.mark.slow
 def test_a_full_disk_is_told_and_the_map_goes_on(tmp_path):
     """Files of this process may not grow beyond 8 kB."""
     asked = {**ASKED, "seeds": 1, "vary": None, "hysteresis": False, "runs": 44}

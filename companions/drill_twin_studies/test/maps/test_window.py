@@ -159,6 +159,7 @@ class Checked:
         }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("count", [5, 59])
 def test_the_share_that_checks_show_is_false_in_one_of_twenty_maps_at_most(count):
     """Windows just worse than the claim, up to four looks, each of which may be the clean one (18 % as if one look)."""
