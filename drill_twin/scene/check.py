@@ -88,7 +88,7 @@ def _may_follow_the_hole(scene: Scene) -> Iterator[Problem]:
     found += ["effects.lateral_kick.offset"] if effects.lateral_kick is not None and effects.lateral_kick.offset else []
     found += ["no stretch and torsion"] if effects.stretch is None else []
     found += ["numerics.accuracy"] if numerics.accuracy is not None else []
-    found += [f"rig.start: {scene.rig.start}"] if scene.rig.start != "axis" else []
+    found += [f"rig.start: {scene.rig.start}"] if scene.rig.holds_values else []
     if found:
         yield Incompatibility(
             ("numerics", "lateral_from"),

@@ -13,7 +13,8 @@ from scipy.stats import t as student
 from drill_twin.core.arrays import Array
 from drill_twin.core.errors import ArgumentError, nearest, shortened
 from drill_twin.dynamics.rotordynamics.equations import EquationsOfMotion
-from drill_twin.dynamics.torque_drag.analysis import hole_and_string, steady
+from drill_twin.dynamics.torque_drag.analysis import hole_and_string
+from drill_twin.dynamics.torque_drag.sliding_balance import steady
 from drill_twin.dynamics.torque_drag.soft_string import Operation, operations, soft_string
 from drill_twin.physics.effects.wall_friction import FrictionInterval, WallFriction
 from drill_twin.scene import Scene
