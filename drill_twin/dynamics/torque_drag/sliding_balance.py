@@ -130,7 +130,7 @@ class SlidingBalance:
         """
         equations = self.equations
         command, v = Command(operation.weight_on_bit, operation.rotation), self.velocity(operation)
-        u = (self.soft_shape(command) if guess is None else guess).copy()
+        u = (self._soft_shape(command) if guess is None else guess).copy()
         still = np.zeros_like(u)
         load = max(self.weight, abs(operation.weight_on_bit), SMALLEST_LOAD)
         lever = float(equations.model.rod.outer_radius.max())
@@ -180,7 +180,7 @@ class SlidingBalance:
         """Largest part of a change across the hole [m]."""
         return float(np.linalg.norm(np.cross(change[:, 0:3], self.tangent), axis=1).max())
 
-    def soft_shape(self, command: Command) -> Array:
+    def _soft_shape(self, command: Command) -> Array:
         """String where weight and tension press a string without bending stiffness, on the axis at its ends."""
         equations, model = self.equations, self.equations.model
         rod, wall = model.rod, getattr(equations.parameters, "wall", None)
@@ -241,20 +241,19 @@ def steady(scene: Scene) -> Scene:
 def rotating_rows(scene: Scene) -> Array:
     """Rows (r, r', psi) of the untwisted string that turns in balance at the first set-points, shape (n + 1, 7).
 
-    Above a joint the string is on the axis, and the string below moves along the hole to meet it. Where there is no
-    balance, the soft string's shape.
+    Above a joint the string is on the axis, and the string below moves along the hole to meet it. Where no balance is
+    found, all of the string is on the axis.
     """
     weight, rotation = scene.rig.first
     rod, joint = mesh(scene, resolution_of(scene)[0]), joint_of(scene)
     string = SlidingBalance(EquationsOfMotion(steady(scene), rod))
     if scene.rig.weight_on_bit.at == "top":
         weight += string.equations.parameters.drive.hanging
-    command = Command(weight, rotation)
+    u, _ = string.equations.on_axis(Command(weight, rotation))
     try:
         shape = string.solve(Operation("start", weight, 0.0, rotation)).u
     except RunError:
-        shape = string.soft_shape(command)
-    u, _ = string.equations.on_axis(command)
+        return u
     top = rod.arc.size - 1 if joint is None else int(np.searchsorted(rod.arc, joint - 1e-6))
     tangent, bend = (np.broadcast_to(each, (rod.arc.size, 3)) for each in (string.tangent, string.bend))
     ahead = float((u[top, :3] - shape[top, :3]) @ tangent[top])

@@ -168,8 +168,8 @@ class Rig(Part):
     """Simulated time [s]."""
     start: Literal["axis", "rotating", "equilibrium", "whirl-state"] = "axis"
     """Initial state. `axis`: the string on the axis of the hole, at rest, set-points from their `initial`. `rotating`:
-    the string turns at the first set-points and lies on the wall in balance, twisted by the resisting torques; without
-    a balance, as of buckled pipe, it lies as a string without bending stiffness. `equilibrium`: the set-points hold
+    the string turns at the first set-points and lies on the wall in balance, twisted by the resisting torques; where
+    no balance is found, as of buckled pipe, it turns on the axis. `equilibrium`: the set-points hold
     their `value` from the first instant; the string is in static equilibrium under that weight, twisted by the
     resisting torques, and rotates rigidly. `whirl-state`: the set-points hold their `value` too; the string is in a
     steady whirl, a stable one if there is one (`drill-twin whirl`)."""
