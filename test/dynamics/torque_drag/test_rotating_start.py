@@ -15,6 +15,9 @@ from drill_twin.scene.set_points import Command, Schedule
 JOINED = {"numerics.lateral_from": "auto"}
 SOFT = {"rig.top_drive": "{model: impedance, inertia: 3000 kg m^2}"}
 
+BLOCK = {"rig.weight_on_bit": "{at: block, value: 100 kN}", "rig.block": "{auto_driller: {rate: 0.01 m/s}}",
+         "effects.rock_floor": "{stiffness: 1e8 N/m}"}  # fmt: skip
+
 
 def first_seconds(changes, seconds=4.0, name="wells/s_shaped"):
     """Rig of each frame, and the twin."""
@@ -29,7 +32,7 @@ def first_seconds(changes, seconds=4.0, name="wells/s_shaped"):
 @pytest.mark.parametrize(
     ("changes", "torque"),
     [(JOINED, 21900.0), ({"numerics.lateral_from": "0 m"}, 21750.0), (JOINED | SOFT, 21900.0),
-     (JOINED | {"rpm": "-120"}, -21900.0), (JOINED | {"wob": "0 N"}, 20240.0)],
+     (JOINED | {"rpm": "-120"}, -21900.0), (JOINED | {"wob": "0 N"}, 20240.0), (JOINED | BLOCK, 21900.0)],
 )  # fmt: skip
 def test_a_well_drills_from_the_first_frame(changes, torque):
     """Within 2 % of its later means, which runs of 60 s gave; from rest a run takes over 15 s even to load its bit."""
