@@ -61,7 +61,7 @@ def settled(what: Sequence[Scene | Result]) -> tuple[list[Scene | Result], list[
     for one in what:
         rig = one.scene.rig if isinstance(one, Result) else one.rig
         ramps = [point for point in (rig.weight_on_bit, rig.rotation) if point.shape in {"step", "ramp"}]
-        ends.append(max((point.start + point.duration for point in ramps if rig.start == "axis"), default=0.0))
+        ends.append(max((point.start + point.duration for point in ramps if not rig.holds_values), default=0.0))
         lengths.append(one.recording.duration if isinstance(one, Result) else rig.duration)
         if isinstance(one, Result) and lengths[-1] < SETTLED * ends[-1]:
             raise ArgumentError(

@@ -194,10 +194,10 @@ def static_scene(scene: Scene) -> Scene:
 
 
 def rotating_scene(scene: Scene) -> Scene:
-    """Scene with its final set-points from the first instant, starting from the axis."""
+    """Scene with its first set-points before the first instant too, starting from the axis."""
     rig = scene.rig
-    points = {key: getattr(rig, key) for key in ("weight_on_bit", "rotation")}
-    begun = {key: point.model_copy(update={"initial": point.value}) for key, point in points.items()}
+    points = zip(("weight_on_bit", "rotation"), rig.first, strict=True)
+    begun = {key: getattr(rig, key).model_copy(update={"initial": first}) for key, first in points}
     return scene.model_copy(update={"rig": rig.model_copy(update={**begun, "start": "axis"})})
 
 
@@ -212,14 +212,28 @@ def start_in_equilibrium(dynamics: Dynamics, make: Callable[[Scene, Rod], Dynami
         RunError: No equilibrium was found.
     """
     scene = dynamics.scene
-    weight, rotation = scene.rig.first
+    weight, _ = scene.rig.first
     hanging = float(np.abs(axial_weight(scene, dynamics.model)).sum())
     growth = growth_time(sections_of(scene), max(abs(weight), 1.0))
     still = make(static_scene(scene), dynamics.rod)
     find_equilibrium(still, growth, max(abs(weight), hanging, SMALLEST_LOAD), scene.numerics.seed)
-    u, v = still.unknowns
-    v[:, SPIN] = rotation
-    command = Command(weight, rotation)
+    begin_turning(dynamics, make, still.unknowns[0])
+
+
+def begin_turning(dynamics: Dynamics, make: Callable[[Scene, Rod], Dynamics], u: Array) -> None:
+    """Set the dynamics to a shape in rigid rotation at the first command, twisted by the torques that resist.
+
+    Args:
+        dynamics: Dynamics at the first instant.
+        make: As of `start_in_equilibrium`.
+        u: Rows of the untwisted string, shape (n + 1, 7); the twist is added to them.
+
+    Raises:
+        RunError: The first step of the rotating string does not converge.
+    """
+    scene, command = dynamics.scene, Command(*dynamics.scene.rig.first)
+    v = np.zeros_like(u)
+    v[:, SPIN] = command.rotation
     if scene.effects.torsion is not None:
         torque = _resisting_torque(make(rotating_scene(scene), dynamics.rod), u, v, command)
         u[:, SPIN] += twist_under(dynamics.rod, torque)

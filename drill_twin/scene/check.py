@@ -75,7 +75,7 @@ def needs_lateral(scene: Scene) -> list[str]:
     found = ["effects.top_shake"] if effects.top_shake is not None else []
     found += ["effects.lateral_kick.offset"] if kick is not None and kick.offset else []
     found += ["no stretch and torsion"] if effects.stretch is None else []
-    return found + ([f"rig.start: {scene.rig.start}"] if scene.rig.start != "axis" else [])
+    return found + ([f"rig.start: {scene.rig.start}"] if scene.rig.holds_values else [])
 
 
 def _may_follow_the_hole(scene: Scene) -> Iterator[Problem]:

@@ -10,10 +10,9 @@ import numpy as np
 
 from drill_twin.core.arrays import Array
 from drill_twin.core.errors import ArgumentError, RunError, nearest
-from drill_twin.dynamics.discretisation.resolution import MOST, resolution_of
-from drill_twin.dynamics.rotordynamics.equations import TIME_DEPENDENT, EquationsOfMotion
+from drill_twin.dynamics.rotordynamics.equations import EquationsOfMotion
 from drill_twin.dynamics.torque_drag.along_string import AlongString, along_string, hole_and_string, stop_text
-from drill_twin.dynamics.torque_drag.sliding_balance import BalancedString, SlidingBalance
+from drill_twin.dynamics.torque_drag.sliding_balance import BalancedString, SlidingBalance, steady
 from drill_twin.dynamics.torque_drag.soft_string import (
     BucklingLoads,
     BucklingState,
@@ -24,14 +23,8 @@ from drill_twin.dynamics.torque_drag.soft_string import (
     soft_string,
     straight_weight,
 )
-from drill_twin.physics.effects.bit_torque_stribeck import BitTorqueStribeck
-from drill_twin.physics.effects.stretch import Stretch
-from drill_twin.physics.effects.torsion import Torsion
 from drill_twin.scene import Scene
-from drill_twin.scene.blocks.top_drive import TopDrive
 
-IMPERFECTIONS = ("bow", "eccentricity", "rock_floor", "lateral_kick", *TIME_DEPENDENT)
-"""Effects that a steady balance leaves out; the weight on bit takes the place of the rock."""
 VERTICAL = math.radians(0.1)
 """Inclination below which a hole has no low side [rad]; surveys are not more accurate. Chosen, not measured."""
 NO_TORQUE = 1e-4
@@ -155,27 +148,6 @@ class Statics:
         if name in self.notes:
             raise RunError(self.notes[name])
         raise ArgumentError(f'expected one of {", ".join(known)}, found "{name}"{nearest(str(name), known)}')
-
-
-def steady(scene: Scene) -> Scene:
-    """The scene in space, weight at the bit, turned at a prescribed speed, without what depends on time."""
-    effects, rig = scene.effects, scene.rig
-    changes: dict[str, object] = dict.fromkeys(key for key in IMPERFECTIONS if getattr(effects, key, None) is not None)
-    changes |= {"stretch": effects.stretch or Stretch(), "torsion": effects.torsion or Torsion()}
-    cutting = getattr(effects, "bit_cutting", None)
-    if cutting is not None:
-        changes["bit_cutting"] = cutting.model_copy(update={"rock_stiffness": None})
-    if (regenerative := getattr(effects, "bit_regenerative", None)) is not None:
-        arm = regenerative.torque_arm(rig.weight_on_bit.value)
-        changes |= {
-            "bit_regenerative": None,
-            "bit_torque_stribeck": BitTorqueStribeck(radius=arm, sliding=1.0, sticking=1.0, decay=0.0) if arm else None,
-        }
-    weight = rig.weight_on_bit.model_copy(update={"at": "bit"})
-    still = rig.model_copy(update={"weight_on_bit": weight, "top_drive": TopDrive(), "start": "axis", "block": None})
-    elements = min(resolution_of(scene)[0], MOST) if scene.numerics.elements == "auto" else scene.numerics.elements
-    numerics = scene.numerics.model_copy(update={"elements": elements})
-    return scene.model_copy(update={"effects": effects.model_copy(update=changes), "rig": still, "numerics": numerics})
 
 
 def analyse(scene: Scene, operations: Sequence[Operation]) -> Statics:

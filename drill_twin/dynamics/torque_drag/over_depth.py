@@ -14,7 +14,7 @@ from drill_twin.core.arrays import Array
 from drill_twin.core.errors import ArgumentError, nearest, shortened
 from drill_twin.dynamics.rotordynamics.equations import EquationsOfMotion
 from drill_twin.dynamics.torque_drag.along_string import hole_and_string
-from drill_twin.dynamics.torque_drag.analysis import steady
+from drill_twin.dynamics.torque_drag.sliding_balance import steady
 from drill_twin.dynamics.torque_drag.soft_string import Operation, operations, soft_string
 from drill_twin.physics.effects.wall_friction import FrictionInterval, WallFriction
 from drill_twin.scene import Scene

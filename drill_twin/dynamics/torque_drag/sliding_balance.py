@@ -17,14 +17,24 @@ import numpy as np
 
 from drill_twin.core.arrays import Array
 from drill_twin.core.errors import RunError
-from drill_twin.dynamics.discretisation.discretise import BIT_ENDS, axis_at
+from drill_twin.dynamics.discretisation.discretise import BIT_ENDS, axis_at, kept, untwisted
+from drill_twin.dynamics.discretisation.joint import joint_of
+from drill_twin.dynamics.discretisation.resolution import MOST, mesh, resolution_of
 from drill_twin.dynamics.rotordynamics.block_rows import BlockRows
-from drill_twin.dynamics.rotordynamics.equations import EquationsOfMotion
+from drill_twin.dynamics.rotordynamics.equations import TIME_DEPENDENT, EquationsOfMotion
 from drill_twin.dynamics.solver.linearisation import MASS, STIFFNESS
 from drill_twin.dynamics.torque_drag.soft_string import Operation
+from drill_twin.physics.effects.bit_torque_stribeck import BitTorqueStribeck
 from drill_twin.physics.effects.gravity import line_weight
+from drill_twin.physics.effects.stretch import Stretch
+from drill_twin.physics.effects.torsion import Torsion
 from drill_twin.physics.model.mesh import SPIN
+from drill_twin.scene import Scene
+from drill_twin.scene.blocks.top_drive import TopDrive
 from drill_twin.scene.set_points.command import Command
+
+IMPERFECTIONS = ("bow", "eccentricity", "rock_floor", "lateral_kick", *TIME_DEPENDENT)
+"""Effects that a steady balance leaves out; the weight on bit takes the place of the rock."""
 
 NODE = 7
 """Unknowns of a node."""
@@ -205,3 +215,51 @@ class SlidingBalance:
         tension = (np.linalg.norm(u[:, 3:6], axis=1) - 1.0) * np.append(model.rod.axial, model.rod.axial[-1])
         across = weight - np.sum(weight * self.tangent, axis=1)[:, None] * self.tangent
         return np.asarray(across + tension[:, None] * self.bend)
+
+
+def steady(scene: Scene) -> Scene:
+    """The scene in space, weight at the bit, turned at a prescribed speed, without what depends on time."""
+    effects, rig = scene.effects, scene.rig
+    changes: dict[str, object] = dict.fromkeys(key for key in IMPERFECTIONS if getattr(effects, key, None) is not None)
+    changes |= {"stretch": effects.stretch or Stretch(), "torsion": effects.torsion or Torsion()}
+    cutting = getattr(effects, "bit_cutting", None)
+    if cutting is not None:
+        changes["bit_cutting"] = cutting.model_copy(update={"rock_stiffness": None})
+    if (regenerative := getattr(effects, "bit_regenerative", None)) is not None:
+        arm = regenerative.torque_arm(rig.weight_on_bit.value)
+        changes |= {
+            "bit_regenerative": None,
+            "bit_torque_stribeck": BitTorqueStribeck(radius=arm, sliding=1.0, sticking=1.0, decay=0.0) if arm else None,
+        }
+    weight = rig.weight_on_bit.model_copy(update={"at": "bit"})
+    still = rig.model_copy(update={"weight_on_bit": weight, "top_drive": TopDrive(), "start": "axis", "block": None})
+    elements = min(resolution_of(scene)[0], MOST) if scene.numerics.elements == "auto" else scene.numerics.elements
+    numerics = scene.numerics.model_copy(update={"elements": elements})
+    return scene.model_copy(update={"effects": effects.model_copy(update=changes), "rig": still, "numerics": numerics})
+
+
+@kept
+def rotating_rows(scene: Scene) -> Array:
+    """Rows (r, r', psi) of the untwisted string that turns in balance at the first set-points, shape (n + 1, 7).
+
+    Above a joint the string is on the axis, and the string below moves along the hole to meet it. Where no balance is
+    found, all of the string is on the axis.
+    """
+    weight, rotation = scene.rig.first
+    rod, joint = mesh(scene, resolution_of(scene)[0]), joint_of(scene)
+    string = SlidingBalance(EquationsOfMotion(steady(scene), rod))
+    if scene.rig.weight_on_bit.at == "top":
+        weight += string.equations.parameters.drive.hanging
+    u, _ = string.equations.on_axis(Command(weight, rotation))
+    try:
+        shape = string.solve(Operation("start", weight, 0.0, rotation)).u
+    except RunError:
+        return u
+    top = rod.arc.size - 1 if joint is None else int(np.searchsorted(rod.arc, joint - 1e-6))
+    tangent, bend = (np.broadcast_to(each, (rod.arc.size, 3)) for each in (string.tangent, string.bend))
+    ahead = float((u[top, :3] - shape[top, :3]) @ tangent[top])
+    shape[:, 0:3] += ahead * tangent
+    shape[:, 3:6] += ahead * bend
+    u[: top + 1, :SPIN] = shape[: top + 1, :SPIN]
+    u[:, SPIN] = untwisted(rod, u)
+    return u

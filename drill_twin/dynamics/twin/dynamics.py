@@ -27,7 +27,7 @@ from drill_twin.dynamics.discretisation.kernel_arguments import (
     form_of,
 )
 from drill_twin.dynamics.discretisation.resolution import newton_place, resolution_of
-from drill_twin.dynamics.equilibrium import start_in_equilibrium
+from drill_twin.dynamics.equilibrium import begin_turning, start_in_equilibrium
 from drill_twin.dynamics.solver import slices, state
 from drill_twin.dynamics.solver.kernel_codegen import build_kernel
 from drill_twin.dynamics.twin.binding import bounds_of, memories, reactions_of
@@ -121,6 +121,10 @@ class Dynamics(KernelArguments):
         set_initial_state(self._state, self.model, self.scene, float(self.command[0]))
         if self.scene.rig.start == "equilibrium":
             start_in_equilibrium(self, Dynamics)
+        elif self.scene.rig.start == "rotating":
+            from drill_twin.dynamics.torque_drag.sliding_balance import rotating_rows  # here, for its use of scipy
+
+            begin_turning(self, Dynamics, rotating_rows(self.scene).copy())
         elif self.scene.rig.start == "whirl-state":
             from drill_twin.dynamics.rotordynamics.steady.whirl_states import (
                 start_in_whirl,  # here, for its use of scipy

@@ -166,11 +166,13 @@ class Rig(Part):
     """Top drive."""
     duration: Annotated[Time, Within(above="0 s", at_most="1e6 s")]
     """Simulated time [s]."""
-    start: Literal["axis", "equilibrium", "whirl-state"] = "axis"
-    """Initial state. `axis`: the string on the axis of the hole, at rest, set-points from their `initial`.
-    `equilibrium`: the set-points hold their `value` from the first instant; the string is in static equilibrium under
-    that weight, twisted by the resisting torques, and rotates rigidly. `whirl-state`: the set-points hold their `value`
-    too; the string is in a steady whirl, a stable one if there is one (`drill-twin whirl`)."""
+    start: Literal["axis", "rotating", "equilibrium", "whirl-state"] = "axis"
+    """Initial state. `axis`: the string on the axis of the hole, at rest, set-points from their `initial`. `rotating`:
+    the string turns at the first set-points and lies on the wall in balance, twisted by the resisting torques; where
+    no balance is found, as of buckled pipe, it turns on the axis. `equilibrium`: the set-points hold
+    their `value` from the first instant; the string is in static equilibrium under that weight, twisted by the
+    resisting torques, and rotates rigidly. `whirl-state`: the set-points hold their `value` too; the string is in a
+    steady whirl, a stable one if there is one (`drill-twin whirl`)."""
     table: RecordedTable | None = None
     """Recorded table of the set-points of shape `table`."""
 
@@ -181,7 +183,7 @@ class Rig(Part):
             if is_recorded and self.table is None:
                 yield (key, "shape"), 'expected `rig.table` with shape "table", found none'
             if is_recorded and self.start != "axis":
-                text = f'expected "axis" with a recorded `{key}`, found "{self.start}": a record has no final value'
+                text = f'expected "axis" with a recorded `{key}`, found "{self.start}": its first value is in the file'
                 yield ("start",), text
         weight, block = self.weight_on_bit, self.block
         if (weight.at == "block") != (block is not None):
@@ -193,7 +195,7 @@ class Rig(Part):
         driller = block.auto_driller
         checks = (
             (block.shape == "table", ("block", "shape"), 'expected "constant", "step" or "ramp", found "table"'),
-            (self.start != "axis", ("start",), f'expected "axis" with a block, found "{self.start}"'),
+            (self.holds_values, ("start",), f'expected "axis" or "rotating" with a block, found "{self.start}"'),
             (driller is None and any((weight.value, weight.initial, weight.shape == "table")), ("weight_on_bit",),
              "expected no weight without `rig.block.auto_driller`, found one: nothing holds it"),
             (block.off_bottom > 0.0 and weight.initial != 0.0, ("weight_on_bit", "initial"),
@@ -214,5 +216,15 @@ class Rig(Part):
     @property
     def first(self) -> tuple[float, float]:
         """Weight on bit [N] and speed of the top drive [rad/s] at the first instant; 0 for recorded set-points."""
-        load, turn = self.weight_on_bit, self.rotation
-        return (load.value, turn.value) if self.start != "axis" else (load.initial, turn.initial)
+        load, turn = (self._first_of(point) for point in (self.weight_on_bit, self.rotation))
+        return load, turn
+
+    @property
+    def holds_values(self) -> bool:
+        """The set-points hold their `value` from the first instant, whatever their shape."""
+        return self.start in {"equilibrium", "whirl-state"}
+
+    def _first_of(self, point: SetPoint) -> float:
+        jumps = point.shape in {"step", "ramp"} and point.start == point.duration == 0.0
+        begun = self.start == "rotating" and (point.shape == "constant" or jumps)
+        return point.value if self.holds_values or begun else point.initial

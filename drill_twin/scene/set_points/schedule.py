@@ -109,7 +109,7 @@ class Schedule:
 
         def function(name: str) -> SetPointAt:
             set_point = getattr(rig, name)
-            if rig.start != "axis":
+            if rig.holds_values:
                 return lambda _: float(set_point.value)
             if set_point.shape != "table" or record is None:
                 return shape(set_point)

@@ -195,9 +195,10 @@ class WellPlan(NamedTuple):
             },
             "hole": {"radius": f"{0.5 * hole:.10g} m", **({"intervals": intervals} if intervals else {}), **axis},
             "rig": {
-                "weight_on_bit": {"shape": "step", "value": f"{weight:g} N", "start": "10 s", "duration": "10 s"},
-                "rotation": {"shape": "step", "value": f"{turn:.10g} rad/s", "duration": "10 s"},
+                "weight_on_bit": {"value": f"{weight:g} N"},
+                "rotation": {"value": f"{turn:.10g} rad/s"},
                 "duration": "60 s",
+                "start": "rotating",
             },
             "effects": {
                 "gravity": {}, "stretch": {}, "torsion": {}, "eccentricity": {"offset": "1 mm" if long else "0.1 mm"},

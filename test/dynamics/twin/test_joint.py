@@ -76,7 +76,9 @@ def test_a_joint_below_the_bit_is_refused():
 
 
 def test_a_push_moves_only_what_may_move_laterally():
-    scene = load_scene("wells/s_shaped", overrides=AUTO | {"effects.lateral_kick.velocity": "1 mm/s"})
+    scene = load_scene(
+        "wells/s_shaped", overrides=AUTO | {"rig.start": "axis", "effects.lateral_kick.velocity": "1 mm/s"}
+    )
     twin = Dynamics(scene)
     first = int(np.searchsorted(twin.rod.arc, joint_of(scene) - 1e-6))
     speeds = twin.unknowns[1]

@@ -135,7 +135,7 @@ def test_a_command_has_the_block_as_a_joint():
         ({"block": {"auto_driller": {"rate": 0.01, "torque": 5.0}}}, "a top drive with a motor"),
         ({"block": {"value": 100.0}}, "no block moves faster"),
         ({"block": {"value": 0.1, "auto_driller": {"rate": 0.01}}}, "either a speed or `auto_driller`"),
-        ({"start": "equilibrium"}, 'expected "axis" with a block'),
+        ({"start": "equilibrium"}, 'expected "axis" or "rotating" with a block'),
     ],
 )
 def test_contradictions_are_told(change, said):
