@@ -169,10 +169,10 @@ class Rig(Part):
     start: Literal["axis", "rotating", "equilibrium", "whirl-state"] = "axis"
     """Initial state. `axis`: the string on the axis of the hole, at rest, set-points from their `initial`. `rotating`:
     the string turns at the first set-points and lies on the wall in balance, twisted by the resisting torques; where
-    no balance is found, as of buckled pipe, it turns on the axis. `equilibrium`: the set-points hold
-    their `value` from the first instant; the string is in static equilibrium under that weight, twisted by the
-    resisting torques, and rotates rigidly. `whirl-state`: the set-points hold their `value` too; the string is in a
-    steady whirl, a stable one if there is one (`drill-twin whirl`)."""
+    no balance is found, as of buckled pipe, it turns on the axis; under a record it begins at rest. `equilibrium`: the
+    set-points hold their `value` from the first instant; the string is in static equilibrium under that weight, twisted
+    by the resisting torques, and rotates rigidly. `whirl-state`: the set-points hold their `value` too; the string is
+    in a steady whirl, a stable one if there is one (`drill-twin whirl`)."""
     table: RecordedTable | None = None
     """Recorded table of the set-points of shape `table`."""
 
@@ -182,8 +182,8 @@ class Rig(Part):
             is_recorded = getattr(self, key).shape == "table"
             if is_recorded and self.table is None:
                 yield (key, "shape"), 'expected `rig.table` with shape "table", found none'
-            if is_recorded and self.start != "axis":
-                text = f'expected "axis" with a recorded `{key}`, found "{self.start}": its first value is in the file'
+            if is_recorded and self.holds_values:
+                text = f'expected "axis" or "rotating" with a recorded `{key}`, found "{self.start}": it has no `value`'
                 yield ("start",), text
         weight, block = self.weight_on_bit, self.block
         if (weight.at == "block") != (block is not None):

@@ -82,7 +82,7 @@ def test_no_equilibrium_is_said_clearly() -> None:
 
 
 def test_a_record_has_no_final_value() -> None:
-    with pytest.raises(SceneError, match='expected "axis" with a recorded `weight_on_bit`'):
+    with pytest.raises(SceneError, match='expected "axis" or "rotating" with a recorded `weight_on_bit`'):
         load_scene("ufrj_rig", overrides={"rig.start": "equilibrium"})
 
 

@@ -57,6 +57,16 @@ def test_a_schedule_from_rest_begins_at_rest_on_the_low_side():
     assert np.linalg.norm(u - axis, axis=1)[below].min() > 0.03
 
 
+def test_a_record_begins_at_rest(tmp_path):
+    """A scene of a well plays the record of a stranger without another word on its start."""
+    (tmp_path / "rig.csv").write_text("time [s],wob [kN],rpm [rpm]\n0,90,118\n60,90,118\n")
+    table = {"rig.table.file": str(tmp_path / "rig.csv"), "rig.weight_on_bit": "{shape: table}",
+             "rig.rotation": "{shape: table}"}  # fmt: skip
+    twin = Twin(load_scene("wells/s_shaped", overrides=JOINED | table))
+    assert twin.scene.rig.first == (0.0, 0.0)
+    assert not twin.unknowns[1].any()
+
+
 def test_pipe_without_a_balance_turns_on_the_axis(monkeypatch):
     """A run must not fail for what the search cannot find."""
 
