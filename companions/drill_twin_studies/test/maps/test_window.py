@@ -111,6 +111,16 @@ def test_a_range_may_end_at_the_set_point_of_the_scene(change):
     assert "set-point of the scene, 17.3 N at 1.56" in "".join(_shown(found, dt.load_scene("pa6_bench", over)))
 
 
+@pytest.mark.parametrize("start", ["rotating", "axis"])
+def test_a_map_says_what_rest_is_where_runs_begin_in_balance(start):
+    """A well begins at speed: its map has no stick-slip that only a push brings."""
+    over = COARSE | {"rig.start": start, "wob": "5 N"}
+    found = dt.operating_map(
+        "pa6_bench", over, wob="1..40 N", rpm="30..180", duration=0.2, steps=8, runs=4, growth=False
+    )
+    assert any("rig.start=axis begins at rest" in note for note in found.notes) == (start == "rotating")
+
+
 @pytest.mark.parametrize("change", [{"wob": "40..40 N"}, {"rpm": "60..60"}])
 def test_a_range_of_one_point_is_refused(change):
     with pytest.raises(ArgumentError, match="with LO below HI"):
