@@ -83,7 +83,7 @@ class Rerun:
 
     def plot(self) -> Figure:
         """Figure of both runs over time: distance of the marks from the axis, hookload, torque, speed of the bit."""
-        from drill_twin.report.comparison import draw_comparison
+        from drill_twin.report.figures.over_time import draw_comparison
 
         return draw_comparison(self.recorded.recording, self.computed.recording)
 

@@ -4,10 +4,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from itertools import chain
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -21,7 +20,6 @@ from drill_twin.core.table import Table
 
 if TYPE_CHECKING:
     from drill_twin.report import Recording, ReportFiles
-    from drill_twin.report.selection import Selection
 
 SUMMARY = "summary.json"
 EXPORTS = "drill_twin.exports"
@@ -82,7 +80,6 @@ def analyze(
     from drill_twin.core.units.dimension import LENGTH
     from drill_twin.io.bag.reader import parse_remappings
     from drill_twin.io.bag.virtual_bags import RecordBag
-    from drill_twin.report.selection import Selection
     from drill_twin.report.summary import summarise
 
     if out is not None:
@@ -97,9 +94,10 @@ def analyze(
         room = in_si("--clearance", clearance, LENGTH) if clearance else None
         rim = in_si("--rim", outer_radius, LENGTH) if outer_radius else 0.0
         names = parse_remappings(topics, "--remap")
-        columns = options.choices(channel, null)
-        selection = Selection(chosen, begin, end, names, namespace or None, room, rim, sub or "", run, columns, units)
-        recording = _recording(bag, scene, selection)
+        recording = _recording(
+            bag, scene, channel, null, namespace, marks=chosen, begin=begin, end=end, topics=names, clearance=room,
+            outer_radius=rim, sub=sub or "", run=run, units=units,
+        )  # fmt: skip
         if clearance and isinstance(recording.bag, RecordBag):
             remark("--clearance: no marks are read from a table; drill_twin.analyze or a bag takes them")
         summary = summarise(recording)
@@ -132,15 +130,11 @@ def report(
     null: options.NullOption = [],  # noqa: B006
 ) -> None:
     """Draw the report of a bag: report.html, which needs no network, and its figures as PNG."""
-    from drill_twin.report.selection import Selection
-
     folder = out or default_folder(bag)
     if (existing := folder / "report.html").exists() and not replace:
         raise BagError(f"{existing}: expected none yet, found one; choose another folder with --out, or --replace")
     with shown_progress("analysing the bag"):
-        columns = options.choices(channel, null)
-        selection = Selection(begin=begin, end=end, namespace=namespace or None, run=run, choices=columns, units=units)
-        recording = _recording(bag, scene, selection)
+        recording = _recording(bag, scene, channel, null, namespace, begin=begin, end=end, run=run, units=units)
     files = draw(recording, folder)
     figures = {name: str(path) for name, path in files.figures.items()}
     data = {"report": str(files.page), "summary": str(files.summary), "figures": figures}
@@ -166,11 +160,16 @@ def default_folder(bag: Path) -> Path:
     return found.parent if found.name == "bag_0" else found.with_name(f"{found.name}_report")
 
 
-def _recording(bag: Path, scene: str, selection: Selection) -> Recording:
+def _recording(
+    bag: Path, scene: str, channels: list[str], nulls: list[str], namespace: str, **selected: Any
+) -> Recording:
+    """Analyse the selected part of a bag or record; says how the columns of a record were read."""
     from drill_twin.io.bag.virtual_bags import RecordBag
     from drill_twin.report.recording import read_recording
+    from drill_twin.report.selection import Selection
     from drill_twin.scene import load_scene
 
+    selection = Selection(namespace=namespace or None, choices=options.choices(channels, nulls), **selected)
     found = read_recording(bag, load_scene(scene) if scene else None, selection)
     if isinstance(found.bag, RecordBag):
         remark(found.bag.read)
@@ -232,7 +231,17 @@ def export(
     folder = out or default_folder(bag)
     selection = Selection(begin=begin, end=end, namespace=namespace or None, choices=options.choices(channel, null))
     if files := [folder / f"rig.{ending}" for ending, wanted in (("csv", csv), ("las", las)) if wanted]:
-        _series(bag, selection, files, replace=replace)
+        from drill_twin.report.rig_table import csv_text, las_text, read_rig, rig_channels
+
+        for file in files:
+            check_new(file, replace=replace)
+        with shown_progress("reading the bag"):
+            rig, name = read_rig(bag, selection)
+        channels = rig_channels(rig)
+        for file in files:
+            write_file(file, csv_text(channels) if file.suffix == ".csv" else las_text(channels, name))
+            print(file)
+        remark(f"{len(rig)} samples; converted: N to kN, N m to kN.m, rad/s to rpm")
     others: list[tuple[str, str, tuple[str, ...]]] = [
         ("drillbotics", "drill_twin_rig", (well, rate, start))
     ] * drillbotics
@@ -241,18 +250,3 @@ def export(
             raise not_installed(f"`drill-twin export --{name}`", package)
         if written.load()(bag, selection, folder, *given, replace=replace) is False:  # rules are broken
             raise typer.Exit(1)
-
-
-def _series(bag: Path, selection: Selection, files: Sequence[Path], *, replace: bool) -> None:
-    """Write the channels of the rig."""
-    from drill_twin.report.rig_table import csv_text, las_text, read_rig, rig_channels
-
-    for file in files:
-        check_new(file, replace=replace)
-    with shown_progress("reading the bag"):
-        rig, name = read_rig(bag, selection)
-    channels = rig_channels(rig)
-    for file in files:
-        write_file(file, csv_text(channels) if file.suffix == ".csv" else las_text(channels, name))
-        print(file)
-    remark(f"{len(rig)} samples; converted: N to kN, N m to kN.m, rad/s to rpm")

@@ -66,7 +66,7 @@ def compare(
     from drill_twin.api.compared_quantities import quantities
     from drill_twin.api.verdict import again, cost_table, costs, verdicts
     from drill_twin.core.units.system import unit_system
-    from drill_twin.report.comparison import draw_runs
+    from drill_twin.report.figures.over_time import draw_runs
     from drill_twin.report.figures.style import save
 
     if len(cases) < 2:

@@ -4,12 +4,12 @@
 An existing result is moved aside or replaced with `--replace` only.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
+
+from rich.text import Text
 
 from drill_twin.cli.show import out, print_json, remark
 from drill_twin.core.errors import BagError
@@ -18,10 +18,7 @@ from drill_twin.core.files.output import make_folder, write_whole
 from drill_twin.core.files.plain_json import json_text
 from drill_twin.core.table import Table
 
-if TYPE_CHECKING:
-    from rich.text import Text
-
-Shown = Iterable["Table | Text | str"]
+Shown = Iterable[Table | Text | str]
 """Tables and lines for people; a generator computes them only where they are printed."""
 
 

@@ -1,13 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Command `drill-twin modes`: damped modes, critical speeds and growth rates of a scene."""
 
-from __future__ import annotations
-
-import cmath
-import math
-from collections.abc import Iterator, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 
@@ -15,19 +10,6 @@ from drill_twin.cli import options
 from drill_twin.cli.emit import emit
 from drill_twin.cli.show import shown_progress
 from drill_twin.core.files.output import make_folder
-from drill_twin.core.table import Table
-
-if TYPE_CHECKING:
-    from drill_twin.core.units.system import UnitSystem
-    from drill_twin.dynamics.rotordynamics.assembly import Assembly
-    from drill_twin.dynamics.rotordynamics.campbell import Campbell
-    from drill_twin.dynamics.rotordynamics.modes import Mode, ModeTable
-    from drill_twin.scene import Scene
-    from drill_twin.scene.set_points.command import Command
-
-NEAR_ROTATION = 0.05
-"""Distance of a resonance from the rotation, over it, up to which it is marked: as far as critical speeds agree with
-other beam elements (2 to 5 %)."""
 
 
 def modes(
@@ -60,6 +42,7 @@ def modes(
 
     from drill_twin.api import rotordynamics
     from drill_twin.studies import modes as studies
+    from drill_twin.studies.answers import shown_modes
 
     changes = options.overrides(change, wob=wob, rpm=rpm, units=units)
     own = rotordynamics.steady_scene(scene, changes, without)
@@ -89,103 +72,4 @@ def modes(
     if growth_rates is not None:
         result["growth"] = studies.growth_data(growth_rates)
         figures["growth.png"] = lambda: studies.growth_figure(growth_rates)
-    emit(result, _shown(table, diagram, own), json=json, folder=out, files={"modes.json": result, **figures})
-
-
-def _shown(table: ModeTable, diagram: Campbell | None, scene: Scene) -> Iterator[Table | str]:
-    from drill_twin.dynamics.discretisation.notes import notes_on_rotors
-    from drill_twin.dynamics.rotordynamics.assembly_modes import in_trough
-    from drill_twin.studies.modes import critical_text, modes_table
-
-    units, swings = scene.unit_system, [mode for mode in table.modes if in_trough(table, mode)]
-    own = [mode for mode in table.modes if not in_trough(table, mode)]
-    yield modes_table(table, own)
-    if swings:
-        yield modes_table(table, swings, "swings of what lies on the wall, in the trough of the hole")
-    yield from _sentences(table)
-    yield from notes_on_rotors(scene)
-    if table.assembly is not None:
-        yield from _assembly(table, table.assembly, units)
-        if (mud := scene.effects.added_mass) and not mud.confined:
-            yield "mud moves as in open fluid; --set added_mass.confined=true (concentric gap) lowers critical speeds"
-        yield _resonances(own, scene, table.balance.command)
-    if scene.effects.viscous_drag is not None:
-        yield (
-            "mud: at rest around a string in the middle of the hole. Not in the model: mud that turns with the string, "
-            "which can drive forward whirl slower than half the rotation, and the larger added mass near the wall, "
-            "which lowers critical speeds"
-        )
-    if diagram is not None:
-        yield f"critical speeds: {critical_text(diagram)}"
-
-
-def _resonances(modes: Sequence[Mode], scene: Scene, command: Command) -> Table:
-    """Rotations at which an excitation some times a revolution meets a mode."""
-    rock, turn = getattr(scene.effects, "bit_regenerative", None), abs(command.rotation)
-    orders = sorted({1, 3, *([rock.blades] if rock else [])})
-
-    def cell(speed: float) -> str:
-        return scene.unit_system.number(speed, "rotation") + "*" * (abs(speed - turn) < NEAR_ROTATION * turn)
-
-    rows = [
-        (f"{mode.kind} {mode.number}", f"{abs(mode.frequency):.4g}",
-         *(cell(abs(mode.eigenvalue.imag) / order) for order in orders))
-        for mode in modes
-    ]  # fmt: skip
-    blades = f"{rock.blades}: blades of the bit" if rock else "n: rows / n, as the scene names no blades of its bit"
-    return Table(
-        ("mode", "Hz", *(f"{order} a turn" for order in orders)), rows, right=range(1, 2 + len(orders)),
-        title=f"resonances: rotation in {scene.unit_system.rotation} at which an excitation of an order meets a mode "
-        f"(1: unbalance, bend; 3: cones of a roller cone bit; {blades}); *: within {NEAR_ROTATION:.0%} of the rotation",
-    )  # fmt: skip
-
-
-def _assembly(table: ModeTable, part: Assembly, units: UnitSystem) -> Iterator[str]:
-    """Sentences on the extent of the assembly, its cut, and the critical speeds."""
-    from drill_twin.dynamics.rotordynamics.assembly import ABOVE, LEAN, MOVED
-    from drill_twin.dynamics.rotordynamics.assembly_modes import critical_ranges
-
-    lateral, rotation = table.of("lateral"), abs(table.balance.command.rotation)
-    for trough, what in ((False, "critical speeds"), (True, "critical speeds of swings in the trough")):
-        ranges = critical_ranges(table, trough)
-        named = ", ".join(
-            units.number(first, "rotation")
-            + (f" to {units.number(rest[-1], 'rotation')} ({1 + len(rest)} modes)" if rest else "")
-            for first, *rest in ranges
-        )
-        if named and rotation > 0.0:
-            away = min((speed / rotation - 1.0 for near in ranges for speed in near), key=abs)
-            named += f"; the nearest is {abs(away):.1%} {'above' if away > 0.0 else 'below'} the rotation"
-        place = f"the lowest {units.text(part.collars, 'length')}"
-        yield f"{what} of {place}, up to twice the rotation, in {units.rotation}: {named or 'none'}"
-    if others := [str(mode.number) for mode in lateral if not mode.of_collars]:
-        yield f"lateral {', '.join(others)}: not counted, most energy is in the pipe above (near 50 %: in both)"
-    moved = max((abs(mode.cut_change) / abs(mode.eigenvalue) for mode in lateral), default=0.0)
-    yield (
-        f"the pipe is cut {units.text(ABOVE, 'length')} above the assembly; with the cut at "
-        f"{units.text(MOVED, 'length')} the modes listed change by at most {moved:.2%}; modes that change by more than "
-        "1 % belong to the pipe and are not listed"
-    )
-    if part.leans:
-        yield f"the hole is vertical: the string leans as at {math.degrees(LEAN):g} degree of inclination"
-
-
-def _sentences(table: ModeTable) -> Iterator[str]:
-    """Sentences on what the table leaves out, and where it was not compared with a finer mesh."""
-    for kind, count in table.growing.items():
-        shown = [mode for mode in table.of(kind) if mode.growth > 0.0]
-        if count > len(shown):
-            yield f"{count} {kind} modes grow; the table has {len(shown)} of them, among them the fastest"
-    for kind, decay in table.creeping.items():
-        yield (
-            f"{kind}: motions that decay without oscillation (0 Hz, damping ratio 1), the slowest at {decay:.4g} 1/s, "
-            "are not listed"
-        )
-    if math.isfinite(table.reach):
-        kinds = "torsional and axial " if table.assembly else ""
-        yield (
-            f"of this large string {kinds}eigenvalues up to {table.reach:.3g} rad/s are computed: faster growth is not "
-            "known"
-        )
-    if any(cmath.isnan(mode.change) for mode in table.modes):
-        yield "+- ?: not compared with another mesh"
+    emit(result, shown_modes(table, diagram, own), json=json, folder=out, files={"modes.json": result, **figures})

@@ -71,7 +71,7 @@ def findings_shown(
         everything: Value of `--all`.
     """
     from drill_twin.report.load_text import answers
-    from drill_twin.report.text import column_rows, findings, limitations, provenance, timeline_rows
+    from drill_twin.report.text import column_rows, findings, limitations, mark_rows, provenance, timeline_rows
     from drill_twin.report.verdict import first_rows, verdict
 
     yield from verdict(summary, str(bag))
@@ -83,7 +83,7 @@ def findings_shown(
         return
     rows = [row for row in (*answers(summary), *findings(summary)) if not row[0].startswith("largest radius")]
     yield Table((), [*rows, *provenance(summary)])
-    if marks := list(_marks(summary)):
+    if marks := list(mark_rows(summary)):
         yield Table(("mark", "largest radius", "over the threshold", "motion at the end"), marks, right=(2,))
     if periods := timeline_rows(summary["motion"]):
         yield Table(("from", "to", "motion of the string", "what decided it"), periods, right=(0, 1))
@@ -103,20 +103,6 @@ def marks_shown(summary: Mapping[str, Any]) -> Iterator[Table]:
 
     if rows := [(mark, *row) for mark, periods in summary["mark_motion"].items() for row in timeline_rows(periods)]:
         yield Table(("mark", "from", "to", "motion", "what decided it"), rows, right=(1, 2))
-
-
-def _marks(summary: Mapping[str, Any]) -> Iterable[tuple[str, str, str, str]]:
-    from drill_twin.report.load_text import units_of
-    from drill_twin.report.text import radius_text
-
-    for mark, value in summary["max_radius_m"].items():
-        onset, motion = summary["mark_onset_s"].get(mark), summary["mark_motion"].get(mark)
-        yield (
-            mark,
-            radius_text(value, summary["clearance_m"].get(mark), units_of(summary)),
-            "never" if onset is None else f"from {onset:.2f} s",
-            motion[-1]["state"] if motion else "unknown",
-        )
 
 
 _LINE_PERIOD = 10.0

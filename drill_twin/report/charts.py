@@ -193,11 +193,11 @@ def view_data(recording: Recording) -> str:
         "well": well | {"names": names},
         "pipe": contact_radius(recording.scene, np.clip(length + shapes[-1, :, 2], 0.0, length)).tolist(),
         "shapes": {
-            "time": _times(recording.poses.time[times]),
+            "time": recording.poses.time[times].round(4).tolist(),
             "points": shapes.shape[1],
             "values": _packed_shares(shapes / (radius, radius, length)),
         },
-        "paths": {"time": _times(recording.marks.time[::every]), "values": _packed_shares(paths)},
+        "paths": {"time": recording.marks.time[::every].round(4).tolist(), "values": _packed_shares(paths)},
         "marks": [place.name for place in recording.places],
         "walls": [recording.scene.hole.radius_at(length - place.distance_from_bit) for place in recording.places],
         "clearance": [place.clearance for place in recording.places],
@@ -210,11 +210,6 @@ def view_data(recording: Recording) -> str:
 def plotly_packed() -> str:
     """plotly.js, compressed, in base64: a third of its size."""
     return base64.b64encode(gzip.compress(get_plotlyjs().encode(), 9, mtime=0)).decode()
-
-
-def _times(time: Array) -> list[float]:
-    rounded: list[float] = time.round(4).tolist()
-    return rounded
 
 
 def _packed_shares(values: Array) -> str:

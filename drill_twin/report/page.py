@@ -130,10 +130,6 @@ def _not_drawn(recording: Recording) -> list[str]:
     return [f"not drawn: {', '.join(names)} (the recording holds {why})" for why, names in reasons.items()]
 
 
-def _row(*cards: str) -> str:
-    return f'<div class="cards">{"".join(cards)}</div>'
-
-
 def card(value: float | str | None, form: str, name: str, none: str = "none") -> str:
     """Number in a box with its name."""
     return f"<div><b>{none if value is None else form.format(value)}</b><span>{escape(name)}</span></div>"
@@ -150,13 +146,14 @@ def _cards(summary: Mapping[str, Any]) -> str:
     frequency = card(summary["whirl_frequency_hz"], "{:+.2f} Hz", f"whirl{whose}, positive = forward")
     if irregular(summary):
         frequency = card(interval(summary) or None, "{}", "irregular whirl, over windows", "irregular")
-    return _row(
+    cards = (
         card(f"severity {word}", "{}", f"decided by {decided}" if decided else "no quantity is known"),
         card(summary["onset_s"], "{:.2f} s", f"onset{whose or ' of whirl'}"),
         frequency,
         card(None if radius is None else units.text(radius, "offset"), "{}", f"largest radius, {mark}", "not seen"),
         card(summary["stick_slip_index"], "{:.2f}", index, "unknown"),
     )
+    return f'<div class="cards">{"".join(cards)}</div>'
 
 
 def _warning(lines: list[str]) -> str:

@@ -4,14 +4,13 @@
 Selected messages come without stray stamps, many at once; sentences tell where there are none.
 """
 
-from __future__ import annotations
-
 import math
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from pathlib import Path
+from typing import Self
 
 from drill_twin.core.errors import BagError, MessageError
 from drill_twin.io.bag.reader import Bag
@@ -84,7 +83,7 @@ class Selection:
         ends = self.begin, self.end
         return ends if any(map(math.isfinite, ends)) else None
 
-    def counted_from(self, origin: int) -> Selection:
+    def counted_from(self, origin: int) -> Self:
         """The selection with times from the start of the record [ns], where they are given as dates."""
         if not origin:
             return self

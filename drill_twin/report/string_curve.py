@@ -50,8 +50,7 @@ def low_side(scene: Scene, depth: Array) -> ComplexArray:
     if line is None:
         return np.full(depth.shape, down[0], complex)
     across = transverse_axes(line.at(np.clip(depth, 0.0, None)).tangent)
-    low: ComplexArray = across[0] @ down + 1j * (across[1] @ down)
-    return low
+    return np.asarray(across[0] @ down + 1j * (across[1] @ down))
 
 
 def inclination(scene: Scene, depth: Array) -> Array:
@@ -61,8 +60,7 @@ def inclination(scene: Scene, depth: Array) -> Array:
     if line is None:
         return np.full(depth.shape, top)
     down = np.array([np.sin(top), 0.0, -np.cos(top)])
-    angle: Array = np.arccos(np.clip(-line.at(depth).tangent @ down, -1.0, 1.0))
-    return angle
+    return np.asarray(np.arccos(np.clip(-line.at(depth).tangent @ down, -1.0, 1.0)))
 
 
 def smooth(position: Array, tangent: Array) -> Array:

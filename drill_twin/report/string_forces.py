@@ -58,7 +58,9 @@ def string_forces(recording: Recording, poses: slice | NDArray[np.int64] = slice
     if scene.effects.torsion is None:
         own = axial_weight(scene, model, is_lumped=False)
         below = np.cumsum(own) - 0.5 * own + np.cumsum(axial_weight_of_discs(model)[:-1])
-        tension = below - _bit_force(recording)[poses, None]
+        rig, time = recording.rig, recording.poses.time[poses]
+        load = np.interp(time, rig.time, rig.bit_force) if len(rig) else np.full(time.size, np.nan)
+        tension = below - load[:, None]
         torque = np.full_like(tension, np.nan)
     else:
         tension, torque = rod.axial * strain, _torque(rod, position, slopes, spin)
@@ -172,9 +174,3 @@ def _torque(rod: Rod, position: Array, slopes: Array, spin: Array) -> Array:
     climb = np.diff(spin - np.stack([untwisted(rod, row) for row in u]), axis=1)
     climb -= _TURN * np.round(climb / _TURN)
     return np.asarray(rod.torsion / rod.length * climb)
-
-
-def _bit_force(recording: Recording) -> Array:
-    """Weight on bit at the poses [N]; NaN without rig states."""
-    rig, time = recording.rig, recording.poses.time
-    return np.interp(time, rig.time, rig.bit_force) if len(rig) else np.full(time.size, np.nan)

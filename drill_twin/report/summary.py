@@ -25,8 +25,8 @@ from drill_twin.report.quantities import (
 )
 from drill_twin.report.recording import Recording, read_recording
 from drill_twin.report.severity import never_stuck, severity
-from drill_twin.report.surface import highest_line, surface, without_spikes
-from drill_twin.whirl import BitMotion, MotionPeriod
+from drill_twin.report.surface import SLOWEST, surface, without_spikes
+from drill_twin.whirl import AnalysisError, BitMotion, MotionPeriod, two_sided_spectrum
 
 _OF_THE_ONSET = ("mark", "confidence", "criterion", "uncertainty_s", "dated", "at_start")
 _OF_THE_WHIRL = (
@@ -189,8 +189,11 @@ def bit_peak(bag: Recording) -> float | None:
     """Frequency of the highest line in the spectrum of the bit's speed above 0.1 Hz [Hz]; None where there is none."""
     if not len(bag.rig):
         return None
-    time, speed = bag.rig.time, bag.rig.bit_speed
-    peak = highest_line(time, speed)
+    speed = bag.rig.bit_speed
+    try:
+        peak = two_sided_spectrum(bag.rig.time, speed.astype(complex)).peak(SLOWEST, np.inf)
+    except AnalysisError:
+        return None
     return None if peak is None or peak.radius < NOTICED * abs(float(np.nanmean(speed))) else peak.frequency
 
 

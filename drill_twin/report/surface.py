@@ -16,7 +16,6 @@ from drill_twin.report.quantities import applied, settled_from
 from drill_twin.report.recording import Recording
 from drill_twin.scene import Scene
 from drill_twin.scene.set_points.tables import find_spikes
-from drill_twin.whirl import AnalysisError, Peak, two_sided_spectrum
 from drill_twin.whirl.motion.stick_slip_index import FULL, REST, TIME_BASE
 
 CHANNELS = {
@@ -178,14 +177,6 @@ def regular_line(time: Array, values: Array) -> float | None:
     share = lines[:, at] + (lines[:, twice] if at < 0.3 * 16 * half else 0.0)
     frequency = at / (16 * half * step)
     return frequency if frequency >= SLOWEST and share[0] >= REGULAR and share[1:].min() >= REGULAR_HALF else None
-
-
-def highest_line(time: Array, values: Array) -> Peak | None:
-    """Highest line from `SLOWEST` on in the spectrum of a channel; None where there is none, or too short a record."""
-    try:
-        return two_sided_spectrum(time, values.astype(complex)).peak(SLOWEST, math.inf)
-    except AnalysisError:
-        return None
 
 
 def _steady(speed: Array) -> float:

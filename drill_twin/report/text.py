@@ -87,6 +87,18 @@ def timeline_rows(periods: Sequence[Mapping[str, Any]]) -> list[tuple[str, str, 
     return [(f"{one['start_s']:.2f} s", f"{one['end_s']:.2f} s", one["state"], one["criterion"]) for one in periods]
 
 
+def mark_rows(summary: Summary) -> Iterator[tuple[str, str, str, str]]:
+    """Rows of mark, its largest radius, the time since which it is over the threshold, and its motion at the end."""
+    for mark, value in summary["max_radius_m"].items():
+        onset, motion = summary["mark_onset_s"].get(mark), summary["mark_motion"].get(mark)
+        yield (
+            mark,
+            radius_text(value, summary["clearance_m"].get(mark), units_of(summary)),
+            "never" if onset is None else f"from {onset:.2f} s",
+            motion[-1]["state"] if motion else "unknown",
+        )
+
+
 def provenance(summary: Summary) -> Iterator[Row]:
     """Rows on the run: scene, resolution, speed, version; of a recording that is no run, only the known ones."""
     is_run = bool(summary["version"])

@@ -1,18 +1,21 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Steady whirl states and their branches as plain data and figures."""
+"""Steady whirl states and their branches as plain data, tables and figures."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from typing import Any
 
 import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
+from drill_twin.core.table import Table
 from drill_twin.core.units.system import UnitSystem
-from drill_twin.dynamics.discretisation.resolution import mesh
+from drill_twin.dynamics.discretisation.resolution import mesh, resolution_of
+from drill_twin.dynamics.rotordynamics.equations import EquationsOfMotion
 from drill_twin.dynamics.rotordynamics.steady.branches import Branch
 from drill_twin.dynamics.rotordynamics.steady.whirl_state import WhirlState
+from drill_twin.dynamics.rotordynamics.steady.whirl_states import rolling_ratios
 from drill_twin.report.figures.style import BLUE, GREY, INK, MARK_COLOURS, VERMILION, laid_out, styled
 from drill_twin.scene import Scene
 
@@ -90,15 +93,18 @@ def branches_figure(branches: Sequence[Branch], name: str, units: UnitSystem) ->
 
 def _signs(branches: Sequence[Branch]) -> list[Line2D]:
     """Entries of the legend, of what there is."""
-    signs = [Line2D([], [], color=BLUE, linewidth=2.2, label="stable")]
-    signs.append(Line2D([], [], color=BLUE, linestyle=(0, (2, 2)), label="unstable"))
-    if any(one.folds for one in branches):
-        signs.append(Line2D([], [], color=INK, marker="s", linestyle="", markersize=5, label="fold"))
-    if any(one.hopf for one in branches):
-        signs.append(Line2D([], [], color=VERMILION, marker="D", linestyle="", markersize=5, label="Hopf point"))
-    if any("Newton" in reason for one in branches for reason in one.ends):
-        signs.append(Line2D([], [], color=INK, marker="x", linestyle="", label="no convergence"))
-    return signs
+    lines = [Line2D([], [], color=BLUE, linewidth=2.2, label="stable")]
+    lines.append(Line2D([], [], color=BLUE, linestyle=(0, (2, 2)), label="unstable"))
+    points = (
+        (any(one.folds for one in branches), INK, "s", "fold"),
+        (any(one.hopf for one in branches), VERMILION, "D", "Hopf point"),
+        (any("Newton" in reason for one in branches for reason in one.ends), INK, "x", "no convergence"),
+    )
+    return lines + [
+        Line2D([], [], color=colour, marker=marker, linestyle="", markersize=5, label=label)
+        for there, colour, marker, label in points
+        if there
+    ]
 
 
 def state_data(state: WhirlState, modulated: float | None = None) -> dict[str, Any]:
@@ -138,3 +144,75 @@ def branch_data(branch: Branch) -> dict[str, Any]:
         "hopf": [float(branch.values[k]) for k in branch.hopf],
         "ends": list(branch.ends),
     }
+
+
+_STABLE = {"stable": "yes", "unstable": "no", "not determined": "?"}
+
+
+def shown_states(
+    own: Scene, found: Sequence[WhirlState], locked: Sequence[WhirlState], shares: Sequence[float | None]
+) -> Iterator[Table | str]:
+    """Table of the states, modulated by a share of the clearance (None: locked), and what it leaves open."""
+    if states := (*found, *locked):
+        yield _table(states, shares, own)
+    for state in states:
+        if state.lost_at:
+            where = f"{state.kind} at {state.frequency:+.4f} Hz: not found again on {state.lost_at} elements"
+            yield f"{where}, so it may be of the mesh of {state.elements}"
+    if not found:
+        yield f"{own.name}: {_none_found(own)}"
+
+
+def _none_found(scene: Scene) -> str:
+    """Sentence where the search finds no steady whirl."""
+    ratios = rolling_ratios(EquationsOfMotion(scene).model)
+    text = "no steady whirl found at these set-points; more first shapes with --starts, or a run in time"
+    if len(ratios) == 1:
+        return text
+    rolling = " and ".join(f"{ratio:.3g}" for ratio in ratios)
+    return f"{text}. Its parts roll on the wall at {rolling} of the rotation, so it cannot roll as a whole"
+
+
+def _table(states: Sequence[WhirlState], modulated: Sequence[float | None], scene: Scene) -> Table:
+    command = states[0].whirl.command
+    rows = [
+        (
+            state.kind, f"{state.frequency:+.3f}", f"{state.ratio:+.3f}", _STABLE[state.verdict],
+            f"{state.growth:+.3g}", "?" if math.isnan(state.growth_change) else f"{state.growth_change:.1g}",
+            f"{state.growth_frequency:.3g}", f"{100.0 * state.touching:.0f}%",
+            "" if share is None else f"{100.0 * share:.1g}%",
+        )
+        for state, share in zip(states, modulated, strict=True)
+    ]  # fmt: skip
+    finest = sorted({state.elements for state in states})
+    title = (
+        f"{scene.name}: steady whirl at {scene.unit_system.set_point(command.weight_on_bit, command.rotation)}. "
+        "Frequency in Hz, ratio to the rotation; growth of the fastest disturbance in 1/s, +- its larger change on the "
+        "last two meshes, each twice as fine as the one before (stable ?: its sign is not determined), its "
+        "frequency in the turning frame in Hz; share of the length on the wall; modulation by bow "
+        f"and eccentricity to first order, over the clearance. On {' or '.join(map(str, finest))} elements. Locked: "
+        "the bent string turns with the rotation."
+    )
+    columns = ("whirl", "Hz", "ratio", "stable", "growth", "+-", "at", "wall", "mod.")
+    return Table(columns, rows, title=title, right=(1, 2, 4, 5, 6, 7, 8))
+
+
+def shown_branches(scene: Scene, found: Sequence[Branch], key: str) -> Iterator[Table | str]:
+    """Table of the branches over a parameter, and the mesh that they are of."""
+    label, unit = shown_parameter(key, scene.unit_system)
+    rows = [
+        (
+            str(number + 1), f"{one.values.min() / unit:.4g} to {one.values.max() / unit:.4g}",
+            f"{min(s.ratio for s in one.states):+.3f} to {max(s.ratio for s in one.states):+.3f}",
+            f"{100.0 * sum(s.is_stable for s in one.states) / len(one.states):.0f} %",
+            ", ".join(f"{one.values[k] / unit:.4g}" for k in one.folds) or "none",
+            ", ".join(f"{one.values[k] / unit:.4g}" for k in one.hopf) or "none", "; ".join(one.ends),
+        )
+        for number, one in enumerate(found)
+    ]  # fmt: skip
+    columns = ("branch", label, "ratio", "points stable", "folds", "Hopf points", "ends (low, high side)")
+    yield Table(columns, rows, title=f"{scene.name}: branches of steady whirl")
+    yield (
+        f"Branches are computed on a mesh of {resolution_of(scene)[0]} elements, the run's; without --over, the "
+        "states at one set-point show how far finer meshes move them."
+    )

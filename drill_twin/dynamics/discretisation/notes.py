@@ -130,8 +130,8 @@ def _stick_slip(scene: Scene) -> Iterator[str]:
     step = resolution_of(scene)[1]
     needs = "is taken" if step <= wanted else f"is not taken: the time step is {1e3 * step:.2g} ms"
     yield (
-        f"period and peak speed of stick-slip within 1 % need a time step of {1e3 * wanted:.2g} ms, a {IN_TORSION}th of "
-        f"the period of torsion, and {step_of_motion(scene) / wanted:.2g} times the processor time of other motion; "
+        f"period and peak speed of stick-slip within 1 % need a time step of {1e3 * wanted:.2g} ms, a {IN_TORSION}th "
+        f"of the period of torsion, and {step_of_motion(scene) / wanted:.2g} times the processor time of other motion; "
         f"this step {needs}"
     )
 

@@ -10,14 +10,7 @@
   function unpack(text) { return new Int16Array(bytes(text).buffer); }
 
   // Index of the last entry of rising `times` that is not after `t`.
-  function before(times, t) {
-    let low = 0, high = times.length - 1;
-    while (low < high) {
-      const middle = (low + high + 1) >> 1;
-      if (times[middle] <= t) low = middle; else high = middle - 1;
-    }
-    return low;
-  }
+  function before(times, t) { return Math.max(times.findLastIndex((time) => time <= t), 0); }
 
   const mm = 1e3 * data.radius / data.full, metre = data.length / data.full;
   const shapes = unpack(data.shapes.values), points = data.shapes.points;

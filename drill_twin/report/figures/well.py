@@ -92,8 +92,7 @@ def _directions(low: ComplexArray) -> ComplexArray:
     if not (known := np.flatnonzero(np.abs(low) > VERTICAL)).size:
         return np.ones(low.size, complex)
     nearest = known[np.abs(np.arange(low.size)[:, None] - known).argmin(axis=1)]
-    way: ComplexArray = low[nearest] / np.abs(low[nearest])
-    return way
+    return np.asarray(low[nearest] / np.abs(low[nearest]))
 
 
 def _offset(recording: Recording, depth: Array) -> ComplexArray:
@@ -102,8 +101,7 @@ def _offset(recording: Recording, depth: Array) -> ComplexArray:
         return np.full(depth.size, complex(np.nan, np.nan))
     curve = recording.shapes()[-1]
     curve = curve[np.argsort(-curve[:, 2])]
-    found: ComplexArray = np.interp(depth, -curve[:, 2], curve[:, 0] + 1j * curve[:, 1])
-    return found
+    return np.asarray(np.interp(depth, -curve[:, 2], curve[:, 0] + 1j * curve[:, 1]))
 
 
 def _section(panel: Axes, angle: Array, depth: Array, hole: Array, pipe: Array, along: Array, unit: str) -> None:

@@ -5,15 +5,13 @@ It holds no times. An iteration of a resolution takes the same time all along a 
 the time of one on this machine, measured before the run, give the time of the run.
 """
 
-from __future__ import annotations
-
 import hashlib
 import json
 import logging
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Self
 
 import numpy as np
 from pydantic import Field, TypeAdapter
@@ -140,8 +138,8 @@ class ErrorModel:
         path.parent.mkdir(parents=True, exist_ok=True)
         write_whole(path, json.dumps(asdict(self), indent=1) + "\n", PRIVATE)
 
-    @staticmethod
-    def parse(content: bytes) -> ErrorModel:
+    @classmethod
+    def parse(cls, content: bytes) -> Self:
         """Model of a file's content.
 
         Raises:
@@ -149,7 +147,7 @@ class ErrorModel:
         """
         if len(content) > LARGEST_TEXT:
             raise ValueError(f"{len(content)} bytes where at most {LARGEST_TEXT} can be meant")
-        return TypeAdapter(ErrorModel).validate_json(content, strict=True)
+        return TypeAdapter(cls).validate_json(content, strict=True)
 
 
 def content_key(scene: Scene) -> str:

@@ -1,15 +1,13 @@
 # SPDX-License-Identifier: Apache-2.0
 """Run of a scene at one resolution: motion of the marks and cost, with a cache on disk."""
 
-from __future__ import annotations
-
 import hashlib
 import math
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, Self
 from zipfile import BadZipFile
 
 import numpy as np
@@ -80,7 +78,7 @@ class Motion:
     tolerance: float
     """Tolerance of Newton's method."""
 
-    def until(self, end: float) -> Motion:
+    def until(self, end: float) -> Self:
         """The motion up to a time [s]; onset and frequency stay the whole run's."""
         taken = self.time <= end
         names = ("time", "centre", "contact", "hookload", "torque", "iterations")
@@ -97,12 +95,12 @@ class Motion:
         with whole_file(path) as stream:
             np.savez(stream, **arrays)
 
-    @staticmethod
-    def load(path: Path) -> Motion | None:
+    @classmethod
+    def load(cls, path: Path) -> Self | None:
         """Read a motion that was saved; None where there is none, or its file is cut short, as by a power cut."""
         try:
             with np.load(path, allow_pickle=False) as file:
-                return Motion(**{name: file[name] if file[name].ndim else file[name].item() for name in file.files})
+                return cls(**{name: file[name] if file[name].ndim else file[name].item() for name in file.files})
         except (OSError, EOFError, ValueError, TypeError, BadZipFile):
             return None
 

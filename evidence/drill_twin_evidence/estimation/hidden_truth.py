@@ -23,8 +23,8 @@ from drill_twin.scene.set_points import Schedule
 from drill_twin_evidence.estimation.cases import JUMP, SIZES, STIFFNESS, TOLERANCES, Case
 from drill_twin_evidence.estimation.stamps import USUAL, Stamps
 from drill_twin_studies.api.estimator import Estimator
-from drill_twin_studies.estimation import Estimate, EstimatorOptions, FilterWindow
-from drill_twin_studies.estimation.estimate import Prediction, WindowTiming
+from drill_twin_studies.estimation import Estimate, EstimatorOptions
+from drill_twin_studies.estimation.estimate import FilterWindow, Prediction, WindowTiming
 from drill_twin_studies.estimation.members import EstimatorMembers
 from drill_twin_studies.estimation.subs import VALUES
 

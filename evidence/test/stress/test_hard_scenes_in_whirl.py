@@ -6,7 +6,7 @@ import pytest
 from drill_twin.api.rotordynamics import final_command, steady_scene
 from drill_twin.core.errors import SceneError
 from drill_twin.dynamics.rotordynamics.equations import EquationsOfMotion
-from drill_twin.dynamics.rotordynamics.steady.whirl_states import check_whirls, search
+from drill_twin.dynamics.rotordynamics.steady.whirl_states import check_whirls, whirl_states
 from drill_twin_evidence.stress import all_hard_cases
 from drill_twin_evidence.stress.case import LATERAL
 
@@ -49,5 +49,5 @@ def whirls(scene, *, is_sought=True):
     own = steady_scene(scene, None, ())
     equations, command = EquationsOfMotion(own), final_command(own)
     check_whirls(equations, command)
-    found = search(equations, command, random_starts=0, evaluations=EVALUATIONS).states if is_sought else ()
+    found = whirl_states(equations, command, random_starts=0, evaluations=EVALUATIONS) if is_sought else ()
     return equations, found

@@ -8,7 +8,7 @@ import pytest
 
 from drill_twin.dynamics.rotordynamics.equations import EquationsOfMotion
 from drill_twin.dynamics.rotordynamics.steady.refinement import refined
-from drill_twin.dynamics.rotordynamics.steady.whirl_states import search
+from drill_twin.dynamics.rotordynamics.steady.whirl_states import whirl_states
 from drill_twin_evidence.verify.contact import whirling_rod
 from drill_twin_evidence.verify.contact.whirl_states import guided, reference
 
@@ -16,7 +16,7 @@ from drill_twin_evidence.verify.contact.whirl_states import guided, reference
 def test_the_growth_on_finer_meshes_is_that_of_code_that_is_not_ours():
     """The state of 20 N and 2 rev/s: on 16 elements it grows, by two contact points in an element; the rod decays."""
     scene, command = guided(16)
-    (state,) = search(EquationsOfMotion(scene), command, random_starts=0).states
+    (state,) = whirl_states(EquationsOfMotion(scene), command, random_starts=0)
     fine = refined(scene, state)
     for elements, points, growth in ((16, 2, state.growth), (64, 2, -1.265), (64, 8, fine.growth)):
         omega, values = reference(scene, state, elements, points)

@@ -8,7 +8,6 @@ import pytest
 
 import drill_twin as dt
 from drill_twin.api import rotordynamics
-from drill_twin.cli.modes import _shown
 from drill_twin.core.errors import RunError
 from drill_twin.core.table import Table
 from drill_twin.dynamics.discretisation.joint import collars_of
@@ -20,6 +19,7 @@ from drill_twin.dynamics.rotordynamics.equations import EquationsOfMotion, meshe
 from drill_twin.dynamics.rotordynamics.modes import compared, modes
 from drill_twin.scene import load_scene
 from drill_twin.scene.set_points.command import Command
+from drill_twin.studies.answers import shown_modes
 
 CONFIG = Path(__file__).resolve().parents[3] / "config"
 
@@ -108,10 +108,10 @@ def test_a_well_has_modes_of_its_assembly_and_a_forced_response(well):
         assert [in_trough(table, mode) for mode in lateral] == [mode.frequency < 1.0 for mode in lateral]
         assert critical_ranges(table)[0] == [pytest.approx(11.96, rel=0.01)]
         assert len(critical_ranges(table, trough=True)[0]) == 2
-        tables = [said for said in _shown(table, None, scene) if isinstance(said, Table)]
+        tables = [said for said in shown_modes(table, None, scene) if isinstance(said, Table)]
         assert ["sideways" in str([*map(list, said.rows)]) for said in tables] == [False, True, False]
         assert ["torsional 1", "0.1733", "10.4", "3.466"] in [[*row] for row in tables[2].rows]  # Hz, 60 f, 60 f / 3
-    told = " ".join(str(said) for said in _shown(table, None, scene))
+    told = " ".join(str(said) for said in shown_modes(table, None, scene))
     assert "mud that turns with the string" in told
     assert "added_mass.confined" not in told, "the gap is in the model"
     assert min(mode.damping_ratio for mode in lateral) > 1e-3, "mud brakes every mode; drag without it gave 4.5e-6"

@@ -11,7 +11,7 @@ from drill_twin.api import load_scene
 from drill_twin.dynamics.rotordynamics.equations import EquationsOfMotion, meshed
 from drill_twin.dynamics.rotordynamics.steady import refinement
 from drill_twin.dynamics.rotordynamics.steady.refinement import refined, refined_states
-from drill_twin.dynamics.rotordynamics.steady.whirl_states import search
+from drill_twin.dynamics.rotordynamics.steady.whirl_states import whirl_states as states_of_mesh
 from drill_twin.scene.set_points.command import Command
 
 ROD = {
@@ -30,7 +30,7 @@ FORM = {"effects.stretch": "off", "effects.torsion": "off"}
 def coarse():
     """The state of 20 N and 2 rev/s on 16 elements; the string touches the wall in a few points alone."""
     scene = quiet_scene(ROD, of=SET, form="lateral", bit_end="guided", radius=0.09, elements=16, step=1e-3)
-    return scene, search(EquationsOfMotion(scene), Command(20.0, 2.0 * math.tau), random_starts=0).states
+    return scene, states_of_mesh(EquationsOfMotion(scene), Command(20.0, 2.0 * math.tau), random_starts=0)
 
 
 @pytest.mark.slow

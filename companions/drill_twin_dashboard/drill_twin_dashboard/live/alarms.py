@@ -36,10 +36,9 @@ class Trends:
 
     def __init__(self, most: int = _MOST) -> None:
         self._rows: deque[Row] = deque(maxlen=most)
-        self._begin(math.nan)
-        self._sent = 0
-        self.run = 0
+        self.run = -1
         """Number of the run; time that goes back begins another."""
+        self.clear()
 
     def clear(self) -> None:
         """Begin another run."""

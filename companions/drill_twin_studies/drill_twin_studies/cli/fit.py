@@ -1,24 +1,15 @@
 # SPDX-License-Identifier: Apache-2.0
 """Command `drill-twin fit`: numbers of a scene from a record."""
 
-from __future__ import annotations
-
 import math
-from collections.abc import Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 
 from drill_twin.cli import options
 from drill_twin.cli.emit import emit
 from drill_twin.cli.show import shown_progress
-from drill_twin.core.table import Table
-
-if TYPE_CHECKING:
-    from rich.text import Text
-
-    from drill_twin_studies.fitting import Posterior, Sampling
 
 
 def fit(
@@ -51,7 +42,8 @@ def fit(
 ) -> None:
     """Find numbers of a scene from a record, with intervals, correlations, and what the record does not determine."""
     import drill_twin as dt
-    from drill_twin_studies.fitting.posterior import fit_figure
+    from drill_twin_studies.fitting import Sampling
+    from drill_twin_studies.fitting.figures import fit_figure, shown
 
     ranges = options.ranges_of("--free", free)
 
@@ -68,37 +60,7 @@ def fit(
         )  # fmt: skip
     base = str(Path(scene).resolve()) if Path(scene).is_file() else scene
     emit(
-        found.to_dict(), _shown(found), json=json, folder=out,
+        found.to_dict(), shown(found), json=json, folder=out,
         files={"fit.json": found.to_dict, "fitted.yaml": lambda: found.scene_text(base),
                "fit.png": lambda: fit_figure(found)},
     )  # fmt: skip
-
-
-def _shown(found: Posterior) -> Iterator[Table | Text | str]:
-    from rich.text import Text
-
-    from drill_twin_studies.fitting.posterior import HELD, shown_number
-    from drill_twin_studies.goodness import table as goodness_table
-
-    if found.unexplained:
-        yield Text(f"{found.unexplained}; intervals count with what is left, not with what is hidden in it", "bold red")
-    rows = []
-    for key in found.ranges:
-        size, unit = shown_number(key, found.scene)
-        low, high = found.intervals[key]
-        values = found.best[key], low, found.median(key), high
-        rows.append((f"{key} [{unit}]" if unit else key, *(f"{size * value:.4g}" for value in values)))
-    yield Table(
-        ("number", "best", "low", "median", "high"),
-        rows,
-        title=f"{found.scene.name}: {len(found.values)} runs, intervals of 90 %",
-        right=(1, 2, 3, 4),
-    )
-    yield HELD
-    if found.sampling.power < 1.0:
-        yield Text("the draws are still wider than the record allows; more --rounds narrow the intervals", "yellow")
-    for line in found.undetermined:
-        yield f"not determined: {line}"
-    yield from found.of_law
-    yield goodness_table(found.goodness)
-    yield from found.record.notes

@@ -1,13 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """Command `drill-twin map`: operating map of a scene over weight on bit and speed."""
 
-from __future__ import annotations
-
-from collections import Counter
-from collections.abc import Iterator
 from pathlib import Path
 from shlex import quote
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 
@@ -15,10 +11,6 @@ from drill_twin.cli import options
 from drill_twin.cli.emit import emit, folder_name
 from drill_twin.cli.show import shown_progress
 from drill_twin.core.files.output import make_folder
-
-if TYPE_CHECKING:
-    from drill_twin.scene import Scene
-    from drill_twin_studies.maps import OperatingMap
 
 
 def operating_map(
@@ -77,7 +69,7 @@ def operating_map(
     from drill_twin.core.units.system import typed_in_pounds
     from drill_twin.scene import load_scene
     from drill_twin_studies.api.maps import operating_map as make
-    from drill_twin_studies.maps.drawing import build_page, map_figure
+    from drill_twin_studies.maps.drawing import build_page, map_figure, shown
 
     changes = options.overrides(change, duration=duration, units=units or ("field" if typed_in_pounds(wob) else ""))
     ranges = options.ranges_of("--vary", vary)
@@ -100,45 +92,10 @@ def operating_map(
         f"--set {quote(f'{key}={value}')}" for key, value in changes.items() if key not in {"duration", "units"}
     ]
     emit(
-        data, _shown(found, described), json=json, folder=folder, also=["runs.jsonl"],
+        data, shown(found, described), json=json, folder=folder, also=["runs.jsonl"],
         files={
             "map.json": data, "map.csv": found.csv(),
             "map.html": build_page(found, " ".join([quote(scene), *settings])),
             "map.png": lambda: map_figure(found),
         },
     )  # fmt: skip
-
-
-def _shown(found: OperatingMap, scene: Scene) -> Iterator[str]:
-    """Runs, windows, shares of the regimes and grades, and margin of the scene's own set-point."""
-    from drill_twin_studies.maps.drawing import GRADES
-    from drill_twin_studies.maps.regimes import REGIMES
-
-    units = scene.unit_system
-    counts = Counter(found.regimes.ravel().tolist())
-    yield f"{found.name}: {found.said_runs}"
-    if not found.windows:
-        yield "  no calm window: nowhere in these ranges do enough runs show that the string stays calm"
-    for weight, speed in found.windows:
-        at = units.span(speed.low, speed.high, "rotation")
-        yield f"  calm window: {units.span(weight.low, weight.high, 'force')} at {at}"
-    yield from (f"    rests on: {sentence}" for sentence in found.basis)
-    whole = found.regimes.size
-    for code, count in sorted(counts.items()):
-        yield f"  {REGIMES[code].value}: {count / whole:.1%} of the ranges"
-    grades = Counter(found.severities.ravel().tolist())
-    yield "  severity: " + ", ".join(f"{GRADES[code]} {count / whole:.1%}" for code, count in sorted(grades.items()))
-    unknown = 1.0 - float(found.known.mean())
-    if unknown:
-        yield f"  {unknown:.0%} of the ranges (hatched) lack runs on all sides; there the nearest run's motion stands"
-    load, turn = scene.rig.weight_on_bit.value, scene.rig.rotation.value
-    if found.contains(load, turn):
-        margin = found.margin(load, turn)
-        word = "margin to the boundary" if margin.share >= 0.0 else "beyond the boundary by"
-        apart = margin.text(units)
-        yield (
-            f"  set-point of the scene, {units.set_point(load, turn)}: {found.regime(load, turn).value}"
-            + ("" if found.is_known(load, turn) else " in the nearest run; not known there")
-            + (f"; {word} {apart}" if apart else "")
-        )
-    yield from (f"  note: {note}" for note in found.notes)

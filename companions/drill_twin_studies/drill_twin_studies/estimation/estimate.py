@@ -1,13 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
 """Windows of what is measured, what the members predict for them, and the estimate at the end of a window."""
 
-from __future__ import annotations
-
 import math
 from collections import deque
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import NamedTuple, Self
 
 import numpy as np
 from scipy import special
@@ -43,7 +41,7 @@ class Band:
     high: float
 
     @classmethod
-    def of(cls, values: Array, factor: float = 1.0) -> Band:
+    def of(cls, values: Array, factor: float = 1.0) -> Self:
         """Band of the values of the members, shape (N,), widened about their mean by a factor."""
         mean = values.mean()
         low, high = mean + factor * (np.quantile(values, (0.5 - 0.5 * SHARE, 0.5 + 0.5 * SHARE)) - mean)

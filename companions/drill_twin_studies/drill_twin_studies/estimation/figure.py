@@ -1,16 +1,21 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Figure of estimates over a record: numbers and virtual sensors with their bands, and what is not explained."""
+"""Estimates for people: table, line and figure of numbers and virtual sensors with their bands; plain types."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import asdict
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from drill_twin.core.table import Table
 from drill_twin.core.units.system import UnitSystem
-from drill_twin_studies.estimation.estimate import SHARE, Estimate, shown_unit
+from drill_twin.scene import Scene
+from drill_twin_studies.estimation.estimate import HELD, SHARE, Estimate, shown_unit
+from drill_twin_studies.fitting.posterior import of_law, shown_number
 from drill_twin_studies.fitting.record import Record
+from drill_twin_studies.goodness import table as goodness_table
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -60,3 +65,40 @@ def estimate_figure(found: Sequence[Estimate], record: Record, units: UnitSystem
             if axes.get_legend_handles_labels()[0]:
                 axes.legend(loc="upper right", ncols=3)
     return figure
+
+
+def shown(found: Estimate, scene: Scene, troubles: Mapping[str, int]) -> Iterator[Table | str]:
+    """Alarm, table of numbers and sensors, and what the record does not tell."""
+    yield from filter(None, (found.alarm, found.remembered))
+    rows = []
+    known = {name: band for name, band in found.sensors.items() if name not in found.withheld}
+    for name, band in {**found.numbers, **known}.items():
+        size, unit = shown_unit(name, scene.unit_system) if name in found.sensors else shown_number(name, scene)
+        mean, low, high = (f"{size * value:.4g}" for value in (band.mean, band.low, band.high))
+        rows.append((f"{name} [{unit}]" if unit else name, mean, f"{size * band.deviation:.2g}", low, high))
+    title = f"{scene.name} at {found.time:g} s"
+    yield Table(("", "mean", "deviation", "low", "high"), rows, title=title, right=(1, 2, 3, 4))
+    for reason in dict.fromkeys(found.withheld.values()):
+        yield f"{', '.join(name for name, why in found.withheld.items() if why == reason)}: withheld, {reason}"
+    for key, share in found.untold.items():
+        yield f"{key}: the record does not tell it, its band covers {share:.0%} of its range"
+    yield from of_law(found.numbers, scene)
+    yield goodness_table(found.goodness)
+    yield HELD
+    yield line(found)
+    if troubles:
+        yield ", ".join(f"{count} {kind}" for kind, count in troubles.items())
+
+
+def line(found: Estimate) -> str:
+    """Time, chance of whirl and alarm in a line."""
+    chance = "" if found.chance != found.chance else f", whirl soon {found.chance:.0%}"
+    return f"{found.time:6.1f} s: whirls now {found.whirls:.0%}{chance}" + (f"; {found.alarm}" if found.alarm else "")
+
+
+def plain(found: Estimate) -> dict[str, Any]:
+    """Plain types for JSON."""
+    plain = asdict(found)
+    del plain["frames"]
+    plain["goodness"] = {name: one.to_dict() for name, one in found.goodness.items()}
+    return plain | {"alarm": found.alarm, "remembered": found.remembered}

@@ -1,12 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """Records to fit to: channels of a rig over time, in SI, from a CSV, MAT, LAS or WITSML file or a bag."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -17,9 +14,6 @@ from drill_twin.core.units import Dimension
 from drill_twin.core.units.dimension import ANGULAR_SPEED
 from drill_twin.scene.records import read_columns
 from drill_twin.scene.records.channels import BLOCK, NULL, ChannelColumn, channel_column
-
-if TYPE_CHECKING:
-    from drill_twin.io.bag.reader import Bag
 
 _COMPUTED = ("torque", "motor_torque", "top_drive_speed", "bit_speed", "bit_torque", "bit_force", "hookload")
 CHANNELS: Mapping[str, Dimension] = {name: channel_of(name).dimension for name in _COMPUTED}
@@ -126,6 +120,7 @@ def read_record(
 
 
 def _of_bag(path: Path, items: Sequence[ChannelColumn], start: float, subs: Sequence[str]) -> Record:
+    from drill_twin.io.bag.sensor_series import Measured
     from drill_twin.report.recording import Recording
     from drill_twin.report.selection import Selection, open_bag
 
@@ -150,18 +145,14 @@ def _of_bag(path: Path, items: Sequence[ChannelColumn], start: float, subs: Sequ
             stamps = time if _KNOWN[channel] is ANGULAR_SPEED else middle
             values = np.asarray(getattr(rig, _OF_BAG[channel]))
         series[channel] = _present(path, channel, stamps, values)
-    return Record(str(path), series, _readings(path, bag, start, subs) if subs else {})
-
-
-def _readings(path: Path, bag: Bag, start: float, subs: Sequence[str]) -> dict[str, tuple[Array, Array]]:
-    from drill_twin.io.bag.sensor_series import Measured
-
-    found = Measured(bag).subs
+    found = Measured(bag).subs if subs else {}
     if odd := [name for name in subs if name not in found or not len(found[name].imu)]:
         raise ArgumentError(
             f"{path}: expected readings of {', '.join(odd)}, found readings of {', '.join(found) or 'none'}"
         )
-    return {name: (np.asarray(found[name].imu.time) - start, np.asarray(found[name].imu.values)) for name in subs}
+    readings = {name: found[name].imu for name in subs}
+    own = {name: (np.asarray(imu.time) - start, np.asarray(imu.values)) for name, imu in readings.items()}
+    return Record(str(path), series, own)
 
 
 def _present(source: Path, channel: str, time: Array, values: Array) -> tuple[Array, Array]:

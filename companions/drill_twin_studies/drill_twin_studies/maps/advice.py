@@ -10,13 +10,13 @@ from typing import NamedTuple
 
 import numpy as np
 
-from drill_twin.core.arrays import Array, Mask
+from drill_twin.core.arrays import Mask
 from drill_twin.io.messages.cdr import JointStateTemplate
 from drill_twin.io.messages.diagnostics import Level
 from drill_twin.io.messages.topic_words import AdviceCode
 from drill_twin.whirl import criteria
 from drill_twin_studies.maps.operating_map import Margin, OperatingMap
-from drill_twin_studies.maps.plane import Node
+from drill_twin_studies.maps.plane import Node, depth
 from drill_twin_studies.maps.regimes import REGIMES, Regime
 from drill_twin_studies.maps.runs import RAMP, STAY
 
@@ -108,7 +108,7 @@ class Adviser:
         margin = found.margin_of(allowed, weight, speed) if inside else Margin(-math.inf, -math.inf, -math.inf)
         target = None
         if not good or late or margin.share < self._margin:
-            target = self._target(allowed, weight, speed, above=float(_depth(allowed)[node]) if late else 0.0)
+            target = self._target(allowed, weight, speed, above=float(depth(allowed)[node]) if late else 0.0)
         if target is not None and inside and found.node(target.weight, target.speed) == node:
             target = None
         again, slower = None, whirls and (stops or 0.0 <= speed < found.plane.speed.low)
@@ -128,17 +128,17 @@ class Adviser:
         """
         if not allowed.any():
             return None
-        depth = _depth(allowed)
+        depths = depth(allowed)
         if (allowed & self._told).any():
-            depth = np.where(self._told, depth, 0.0)
-        most = float(depth.max())
+            depths = np.where(self._told, depths, 0.0)
+        most = float(depths.max())
         if not math.isinf(above) and above >= most:
             return None
         least = min(max(self._margin * self.map.plane.steps + 0.5, above + 0.5), most)
-        nodes = np.argwhere(depth >= least)
+        nodes = np.argwhere(depths >= least)
         place = np.array(self.map.plane.place(weight, speed))
         nearest: Node = tuple(nodes[int(np.argmin(np.hypot(*(nodes - place).T)))].tolist())
-        return AdvisedSetPoint(*self.map.plane.command(nearest), (float(depth[nearest]) - 0.5) / self.map.plane.steps)
+        return AdvisedSetPoint(*self.map.plane.command(nearest), (float(depths[nearest]) - 0.5) / self.map.plane.steps)
 
     def _text(
         self,
@@ -209,13 +209,6 @@ def encode_advice(stamp: int, advice: Advice | None, weight: float, speed: float
             values[9:] = 1.0, target.weight, target.speed, target.margin
     finite = np.nan_to_num(values, nan=0.0, posinf=NO_BOUNDARY, neginf=-NO_BOUNDARY)
     return _ADVICE.fill(stamp, finite)
-
-
-def _depth(flags: Mask) -> Array:
-    """Distance of each flagged node to the next that is not, in steps; infinite where all are flagged."""
-    from scipy.ndimage import distance_transform_edt
-
-    return np.full(flags.shape, math.inf) if flags.all() else np.asarray(distance_transform_edt(flags))
 
 
 SMOOTHING = 0.5

@@ -1,25 +1,26 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Drawing of an operating map: colours and geometry, figure, and the page, one HTML file that opens from disk."""
+"""Map for people: lines of text, colours and geometry, figure, and the page, one HTML file that opens from disk."""
 
 from __future__ import annotations
 
 import json
-from collections.abc import Iterable, Sequence
+from collections import Counter
+from collections.abc import Iterable, Iterator, Sequence
 from importlib.resources import files
 from math import isfinite
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.ndimage import distance_transform_edt
 
 from drill_twin.core import __version__
 from drill_twin.core.arrays import Array, Mask
 from drill_twin.core.severity import Grade
 from drill_twin.io.messages.topic_words import REGIME_COLOURS
+from drill_twin.scene import Scene
 from drill_twin.scene.load import parse_scene
 from drill_twin_studies.maps.operating_map import OperatingMap
-from drill_twin_studies.maps.plane import Labels, on_lattice
+from drill_twin_studies.maps.plane import Labels, depth, on_lattice
 from drill_twin_studies.maps.regimes import REGIMES, Regime
 
 if TYPE_CHECKING:
@@ -76,10 +77,7 @@ def margins(flags: Mask) -> tuple[Array, Array, Array]:
 
 def _to_the_others(flags: Mask) -> Array:
     """Distance from each node to the boundary half-way to the nearest node that is flagged otherwise."""
-    if flags.all() or not flags.any():
-        return np.full(flags.shape, np.inf)
-    distance = np.where(flags, distance_transform_edt(flags), distance_transform_edt(~flags))
-    return np.asarray(distance - 0.5)
+    return np.asarray(np.where(flags, depth(flags), depth(~flags)) - 0.5)
 
 
 def map_figure(found: OperatingMap) -> Figure:
@@ -223,3 +221,35 @@ def _finite(values: Iterable[float]) -> list[float | None]:
 
 def _digits(flags: Mask) -> str:
     return "".join("01"[flag] for flag in flags.ravel().tolist())
+
+
+def shown(found: OperatingMap, scene: Scene) -> Iterator[str]:
+    """Runs, windows, shares of the regimes and grades, and margin of the scene's own set-point."""
+    units = scene.unit_system
+    counts = Counter(found.regimes.ravel().tolist())
+    yield f"{found.name}: {found.said_runs}"
+    if not found.windows:
+        yield "  no calm window: nowhere in these ranges do enough runs show that the string stays calm"
+    for weight, speed in found.windows:
+        at = units.span(speed.low, speed.high, "rotation")
+        yield f"  calm window: {units.span(weight.low, weight.high, 'force')} at {at}"
+    yield from (f"    rests on: {sentence}" for sentence in found.basis)
+    whole = found.regimes.size
+    for code, count in sorted(counts.items()):
+        yield f"  {REGIMES[code].value}: {count / whole:.1%} of the ranges"
+    grades = Counter(found.severities.ravel().tolist())
+    yield "  severity: " + ", ".join(f"{GRADES[code]} {count / whole:.1%}" for code, count in sorted(grades.items()))
+    unknown = 1.0 - float(found.known.mean())
+    if unknown:
+        yield f"  {unknown:.0%} of the ranges (hatched) lack runs on all sides; there the nearest run's motion stands"
+    load, turn = scene.rig.weight_on_bit.value, scene.rig.rotation.value
+    if found.contains(load, turn):
+        margin = found.margin(load, turn)
+        word = "margin to the boundary" if margin.share >= 0.0 else "beyond the boundary by"
+        apart = margin.text(units)
+        yield (
+            f"  set-point of the scene, {units.set_point(load, turn)}: {found.regime(load, turn).value}"
+            + ("" if found.is_known(load, turn) else " in the nearest run; not known there")
+            + (f"; {word} {apart}" if apart else "")
+        )
+    yield from (f"  note: {note}" for note in found.notes)

@@ -28,6 +28,7 @@ from drill_twin_studies.maps.plane import (
     Span,
     boundary,
     corners,
+    depth,
     filled,
     known_and_calm,
     nearest_known,
@@ -191,8 +192,6 @@ class MapFields:
     @property
     def calm_cells(self) -> Mask:
         """Unit cells that stay calm, shape (n, n)."""
-        from scipy.ndimage import distance_transform_edt
-
         good = known_and_calm(self._calm_runs != UNKNOWN, self._calm_runs == 1)[1]
         good &= corners(self.largest_growth).max(axis=0) <= 0.0
         if self.has_second_boundary:
@@ -200,9 +199,7 @@ class MapFields:
         for key, record in self.checks:
             if not record.calm:
                 good[self.plane.cells_at(key.place)] = False
-        if good.all():
-            return good
-        return np.asarray(distance_transform_edt(good) > MARGIN * self.plane.steps + 0.5)
+        return np.asarray(depth(good) > MARGIN * self.plane.steps + 0.5)
 
     @cached_property
     def window_nodes(self) -> Sequence[tuple[int, int, int, int]]:

@@ -1,13 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
 """Operating map: what it says of a set-point, and its file."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Any, Literal, NamedTuple
+from typing import Annotated, Any, Literal, NamedTuple, Self
 
 import numpy as np
 from pydantic import BaseModel, Field, ValidationError
@@ -185,7 +183,7 @@ class OperatingMap(MapFields):
         }  # fmt: skip
 
     @classmethod
-    def from_json(cls, text: bytes) -> OperatingMap:
+    def from_json(cls, text: bytes) -> Self:
         """Inverse of `to_dict`, from its JSON.
 
         Raises:

@@ -1,12 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """The plane of a map: a lattice over the ranges of weight on bit and speed, and its cells."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator
 from itertools import pairwise
-from typing import NamedTuple
+from typing import NamedTuple, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -41,7 +39,7 @@ class Plane(NamedTuple):
     steps: int
     """Steps of the lattice along each range, a power of 2."""
 
-    def checked(self) -> Plane:
+    def checked(self) -> Self:
         """The plane itself.
 
         Raises:
@@ -136,6 +134,13 @@ def filled(labels: Labels) -> Labels:
         ArgumentError: No label is known.
     """
     return np.asarray(labels[tuple(nearest_known(labels != UNKNOWN))])
+
+
+def depth(flags: Mask) -> Array:
+    """Distance of each flagged node to the next that is not, in steps; infinite where all are flagged."""
+    from scipy.ndimage import distance_transform_edt
+
+    return np.full(flags.shape, math.inf) if flags.all() else np.asarray(distance_transform_edt(flags))
 
 
 def nearest_known(known: Mask) -> NDArray[np.int64]:

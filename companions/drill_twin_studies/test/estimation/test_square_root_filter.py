@@ -5,8 +5,7 @@ import numpy as np
 import pytest
 from filterpy.kalman import KalmanFilter
 
-from drill_twin_studies.estimation import correction
-from drill_twin_studies.estimation.square_root_filter import applied, corrections
+from drill_twin_studies.estimation.square_root_filter import applied, correction, corrections
 
 
 def oscillator(step):

@@ -14,8 +14,8 @@ import drill_twin as dt
 from drill_twin.core.errors import ArgumentError
 from drill_twin.runs.ensemble import Threads
 from drill_twin_studies.api.maps import check
-from drill_twin_studies.cli.operating_map import _shown
 from drill_twin_studies.maps import OperatingMap, Plane, Regime, Span
+from drill_twin_studies.maps.drawing import shown as shown_of
 from drill_twin_studies.maps.fields import MARGIN
 from drill_twin_studies.maps.grounds import ROUNDS
 from drill_twin_studies.maps.plane import known_and_calm, rectangles
@@ -71,7 +71,7 @@ def test_few_runs_are_shown_as_few_and_carry_no_window():
     assert not found.known.any()
     assert (found.windows, found.basis) == ([], [])
     scene = dt.load_scene("pa6_bench", {"wob": 40, "rpm": 90})
-    assert "40 N at 1.5 rev/s: smooth in the nearest run; not known there" in "".join(_shown(found, scene))
+    assert "40 N at 1.5 rev/s: smooth in the nearest run; not known there" in "".join(shown_of(found, scene))
     assert made(lambda *_: Regime.SMOOTH, every=8).known.all()
     one = made(lambda *_: Regime.SMOOTH, every=8)
     some = replace(one, records={key: run for key, run in one.records.items() if key.i <= 8})
@@ -86,11 +86,11 @@ EDGES = [(wob, rpm) for wob in (0.0, 5.0, 160.0, 315.0, 320.0) for rpm in (0.0, 
 def test_a_set_point_on_an_edge_of_the_ranges_is_shown_too(weight, speed):
     scene = dt.load_scene("pa6_bench", {"wob": weight, "rig.rotation.value": speed})
     whole = made(lambda *_: Regime.SMOOTH)
-    shown = "".join(_shown(whole, scene))
+    shown = "".join(shown_of(whole, scene))
     assert "set-point of the scene" in shown
     assert "not known there" not in shown
     low = replace(whole, records={key: run for key, run in whole.records.items() if key.i <= 16})
-    assert ("not known there" in "".join(_shown(low, scene))) == (weight > 160.0)  # what is known ends at 160 N
+    assert ("not known there" in "".join(shown_of(low, scene))) == (weight > 160.0)  # what is known ends at 160 N
     assert low.is_known(weight, speed) == (weight <= 160.0)
 
 
@@ -108,7 +108,7 @@ def test_a_range_may_end_at_the_set_point_of_the_scene(change):
     asked = {"wob": "1..40 N", "rpm": "30..180", **change}
     over = {**COARSE, "wob": "17.3 N", "rpm": "93.7 rpm"}
     found = dt.operating_map("pa6_bench", over, duration=0.2, steps=8, runs=25, growth=False, **asked)
-    assert "set-point of the scene, 17.3 N at 1.56" in "".join(_shown(found, dt.load_scene("pa6_bench", over)))
+    assert "set-point of the scene, 17.3 N at 1.56" in "".join(shown_of(found, dt.load_scene("pa6_bench", over)))
 
 
 @pytest.mark.parametrize("start", ["rotating", "axis"])

@@ -8,7 +8,6 @@ import math
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
-from typing import NamedTuple
 
 import numpy as np
 
@@ -78,31 +77,15 @@ def check_whirls(equations: EquationsOfMotion, command: Command) -> None:
         raise SceneError(f"{name}: expected a rotation other than 0, found none; give one, such as --rpm 120")
 
 
-class StateSearch(NamedTuple):
-    """Result of a search for steady whirls."""
-
-    states: tuple[WhirlState, ...]
-    """By falling whirl speed."""
-    is_whole: bool
-    """False if the search was cut short by the limit on its evaluations."""
-
-
 def whirl_states(
-    equations: EquationsOfMotion, command: Command, *, random_starts: int = RANDOM_STARTS, seed: int = SEED
-) -> tuple[WhirlState, ...]:
-    """States that a `search` without a limit finds."""
-    return search(equations, command, random_starts=random_starts, seed=seed).states
-
-
-def search(
     equations: EquationsOfMotion,
     command: Command,
     *,
     random_starts: int = RANDOM_STARTS,
     seed: int = SEED,
     evaluations: float = math.inf,
-) -> StateSearch:
-    """Steady whirl states on the mesh of the equations.
+) -> tuple[WhirlState, ...]:
+    """Steady whirl states on the mesh of the equations, by falling whirl speed.
 
     States of a string that stretches and twists are found from states of its lateral form, which Newton's method
     reaches from far more first guesses, and in a tenth of the time.
@@ -120,14 +103,13 @@ def search(
     check_whirls(equations, command)
     if equations.form != LATERAL:
         lateral = EquationsOfMotion(lateral_form(equations.scene, equations.model.rod.length.size))
-        found, is_whole = _search(lateral, command, random_starts, seed, evaluations)
         states, clearance = list[WhirlState](), TurningEquations(equations).clearance
-        for one in found:
+        for one in _search(lateral, command, random_starts, seed, evaluations):
             whirl = across(equations, one.whirl)
             near = state_near(equations, whirl)
             if near is not None and is_new(near.whirl, [state.whirl for state in states], clearance):
                 states.append(near)
-        return StateSearch(tuple(sorted(states, key=lambda state: -state.whirl.omega)), is_whole)
+        return tuple(sorted(states, key=lambda state: -state.whirl.omega))
     return _search(equations, command, random_starts, seed, evaluations)
 
 
@@ -145,15 +127,14 @@ def _softened(turning: TurningEquations) -> Iterator[float]:
 
 def _search(
     equations: EquationsOfMotion, command: Command, random_starts: int, seed: int, evaluations: float
-) -> StateSearch:
+) -> tuple[WhirlState, ...]:
     turning = TurningEquations(equations)
     found: list[SteadyWhirl] = []
     soft: list[SteadyWhirl] = []
-    is_whole, ends = True, equations.evaluations + evaluations
+    ends = equations.evaluations + evaluations
     with _softened(turning) as real:
         for guess in _guesses(ShapeSearch(turning, command), seed, random_starts):
             if equations.evaluations > ends:
-                is_whole = False
                 break
             _add_near(turning, guess, soft)
         for whirl in soft:
@@ -162,7 +143,7 @@ def _search(
             if stiff is not None and is_new(stiff, found, turning.clearance):
                 found.append(stiff)
     ordered = sorted(found, key=lambda one: -one.omega)
-    return StateSearch(tuple(state_of(turning, whirl) for whirl in ordered), is_whole)
+    return tuple(state_of(turning, whirl) for whirl in ordered)
 
 
 def lateral_form(scene: Scene, elements: int) -> Scene:

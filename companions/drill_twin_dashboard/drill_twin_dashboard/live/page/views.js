@@ -64,8 +64,7 @@ function wellView(well, factor) {
   const upright = well.deviated ? (row) => row : ([x, y, z]) => [x, -y, -z]; // north, east, down are right-handed; x, y, up are turned round
   const [centre, ex, ey] = [well.centre, well.x, well.y].map((rows) => rows.map(upright));
   return (x, y, depth) => {
-    let low = 0, high = well.depth.length - 2;
-    while (low < high) { const middle = (low + high + 1) >> 1; if (well.depth[middle] <= depth) low = middle; else high = middle - 1; }
+    const low = Math.min(Math.max(well.depth.findLastIndex((station) => station <= depth), 0), well.depth.length - 2);
     const share = (depth - well.depth[low]) / (well.depth[low + 1] - well.depth[low]), at = (rows, c) => rows[low][c] + share * (rows[low + 1][c] - rows[low][c]);
     const [n, e, d] = [0, 1, 2].map((c) => at(centre, c) + factor * (x * at(ex, c) + y * at(ey, c)));
     return [n * Math.cos(turn) + e * Math.sin(turn), d * Math.cos(tilt) + (e * Math.cos(turn) - n * Math.sin(turn)) * Math.sin(tilt)];
