@@ -157,7 +157,7 @@ class Decisions:
 
     @property
     def rolling_ratio(self) -> float:
-        """Whirl ratio in pure rolling of the mark with the largest, of those that whirled; 0 where none did."""
+        """Largest whirl ratio in pure rolling of the marks that whirled; 0 where none did."""
         whirled = [any(period.state not in NO_WHIRL for period in one.periods) for one in self.timelines[:-1]]
         return float(self._state.marks.rolling_ratio[whirled].min(initial=0.0))
 

@@ -38,7 +38,7 @@ IN_BALANCE = {
     "found; --set rig.start=axis begins at rest"
     for start in ("rotating", "equilibrium")
 }
-"""What a map says of a scene whose runs begin in balance, by `rig.start`."""
+"""Note on a map whose runs begin in balance, by `rig.start`."""
 
 
 def draws_of(scene: Scene, seeds: int, vary: Mapping[str, tuple[float, float]]) -> tuple[Mapping[str, float], ...]:
