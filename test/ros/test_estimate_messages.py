@@ -12,8 +12,8 @@ for package in ("drill_twin_dashboard", "drill_twin_studies"):
     pytest.importorskip(package, reason=f"needs the package {package}")
 
 from drill_twin_dashboard.live.shown import shown_estimates  # noqa: E402
-from drill_twin_studies.estimation.estimate import Band, Estimate  # noqa: E402
 from drill_twin_studies.estimation.doubts import Span  # noqa: E402
+from drill_twin_studies.estimation.estimate import Band, Estimate  # noqa: E402
 from drill_twin_studies.ros.estimator.messages import EstimateEncoder, trust_in, values_for_diagnostics, verdict_of  # noqa: E402
 
 SPANS = (Span(12.0, 41.0, 29), Span(60.0, 61.0, 1))

@@ -39,6 +39,9 @@ REPEATS, CONVERGED, AWAY, FEW = 10, 1e-10, 0.03, 8
 """Most inverse iterations of a mode of the whole string, change of its eigenvalue, over its size, that ends them, and
 change over all of them from which they go to another mode; eigenvalues computed then. Two to four iterations were
 needed, and one mode in sixty went away; chosen."""
+MAJORITY = 0.5
+"""Share of kinetic energy across the hole above which a mode that began along it is lateral: friction couples an axial
+mode to pipe on the low side, which may take a fifth of it."""
 STAYS = 0.01
 """Change of an eigenvalue, over its size, up to which a mode does not move with the cut."""
 LIGHT = 0.15
@@ -172,7 +175,9 @@ def modes_along(equations: EquationsOfMotion, pencil: Pencil, count: int) -> lis
         for value, shape in _refined(pencil, values[k], start @ vectors[:, k]) if values[k].imag >= 0.0 else ():
             if value.imag >= 0.0 and all(abs(value - mode.eigenvalue) > STAYS**2 * abs(value) for mode in found):
                 off = rounding(pencil, np.array([value]), shape[:, None])[0]
-                found.append(classed(equations, frame, part, pencil.mass, complex(value), shape, off=off))
+                found.append(
+                    classed(equations, frame, part, pencil.mass, complex(value), shape, off=off, mixed=MAJORITY)
+                )
     return found
 
 

@@ -276,11 +276,12 @@ def coupled_modes(equations: EquationsOfMotion, part: Numbers, pencil: Pencil, d
 
 def classed(
     equations: EquationsOfMotion, frame: HoleFrame, part: Numbers, mass: Any, value: complex, vector: ComplexArray,
-    collars: float = math.inf, off: float = 0.0,
+    collars: float = math.inf, off: float = 0.0, mixed: float = MIXED,
 ) -> Mode:  # fmt: skip
     """Mode of some of the unknowns: lateral, or of the kind along the hole that has more of its kinetic energy.
 
-    Across the hole its shape is low + i side at the instant of the largest displacement; `share` up to `collars` [m].
+    Lateral is a mode with more than a share `mixed` of its kinetic energy across the hole. Its shape there is low + i
+    side at the instant of the largest displacement; `share` up to `collars` [m].
     """
     whole = np.zeros((2, equations.unknowns), dtype=complex)
     whole[:, part] = vector, mass @ vector
@@ -289,7 +290,7 @@ def classed(
     own = {LATERAL: energy[:, [0, 1, 3, 4]], AXIAL: energy[:, [2, 5]], TORSIONAL: energy[:, 6]}
     shares = {key: float(part.sum()) for key, part in own.items()}
     kind = max((AXIAL, TORSIONAL), key=lambda key: shares[key])
-    if shares[LATERAL] > MIXED * sum(shares.values()):  # friction takes twist and stretch along
+    if shares[LATERAL] > mixed * sum(shares.values()):  # friction takes twist and stretch along
         kind = LATERAL
     largest = (rows[:, 0] ** 2 + rows[:, 1] ** 2)[int(np.argmax(np.abs(rows[:, 0]) ** 2 + np.abs(rows[:, 1]) ** 2))]
     at = (rows * np.exp(-0.5j * np.angle(largest))).real

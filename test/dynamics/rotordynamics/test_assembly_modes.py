@@ -11,7 +11,9 @@ from drill_twin.api import rotordynamics
 from drill_twin.core.errors import RunError
 from drill_twin.dynamics.rotordynamics import assembly_modes
 from drill_twin.dynamics.rotordynamics.assembly_modes import modes_along
-from drill_twin.dynamics.rotordynamics.modes import Mode, coupled_modes
+from drill_twin.dynamics.rotordynamics.equations import EquationsOfMotion
+from drill_twin.dynamics.rotordynamics.modes import MIXED, Mode, classed, coupled_modes
+from drill_twin.dynamics.rotordynamics.turning_frame import HoleFrame
 from drill_twin.scene import load_scene
 from drill_twin.scene.set_points.command import Command
 
@@ -64,6 +66,20 @@ def test_a_string_that_does_not_turn_is_told_what_to_give():
     given: Any = None
     with pytest.raises(RunError, match=r"found 0 rad/s: .* does not turn; give one, such as --rpm 120$"):
         assembly_modes.table_of(load_scene("wells/vertical_3000"), Command(1e5, 0.0), 10.0, given, 6)
+
+
+def test_an_axial_mode_that_takes_pipe_on_the_low_side_along_stays_axial():
+    """A fifth across the hole: `modes` of a well of 9,000 ft lost its second axial mode, and counted on."""
+    equations = EquationsOfMotion(load_scene("pa6_bench", overrides={"numerics.elements": "8"}))
+    rows = np.zeros((9, 7))
+    rows[:, 0], rows[:, 2] = 0.5, 1.0
+    mode = rows[:, equations.columns][equations.free]
+    frame, part = HoleFrame.of(equations), np.arange(mode.size)
+    kinds = [
+        classed(equations, frame, part, np.eye(mode.size), 1j, mode, mixed=mixed).kind
+        for mixed in (MIXED, assembly_modes.MAJORITY)
+    ]
+    assert kinds == ["lateral", "axial"]
 
 
 @pytest.mark.parametrize("well", ["extended_reach", pytest.param("s_shaped", marks=pytest.mark.long)])
