@@ -182,7 +182,9 @@ def bit_rows(summary: Summary) -> Iterator[Row]:
     row, most = summary["severity_by_quantity"].get("stick_slip"), summary["largest_stick_slip_index"]
     if row or most is not None:
         last = value_text("stick_slip", summary["stick_slip_index"], units_of(summary))
-        over = "" if most is None else f" over the last {TIME_BASE} s, {most:.3g} at most"
+        over = (
+            "" if most is None else f" over the last {min(TIME_BASE, summary['duration_s']):.3g} s, {most:.3g} at most"
+        )
         yield "stick-slip index", f"{last}{over}{_grade_text(row) if row else ''}"
     for stretch in summary["stick_slip"][:_STRETCHES]:
         yield (

@@ -45,7 +45,7 @@ def severity(bag: Recording) -> dict[str, Any]:
       hole, which wears both surfaces; not graded, since no bound of it is known.
     * `bending_cycles_per_second`: of the effect `fatigue`, else upward passages of the mean stress of the fibre with
       the largest range; None with too few poses.
-    * `rate_of_penetration_m_s`: mean; None where the bit does not drill.
+    * `rate_of_penetration_m_s`: mean; None where the bit does not drill, or not for a whole turn.
     * `specific_energy_pa`: work of weight and torque of the bit per volume of the hole drilled (Teale 1965).
     """
     own = bag.scene.severity if bag.scene_known else None
@@ -160,13 +160,13 @@ def _drilling(bag: Recording) -> dict[str, float | None]:
     rig = bag.rig
     late = rig.time >= settled_from(bag)
     depth, time = (rig.drilled[late], rig.time[late]) if late.sum() > 1 else (np.zeros(2), np.zeros(2))
-    drilled = float(depth[-1] - depth[0])
-    if not drilled > 0.0:
+    drilled, lasted = float(depth[-1] - depth[0]), float(time[-1] - time[0])
+    if not drilled > 0.0 or abs(float(np.nanmean(rig.bit_speed[late]))) * lasted < math.tau:  # at rest it only sinks in
         return {"rate_of_penetration_m_s": None, "specific_energy_pa": None}
     power = -rig.bit_torque[late] * rig.bit_speed[late]
-    work = float(np.nanmean(power)) * float(time[-1] - time[0]) + float(np.nanmean(rig.bit_force[late])) * drilled
+    work = float(np.nanmean(power)) * lasted + float(np.nanmean(rig.bit_force[late])) * drilled
     volume = math.pi * bag.scene.hole.radius_at(bag.scene.length) ** 2 * drilled if bag.scene_known else math.nan
-    return {"rate_of_penetration_m_s": drilled / float(time[-1] - time[0]), "specific_energy_pa": work / volume}
+    return {"rate_of_penetration_m_s": drilled / lasted, "specific_energy_pa": work / volume}
 
 
 WHIRL, AXIAL, TORSION = "lateral motion", "axial motion", "torsion"

@@ -14,6 +14,7 @@ from drill_twin.core.severity import DEFAULT, Grade, Severity, grade, told
 from drill_twin.core.units.system import SYSTEMS
 from drill_twin.dynamics.discretisation.resolution import mesh
 from drill_twin.report import read_recording
+from drill_twin.report import severity as severities
 from drill_twin.report.load_text import severity_rows
 from drill_twin.report.selection import Selection
 from drill_twin.report.severity import severity
@@ -189,3 +190,13 @@ def test_whose_units_are_in_the_reader_s_system(known_bag):
     )
     assert found["severity_by_quantity"]["bending_stress"]["grade"] is None
     assert DEFAULT.lateral_rms[0] == 0.5 * GRAVITY
+
+
+@pytest.mark.parametrize(("speed", "drills"), [(0.0, False), (0.1, False), (1.0, True)])
+def test_a_bit_that_does_not_turn_round_drills_nothing(monkeypatch, speed, drills):
+    """A run at 0 rpm printed 5e-8 ft/h: the bit sinks in by the wave of the start."""
+    monkeypatch.setattr(severities, "settled_from", lambda _: 0.0)
+    time, one = np.linspace(0.0, 10.0, 11), np.ones(11)
+    rig = SimpleNamespace(time=time, drilled=1e-6 * time, bit_speed=speed * one, bit_torque=-one, bit_force=one)
+    found = severities._drilling(SimpleNamespace(rig=rig, scene_known=False))
+    assert (found["rate_of_penetration_m_s"] is not None) is drills

@@ -132,14 +132,14 @@ def marks(pieces: Sequence[TallyPiece]) -> list[dict[str, Any]]:
     """
     length = math.fsum(piece.length for piece in pieces)
     found = {"near_bit": min(1.0, 0.02 * length)}
-    collars = [piece.length for piece in pieces if piece.kind in {"collar", "bit"}]
+    longest = max((piece.length for piece in pieces if piece.kind == "collar"), default=0.0)
     place = 0.0
     for piece in pieces:
         middle, word = place + 0.5 * piece.length, piece.kind
         if word in MARKED:
             same = sum(name.rstrip("0123456789_") == word for name in found)
             found[f"{word}_{same + 1}" if same else word] = middle
-        elif piece.length == max(collars, default=0.0):
+        elif word == "collar" and piece.length == longest:
             found.setdefault("collars", middle)
         place += piece.length
     found["middle"] = 0.5 * length

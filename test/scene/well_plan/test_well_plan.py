@@ -3,6 +3,7 @@
 
 import math
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -15,6 +16,7 @@ from drill_twin.scene import Scene, config_dir, load_scene, well_scenes
 from drill_twin.scene.lines import yaml_text
 from drill_twin.scene.well_plan.catalogue import casing_size
 from drill_twin.scene.well_plan.plan import WellPlan
+from drill_twin.scene.well_plan.tally import TallyPiece, marks
 
 INCH, FOOT = 0.0254, 0.3048
 SURVEY = "md [m],inc [deg],azi [deg]\n0,0,0\n500,0,0\n900,40,30\n1500,40,30\n"
@@ -33,6 +35,14 @@ WELLS = {
         "hole": "1 1/2 in", "mud": "1 sg", "viscosity": "1 cP", "weight_on_bit": "150 N", "rotation": "400 rpm",
     },
 }  # fmt: skip
+
+
+def test_a_tally_without_collars_has_no_mark_of_this_name():
+    """Of a bit, a motor and pipe the middle of the bit was called collars."""
+    row: Any = None
+    rows = (("bit", 0.27), ("motor", 8.0), ("pipe", 0.27), ("pipe", 900.0))
+    found = marks([TallyPiece(row, {}, kind, length, 0.2) for kind, length in rows])
+    assert [mark["name"] for mark in found] == ["near_bit", "motor", "middle"]
 
 
 def made(folder: Path, survey: str = SURVEY, tally: str = TALLY, **plan: object) -> Scene:

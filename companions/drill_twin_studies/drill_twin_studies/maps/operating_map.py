@@ -77,6 +77,10 @@ class Margin(NamedTuple):
 class OperatingMap(MapFields):
     """Regimes over weight on bit and speed: windows that stay calm, margins of a set-point, and the file."""
 
+    def __repr__(self) -> str:
+        """One line in place of all fields, which hold each run."""
+        return f"OperatingMap({self.name}: {self.said_runs}; calm windows: {len(self.windows)})"
+
     @property
     def said_runs(self) -> str:
         """Runs of the map, and checks, in words."""

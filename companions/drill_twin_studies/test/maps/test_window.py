@@ -134,6 +134,13 @@ def test_no_other_regime_is_in_a_window(regime):
     assert found.windows
 
 
+def test_a_map_prints_one_line():
+    found = made(lambda *_: Regime.SMOOTH)
+    assert repr(found).startswith("OperatingMap(")
+    assert "calm windows: 1" in repr(found)
+    assert len(repr(found)) < 120
+
+
 def test_a_run_that_failed_is_no_whirl():
     found = made(lambda i, _: Regime.FAILED if i > 16 else Regime.SMOOTH)
     assert not Regime.FAILED.whirls
