@@ -43,6 +43,9 @@ def test_a_string_that_whirls_at_the_joint_says_so(changes):
     assert "the string whirled where its lateral motion ends" in _told(changes)
 
 
+FROM_REST = {"rig.start": "axis", "rig.rotation.shape": "step", "rig.rotation.duration": "30 s"}
+
+
 def test_a_string_that_falls_to_the_low_side_before_it_turns_does_not_whirl():
     """From rest on the axis: it moves sideways faster than the surface that has begun to turn."""
-    assert _told({"rig.rotation.duration": "30 s"}, "s_shaped", 5.0) == ""
+    assert _told(FROM_REST, "s_shaped", 5.0) == ""
