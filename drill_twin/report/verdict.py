@@ -95,6 +95,8 @@ def _bent(summary: Summary) -> str:
     if (found := widest(summary)) is None or not (room := summary["clearance_m"].get(found[0])):
         return ""
     mark, radius = found
+    if radius >= CONTACT_RADIUS * room:
+        return f"; {mark} touched the wall"
     return f"; {mark} was up to {radius / room:.0%} of the clearance off the axis" if radius > _FAR * room else ""
 
 

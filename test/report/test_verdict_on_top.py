@@ -68,6 +68,7 @@ def test_a_string_without_whirl_that_is_bent_to_the_wall_is_said_to_be(summary):
     radii, room = {"a": 0.089, "b": 0.02}, {"a": 0.1, "b": 0.1}
     calm = {"onset_s": None, "lasting_motion": "rotation about a fixed axis", "clearance_m": room}
     assert said(summary, **calm, max_radius_m=radii)[0].endswith("axis; a was up to 89% of the clearance off the axis.")
+    assert said(summary, **calm, max_radius_m={"a": 0.099})[0].endswith("axis; a touched the wall.")
     assert said(summary, **calm, max_radius_m={"a": 0.01})[0].endswith(": the string turns about a fixed axis.")
     assert said(summary, **calm, truncated=True)[0].startswith("The bag is not whole. No whirl was found")
     assert said(summary, **calm, duration_s=0.05)[0].startswith("Whirl: not known, as the string turned ")
