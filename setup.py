@@ -46,7 +46,7 @@ setup(
         "rich>=14.3",  # older ones end progress that is not shown with an empty line
         "rosbags>=0.11.6",  # 0.11.0 to 0.11.5 refuse messages that Fast DDS pads at the end
         "scipy>=1.11.4",  # what Ubuntu 24.04 has
-        "typer>=0.26",  # has a click of its own; older ones word errors otherwise
+        "typer>=0.29",  # has a click of its own; older ones word errors otherwise (`make bounds`)
         "zstandard>=0.22",
     ],
     extras_require={
