@@ -10,7 +10,7 @@ from rcl_interfaces.srv import GetParameters
 from drill_twin.io.messages.topics import STRING_POSES
 
 PAGE = Path(__file__).parents[2] / "docs/rig.md"
-DOCUMENTED = re.search(r"```\n(/\*\*:\n.*?)```", PAGE.read_text("utf-8"), re.DOTALL)
+DOCUMENTED = re.search(r"```yaml\n(/\*\*:\n.*?)```", PAGE.read_text("utf-8"), re.DOTALL)
 NODES = ("simulator", "rig_driver", "analyzer", "recorder")
 SHARED = "    command_timeout: 2 s\n    use_sim_time: false\n    wob: 20 N\n    members: 8\n"
 
