@@ -156,7 +156,7 @@ test-long: setup-test
 	  nice -n 5 env --default-signal=INT $(PYTEST) -n 2 --dist loadfile $(addprefix --ignore=,$(WITH_ROS)) -m long test companions || failed=$$?; \
 	  nice -n 5 env --default-signal=INT $(PYTEST) -n 2 --dist loadfile evidence/test || failed=$$?; \
 	  exit $$failed ) > $(BESIDE_LONG) 2>&1 & \
-	$(ROS_PYTEST) $(WITH_ROS) -m long || found=$$?; \
+	$(ROS_PYTEST) -n 2 --dist loadfile $(WITH_ROS) -m long || found=$$?; \
 	wait $$! || found=$$?; \
 	cat $(BESIDE_LONG); \
 	exit $$found

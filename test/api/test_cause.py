@@ -75,6 +75,7 @@ def search(run, **changes):
     return _Search(run.recording, run.summary | changes, lambda *_: None)
 
 
+@pytest.mark.long
 def test_repeats_with_a_stiff_drive_hold_the_speed_that_the_run_reached(monkeypatch):
     run = dt.Simulation("two_mass", {"duration": "30 s"}).run()
     repeats = search(run)

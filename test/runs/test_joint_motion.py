@@ -38,7 +38,9 @@ def test_a_calm_string_says_nothing():
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("changes", [FAST, RUBBING], ids=["fast", "rubbing"])
+@pytest.mark.parametrize(
+    "changes", [pytest.param(FAST, marks=pytest.mark.long, id="fast"), pytest.param(RUBBING, id="rubbing")]
+)
 def test_a_string_that_whirls_at_the_joint_says_so(changes):
     assert "the string whirled where its lateral motion ends" in _told(changes)
 

@@ -173,6 +173,7 @@ def test_stamps_of_a_wall_clock():
     assert findings.ratio.tobytes() == here.findings.ratio.tobytes()
 
 
+@pytest.mark.long
 def test_memory_does_not_grow():
     moved = moved_marks(seconds=200.0)
     analyzer, positions = Analyzer(MARKS), moved.positions

@@ -81,6 +81,7 @@ def test_a_run_beside_itself_does_not_differ() -> None:
     assert not any(row.differs(0.0) for row in rows)
 
 
+@pytest.mark.long
 def test_a_mirrored_run_is_the_same_run() -> None:
     """Torque and speed of a string that turns to the left are those of one that turns to the right."""
     cases = []

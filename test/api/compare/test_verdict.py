@@ -25,7 +25,7 @@ def verdict(first, other):
     return verdicts(found, SYSTEMS["lab"])[0]
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_the_same_assembly_in_other_seeds_is_no_better(first):
     assert verdict(first, "pa6_bench,numerics.seed=70").startswith(f"A and B: {NONE}")
 

@@ -115,6 +115,7 @@ def test_whirl_is_that_of_a_run_with_ramps() -> None:
     assert contact == pytest.approx(statistics(ramps)[1], abs=0.1)
 
 
+@pytest.mark.long
 def test_the_search_has_the_mesh_of_the_run() -> None:
     """A graded mesh depends on the rotation, which the search is without: its state must fall on the same nodes."""
     scene = load_scene(CONFIG / "wells" / "vertical_3000.yaml", overrides={**STILL, "rpm": "120", "wob": "20 kN"})

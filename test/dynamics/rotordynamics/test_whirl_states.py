@@ -77,6 +77,7 @@ def test_newton_finds_a_state_again_from_near(fast):
     assert again.omega == pytest.approx(state.whirl.omega, rel=1e-9)
 
 
+@pytest.mark.long
 def test_the_simulation_stays_on_a_stable_state_and_turns_at_its_speed(bench, fast):
     state = next(state for state in fast[1] if state.is_stable)
     times, apart, angle = departure(bench, state, 3.0)

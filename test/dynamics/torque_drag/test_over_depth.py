@@ -219,7 +219,7 @@ def test_a_single_point_has_a_factor_without_an_error(found):
     assert "friction cased and open hole 0.3, error not known (least squares, 1 points" in said
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_a_factor_at_its_bound_has_the_error_of_the_linear_problem(found):
     """Noise of 1 % takes the factor of a smooth casing below 0; the derivative there tells its error."""
     depth = np.linspace(900.0, 2950.0, 14)

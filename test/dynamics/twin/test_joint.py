@@ -224,6 +224,7 @@ def test_a_support_above_the_joint_holds_nothing_and_the_note_says_so():
     assert note.endswith("supports that hold nothing: upper")
 
 
+@pytest.mark.long
 def test_fatigue_above_the_joint_is_of_the_bending_of_the_hole_and_the_note_says_so():
     """Half-way through the build, 20 degrees in 300 m: E r / R beside the stress of the tension."""
     places = "[{name: low, distance_from_bit: 60 m}, {name: build, distance_from_bit: 2000 m}]"

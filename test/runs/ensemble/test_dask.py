@@ -145,6 +145,7 @@ print(found.run(0.1, dask=sys.argv[1]).failed)
 """
 
 
+@pytest.mark.long
 def test_tls_as_on_the_page(tmp_path, ensemble, monkeypatch):
     """The two files of `docs/ensembles.md`: with them all talk by TLS, and who has none runs nothing."""
     openssl = shutil.which("openssl")

@@ -116,7 +116,7 @@ def test_the_table_of_meshes_ends_with_the_whole_string(tmp_path, monkeypatch):
     assert runs[SPATIAL]["cost"] > runs[JOINED]["cost"]
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_the_command_measures_resumes_and_finds_the_order_of_the_scheme(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     words = [word for key, value in SWING.items() for word in ("--set", f"{key}={value}")]

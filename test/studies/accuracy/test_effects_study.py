@@ -87,6 +87,7 @@ def study(tmp_path, monkeypatch, changes: dict[str, str], duration: str, replica
     return found
 
 
+@pytest.mark.long
 def test_the_command_finds_what_a_scene_calls_for(tmp_path, monkeypatch):
     found = study(tmp_path, monkeypatch, SWING, "2 s")
     assert found["effects"] == ["drag", "lateral_kick"]

@@ -100,6 +100,7 @@ def gone(number):
     return False
 
 
+@pytest.mark.long
 def test_two_commands_at_a_time_a_third_is_refused_and_stop_keeps_the_bag(front):
     long = {"do": "run", "on": ["pa6_bench"], "options": {"--duration": "100000 s"}}
     assert front.ask(**long) == ""

@@ -38,6 +38,7 @@ def measured(hidden, seed, path):
     return path
 
 
+@pytest.mark.long
 def test_hidden_numbers_of_drawn_twins_lie_in_their_intervals(tmp_path):
     """At the rate that is printed; 300 twins: `make fit-coverage`."""
     held = 0
