@@ -103,6 +103,7 @@ def _nodes(seen: Observed) -> Iterator[Check]:
             remedy = "end one of them, or give it a namespace: -r __ns:=/rig2"
             yield Check(NODES, name, f"{count} nodes of this name", Verdict.PROBLEM, remedy)
     paused = {status.hardware_id for status in seen.statuses.values() if status.values.get("state") == "paused"}
+    idle = {name for name, status in seen.statuses.items() if status.level == Level.STALE and not _has_clock(name, seen)}
     for name, status in sorted(seen.statuses.items()):
         waits = "the simulator is paused; " if status.level == Level.STALE and status.hardware_id in paused else ""
         other = status.values.get("version", "")
@@ -111,12 +112,23 @@ def _nodes(seen: Observed) -> Iterator[Check]:
             yield Check(NODES, name, f"drill_twin {other}", Verdict.PROBLEM, remedy)
         elif status.level == Level.OK or waits:
             yield Check(NODES, name, f"drill_twin {other or 'of unknown version'}: {waits}{status.text}")
+        elif name in idle:
+            yield Check(NODES, name, f"waits: {status.text}", Verdict.NOTE)
         else:
             remedy = "see the log of the node, and docs/reference/diagnostics.md"
             yield Check(NODES, name, status.text, Verdict.PROBLEM, remedy)
+    if idle:
+        found = "none, as nothing sends /clock: the run has ended, has not begun, or its simulator was killed"
+        remedy = "start a simulator or a replay, or end the nodes that wait; the log of the simulator says how it ended"
+        yield Check(NODES, "simulator", found, Verdict.NOTE, remedy)
     silent = [name for name in dict.fromkeys(seen.nodes) if name not in seen.statuses]
     if silent:
         yield Check(NODES, "others", ", ".join(silent))
+
+
+def _has_clock(name: str, seen: Observed) -> bool:
+    """Tell whether anything sends the clock of a node, that of its namespace or the one of the domain."""
+    return any(seen.publishers.get(topic) for topic in (name.rpartition("/")[0] + CLOCK_TOPIC, CLOCK_TOPIC))
 
 
 def _topic(topic: str, publishers: list[TopicEndpointInfo], readers: list[TopicEndpointInfo]) -> Iterator[Check]:
