@@ -57,6 +57,7 @@ def notes_on(scene: Scene) -> list[str]:
     """
     return [
         *_joint(scene),
+        *_left_hand(scene),
         *_coarse_mesh(scene),
         *_rotary_drag(scene),
         *_friction_below_the_string(scene),
@@ -96,6 +97,11 @@ def _joint(scene: Scene) -> Iterator[str]:
             f"pipe up to {text(buckled, 'length')} from the bit may buckle, but has no lateral motion there: expected "
             f"numerics.lateral_from at most {text(max(scene.length - buckled, 0.0), 'length')}"
         )
+
+
+def _left_hand(scene: Scene) -> Iterator[str]:
+    if min(scene.rig.rotation.value, scene.rig.rotation.initial) < 0.0 and (why := scene.string.backs_off):
+        yield f"`rig.rotation` is below 0, to the left: {why}"
 
 
 def frequency_error(elements: float) -> float:

@@ -103,7 +103,8 @@ def _nodes(seen: Observed) -> Iterator[Check]:
             remedy = "end one of them, or give it a namespace: -r __ns:=/rig2"
             yield Check(NODES, name, f"{count} nodes of this name", Verdict.PROBLEM, remedy)
     paused = {status.hardware_id for status in seen.statuses.values() if status.values.get("state") == "paused"}
-    idle = {name for name, status in seen.statuses.items() if status.level == Level.STALE and not _has_clock(name, seen)}
+    stale = {name for name, status in seen.statuses.items() if status.level == Level.STALE}
+    idle = {name for name in stale if not _has_clock(name, seen)}
     for name, status in sorted(seen.statuses.items()):
         waits = "the simulator is paused; " if status.level == Level.STALE and status.hardware_id in paused else ""
         other = status.values.get("version", "")
