@@ -45,6 +45,15 @@ def test_a_tally_without_collars_has_no_mark_of_this_name():
     assert [mark["name"] for mark in found] == ["near_bit", "motor", "middle"]
 
 
+def test_a_near_bit_stabiliser_has_no_second_mark_beside_near_bit():
+    """Marks at 1 m and 1.07 m told the same motion twice; the next stabiliser keeps its name."""
+    row: Any = None
+    rows = (("bit", 0.3), ("stabiliser", 1.5), ("collar", 3.0), ("stabiliser", 1.5), ("collar", 82.0), ("pipe", 900.0))
+    found = marks([TallyPiece(row, {}, kind, length, 0.2) for kind, length in rows])
+    assert [mark["name"] for mark in found] == ["near_bit", "stabiliser", "collars", "middle"]
+    assert [mark["distance_from_bit"] for mark in found][:2] == ["1 m", "5.55 m"]
+
+
 def made(folder: Path, survey: str = SURVEY, tally: str = TALLY, **plan: object) -> Scene:
     (folder / "survey.csv").write_text(survey)
     (folder / "tally.csv").write_text(tally)
