@@ -115,7 +115,7 @@ def read_users(path: Path) -> dict[str, PasswordHash]:
     try:
         return {str(name): PasswordHash.parsed(text) for name, text in lines.items()}
     except (AttributeError, TypeError, ValueError):
-        raise KeysError(f"{path}: expected lines NAME: COST:SALT:HASH, found others; {_REMEDY}") from None
+        raise KeysError(f"{path}: expected lines NAME: COST:SALT:HASH, found other lines; {_REMEDY}") from None
 
 
 def set_password(path: Path, name: str, password: str) -> bool:
