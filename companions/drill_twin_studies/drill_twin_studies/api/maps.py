@@ -169,7 +169,7 @@ def operating_map(
         raise ArgumentError(f"duration: expected a time above 0 s and up to 1e6 s, found {length:g} s")
     if not length <= asked <= 1e6:
         raise ArgumentError(
-            f"calm for: expected a time from a run's length, {length:g} s, up to 1e6 s, found {asked:g} s"
+            f"calm_for: expected a time from a run's length, {length:g} s, up to 1e6 s, found {asked:g} s"
         )
     draws = draws_of(own, seeds, ranges)
     setup = {

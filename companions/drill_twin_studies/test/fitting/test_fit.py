@@ -272,7 +272,7 @@ def test_set_points_of_a_record_are_played(tmp_path):
     assert told.record.notes == [
         "rotation, weight_on_bit: played, not compared; fitted.yaml has the set-points of the scene"
     ]
-    with pytest.raises(ArgumentError, match=r"set-points that are played, found rig\.weight_on_bit"):
+    with pytest.raises(ArgumentError, match=r"that the run takes, found rig\.weight_on_bit.*: the record is played"):
         dt.fit(record, "two_mass", {"wob": "50 kN..58 kN"}, overrides=over, end=9.0)
 
 
