@@ -47,7 +47,7 @@ class Jobs:
         """
         page = words[0] == "watch"
         if not page and sum(job["code"] is None and not job["page"] for job in self.shown) >= AT_ONCE:
-            raise RunError(f"expected at most {AT_ONCE} commands at a time, found one more; stop a command, or wait")
+            raise RunError(f"expected at most {AT_ONCE} commands at a time, found more; stop a command, or wait")
         try:
             process = subprocess.Popen(
                 [sys.executable, "-uP", "-m", "drill_twin.cli", *words],  # P: no module of the folder is imported

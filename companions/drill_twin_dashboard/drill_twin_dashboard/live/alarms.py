@@ -152,7 +152,7 @@ class AlarmLimits:
             )
         self.values[channel] = own
         self._last.pop((channel, side), None)
-        return f"limit set: {NAMES[channel]}, {side}" if value is not False else f"no limit: {NAMES[channel]}, {side}"
+        return f"{'no limit' if value is False else 'limit set'}: {NAMES[channel]}, {side}"
 
     def again(self) -> None:
         """Forget what was beyond a limit: another run begins."""

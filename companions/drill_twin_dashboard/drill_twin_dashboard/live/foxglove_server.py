@@ -98,7 +98,7 @@ class FoxgloveServer(WebServer):
             return connection.respond(HTTPStatus.FORBIDDEN, text)
         if len(self.places) >= MOST_VIEWERS:
             return connection.respond(
-                HTTPStatus.SERVICE_UNAVAILABLE, f"{MOST_VIEWERS} viewers are open already; close a viewer\n"
+                HTTPStatus.SERVICE_UNAVAILABLE, f"{MOST_VIEWERS} viewers are open; close a viewer\n"
             )
         self.places[connection] = _Viewer()
         return None

@@ -247,5 +247,5 @@ class TwinQuantities:
             window = json.loads(text)["safe_window"] or [math.nan] * len(_SAFE)
             self.values |= zip(_SAFE, map(float, window), strict=True)
         except (KeyError, TypeError, ValueError) as error:
-            raise MessageError(f"expected a safe_window of four numbers on {ADVICE_MAP}, found another text") from error
+            raise MessageError(f"expected a safe_window of four numbers on {ADVICE_MAP}, found none") from error
         return True

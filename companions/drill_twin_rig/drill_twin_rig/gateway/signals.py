@@ -187,7 +187,7 @@ class _Reader:
     def _range(self, place: Place, line: Mapping[str, Any]) -> tuple[float, float]:
         low, high = (line.get(key, default) for key, default in (("low", -math.inf), ("high", math.inf)))
         if not (isinstance(low, int | float) and isinstance(high, int | float) and low < high):
-            raise self._error(place, f"{place[-1]}: expected numbers low < high, found {show(low)} and {show(high)}")
+            raise self._error(place, f"{place[-1]}: expected numbers low < high, found {show(low)}, {show(high)}")
         return float(low), float(high)
 
     def _quantity(

@@ -86,7 +86,7 @@ def test_a_password_that_is_short_or_endless_is_refused_and_nothing_changes(fold
 
 @pytest.mark.parametrize("name", ["", "x" * 61, "a\nb", "\x1b[2J"])
 def test_a_name_that_is_none_is_refused(folder, name):
-    with pytest.raises(KeysError, match=r"^user: expected a name of 1 to 60 printable characters, found "):
+    with pytest.raises(KeysError, match=r"^user: expected 1 to 60 printable characters, found "):
         set_password(folder / "users.yaml", name, LONG)
 
 

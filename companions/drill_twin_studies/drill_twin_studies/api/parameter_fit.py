@@ -96,7 +96,7 @@ def fit(
         series = {name: each for name, each in found.series.items() if name not in SET_POINTS}
         found = replace(found, series=series, notes=[*found.notes, note])
     if not found.series:
-        raise ArgumentError(f"fit: expected a channel that a run computes, {', '.join(CHANNELS)}, found none")
+        raise ArgumentError(f"fit: expected a channel of a run, {', '.join(CHANNELS)}, found none")
     if idle := [place for place in places if place.startswith(tuple(f"rig.{name}." for name in played))]:
         raise ArgumentError(
             f"fit: expected a number that the run takes, found {idle[0]}: the record is played in its place"
