@@ -68,7 +68,7 @@ def build_page(
         f"<h1>{escape(name)}</h1>",
         f'<p class="lead">{escape(scene.description)}</p>' if scene else "",
         *(f'<p class="verdict">{escape(sentence)}</p>' for sentence in verdict(summary, str(recording.path))),
-        *(f'<p class="lead">{escape(line)}</p>' for line in (lead, *notes)),
+        *(f'<p class="lead">{escape(line)}</p>' for line in (lead, *(f"Note: {line}" for line in notes))),
         _view(scene) if scene and len(recording.poses) else "",
         _cards(summary) if recording.places else f"<section>{Table((), list(answers(summary))).html()}</section>",
         _warning([*(line for line in told if line not in notes), *_not_drawn(recording)]),

@@ -84,7 +84,7 @@ def test_torque_to_the_left_is_told_where_it_lasts(scene, twist, poses, told):
     assert len(found) == told
     if told:
         assert "torque turned joints to the left for 0.4 s, by up to" in found[0]
-        assert found[0].endswith("at collars: right-hand joints can back off, at a torque that is not computed here")
+        assert found[0].endswith("at collars: right-hand joints can back off, at a torque not computed here")
 
 
 def test_a_string_without_joints_has_no_left_hand_note():

@@ -77,7 +77,7 @@ def test_a_page_has_the_note_on_the_joint_outside_of_its_warnings(recording, fil
     box = text[text.index('<section class="warning">') :].partition("</section>")[0]
     assert "a trouble" in box
     assert note not in box
-    assert f'<p class="lead">{note}</p>' in text
+    assert f'<p class="lead">Note: {note}</p>' in text
 
 
 def drawn(name, recording):

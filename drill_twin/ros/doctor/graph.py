@@ -170,7 +170,7 @@ def _clock(topic: str, times: list[tuple[float, int]], seen: Observed) -> Check:
     if last[0] - first[0] < 0.2:
         return Check(CLOCKS, topic, f"{found}: stands still")
     if any(late < early for (_, early), (_, late) in pairwise(times)):
-        remedy = "one simulator or replay a namespace; a loop or a reset steps back too"
+        remedy = "run one simulator or replay in a namespace; a loop or a reset steps back too"
         return Check(CLOCKS, topic, f"{found}: steps back", Verdict.PROBLEM, remedy)
     factor = (last[1] - first[1]) * 1e-9 / (last[0] - first[0])
     return Check(CLOCKS, topic, f"{found}: {factor:.2f} x real time")
