@@ -128,7 +128,7 @@ def _nodes(seen: Observed) -> Iterator[Check]:
 
 
 def _has_clock(name: str, seen: Observed) -> bool:
-    """Tell whether anything sends the clock of a node, that of its namespace or the one of the domain."""
+    """Tell whether anything sends a clock to a node: the clock of its namespace, or the clock without a namespace."""
     return any(seen.publishers.get(topic) for topic in (name.rpartition("/")[0] + CLOCK_TOPIC, CLOCK_TOPIC))
 
 
