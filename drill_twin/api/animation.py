@@ -34,7 +34,7 @@ def animate(result: Any, path: str | Path, begin: float | None, end: float | Non
     last = float(result.string.time[-1]) if end is None else end
     first = max(0.0, last - LAST) if begin is None else begin
     if not (first < last and speed > 0.0):
-        raise ArgumentError(f"begin, end, speed: expected a begin before the end, found {first:g} and {last:g} s")
+        raise ArgumentError(f"begin, end: expected a begin before the end, found {first:g} and {last:g} s")
     make_folder(file.parent)
     with styled():
         picture = _Picture(result)

@@ -91,7 +91,7 @@ class _Search(Repeats):
         table = self.modes(self.scene, self.steady) if WHIRL in self.problems or not self.problems else None
         fastest = table.fastest(LATERAL) if table else None
         if not self.problems:
-            calm = f"The run has no problem: it does not whirl, at {self.point} at its end."
+            calm = f"The run has no problem: the string does not whirl, at {self.point} at its end."
             return Cause((calm, self.mode_text(table, fastest)))
         sentences, buckled = list[str](), ""
         if WHIRL in self.problems:

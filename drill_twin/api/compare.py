@@ -89,7 +89,8 @@ def finish(text: str, what: Scene | Result, progress: Callable[[float], None] | 
         result = Simulation(result).run(progress=(lambda state: progress(state.time)) if progress else None)
     try:
         found = statics(result.scene)
-        loads = None if found.notes and found.operations[-1].operation.name != "drill" else found.operations[-1]
+        failed = found.notes.keys() - {one.operation.name for one in found.operations}
+        loads = None if failed and found.operations[-1].operation.name != "drill" else found.operations[-1]
     except (RunError, SceneError):  # no balance, or nothing to balance: the run is compared alone
         loads = None
     return Case(text, result, loads, _critical(result.scene))

@@ -118,7 +118,7 @@ def write_scene(scene: Scene, path: str | Path) -> Path:
     try:
         write_whole(file, scene.to_yaml())
     except OSError as error:
-        raise SceneError(f"{file}: expected a place to write the scene, found {error.strerror or error}") from error
+        raise SceneError(f"{file}: expected a place for the scene, found {error.strerror or error}") from error
     return file
 
 
@@ -192,7 +192,7 @@ def points_of(name: str, given: ArrayLike | str, dimension: Dimension, number: i
         span = parse_range(name, given)
         return np.array([in_si(name, f"{value!r} {span.unit}".strip(), dimension) for value in span.points(number)])
     if np.any(np.diff(found := np.atleast_1d(np.asarray(given, float))) <= 0.0):
-        raise ArgumentError(f"{name}: expected values that increase, found {found.tolist()!s:.60}; sort them")
+        raise ArgumentError(f"{name}: expected increasing values, found {found.tolist()!s:.60}; sort them")
     return found
 
 

@@ -148,7 +148,9 @@ def cost_table(found: Sequence[ComparedCost], units: UnitSystem) -> Table:
         cells = [_mean_text(size, row) for row in cost.values]
         rows.append((Column(cost.name, unit.strip("-")).title, *cells, ", ".join(one or "-" for one in cost.better)))
     count = max((len(row) for cost in found for row in cost.values), default=0)
-    title = f"what costs bits and joints: mean +- standard deviation of {count} runs; ?: it may be chance"
+    title = (
+        f"what costs bits and joints: mean +- standard deviation, {count} run{'s' * (count > 1)}; ?: it may be chance"
+    )
     return Table(("cost", *letters, "better"), rows, title=title, right=range(1, 1 + len(letters)))
 
 

@@ -130,7 +130,7 @@ def analyze(
     angle = None if spin is None else np.broadcast_to(_columns("spin", spin, times.size), (times.size, marks))
     reach = np.hypot(position[..., 0], position[..., 1])
     if not np.isfinite(reach).any():
-        raise AnalysisError("x, y: expected positions [m], found no finite one; give the positions of a mark")
+        raise AnalysisError("x, y: expected positions [m], found none finite; give the positions of a mark")
     notes = () if clearance is not None else (CLEARANCE_TAKEN,)
     free = float(np.nanmax(reach)) if clearance is None else in_si("clearance", clearance, LENGTH)
     outer = in_si("radius", radius, LENGTH)

@@ -88,7 +88,7 @@ def analyze(
     if sub == "":
         raise BagError("--sub: expected a downhole sub, found no name; without --sub, marks are analysed")
     if sub and marks:
-        raise BagError(f"--marks: expected none beside --sub, which takes their place, found {marks[0]}")
+        raise BagError(f"--marks: expected no marks beside --sub, which is analysed, found {marks[0]}")
     with shown_progress("analysing the bag"):
         chosen = tuple(name.strip() for text in marks for name in text.split(",") if name.strip())
         room = in_si("--clearance", clearance, LENGTH) if clearance else None
@@ -132,7 +132,7 @@ def report(
     """Draw the report of a bag: report.html, which needs no network, and its figures as PNG."""
     folder = out or default_folder(bag)
     if (existing := folder / "report.html").exists() and not replace:
-        raise BagError(f"{existing}: expected none yet, found one; choose another folder with --out, or --replace")
+        raise BagError(f"{existing}: expected no report, found a report; choose another --out, or --replace")
     with shown_progress("analysing the bag"):
         recording = _recording(bag, scene, channel, null, namespace, begin=begin, end=end, run=run, units=units)
     files = draw(recording, folder)

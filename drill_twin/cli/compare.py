@@ -92,6 +92,11 @@ def compare(
         for case in found
         if case.result.summary["lasting_motion"] == "irregular"
     ]
+    notes += [
+        f"{case.name} turns to the left: {why}."
+        for case in found
+        if case.loads and case.loads.operation.rotation < 0.0 and (why := case.result.scene.string.backs_off)
+    ]
     notes.append("The size of the calm window is not compared: drill-twin map SCENE computes it.")
     said, table = verdicts(ranked, shown, found), cost_table(ranked, shown)
     differing = [row for row in rows if row.differs(tolerance)]

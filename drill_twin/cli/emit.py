@@ -122,7 +122,7 @@ def write_file(file: Path, content: bytes | str) -> None:
         file.parent.mkdir(parents=True, exist_ok=True)
         write_whole(file, content)
     except OSError as error:
-        raise BagError(f"{file}: cannot be written: {error.strerror or error}; choose another place") from error
+        raise BagError(f"{file}: cannot be written: {error.strerror or error}; choose another file") from error
 
 
 def folder_name(text: str) -> str:

@@ -99,5 +99,5 @@ def _speed(option: str, text: str) -> float:
     from drill_twin.core.units.dimension import SPEED
 
     if (value := in_si(option, text, SPEED)) <= 0.0:
-        raise SceneError(f'{option}: expected a speed above 0, found "{text}"; the operation says the direction')
+        raise SceneError(f'{option}: expected a speed above 0, found "{text}"; operations have a direction')
     return value

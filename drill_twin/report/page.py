@@ -12,6 +12,7 @@ from typing import Any
 from drill_twin.core import __version__
 from drill_twin.core.severity import Grade, told
 from drill_twin.core.table import Column, Table
+from drill_twin.dynamics.discretisation.notes import ON_THE_JOINT
 from drill_twin.io.bag.virtual_bags import RecordBag
 from drill_twin.io.messages.drawing.geometry import default_exaggeration
 from drill_twin.report.charts import plotly_packed, view_data
@@ -61,15 +62,16 @@ def build_page(
     """
     scene = recording.scene if recording.scene_known else None
     name = scene.name if scene else recording.path.name
-    lead = applied({**summary, **(summary.get("surface") or {})})
+    lead, told = applied({**summary, **(summary.get("surface") or {})}), limitations(summary)
+    notes = [line for line in told if line.startswith(ON_THE_JOINT)]
     body = [
         f"<h1>{escape(name)}</h1>",
         f'<p class="lead">{escape(scene.description)}</p>' if scene else "",
         *(f'<p class="verdict">{escape(sentence)}</p>' for sentence in verdict(summary, str(recording.path))),
-        f'<p class="lead">{escape(lead)}</p>',
+        *(f'<p class="lead">{escape(line)}</p>' for line in (lead, *(f"Note: {line}" for line in notes))),
         _view(scene) if scene and len(recording.poses) else "",
         _cards(summary) if recording.places else f"<section>{Table((), list(answers(summary))).html()}</section>",
-        _warning([*limitations(summary), *_not_drawn(recording)]),
+        _warning([*(line for line in told if line not in notes), *_not_drawn(recording)]),
         '<div class="columns"><section>',
         Table((), findings(summary)).html(),
         "</section><section>",

@@ -20,6 +20,8 @@ from drill_twin.whirl.criteria import FEWEST_SAMPLES
 from drill_twin.whirl.motion.stick_slip_index import FULL, TIME_BASE
 from drill_twin.whirl.severity import accelerations, sizes, torsion_grade, turns_backwards
 
+STAYS = "its change alone: the string did not turn, and bending that stays, as in a curved hole, is not in it"
+"""Note on the bending stress of fibres that do not go round the bend."""
 STEEL = (150e9, 230e9)
 """Young's moduli of steel [Pa], 207 GPa, or less where a scene has one modulus of pipe and joints; of titanium 115."""
 _OF_MARKS = ("lateral_rms", "lateral_peak", "axial_rms", "axial_peak")
@@ -66,6 +68,8 @@ def severity(bag: Recording) -> dict[str, Any]:
         known = None if why else grade(quantity, value, bounds)
         rows[quantity] = {"grade": known, "value": value, "place": mark, "why": why}  # the largest is the last
         rows[quantity]["distance_from_bit_m"] = distance.get(quantity)
+    if fibre is not None and np.ptp(bag.poses.spin[late], axis=0).min() < math.pi:
+        rows["bending_stress"]["why"] = rows["bending_stress"]["why"] or STAYS
     unseen = _unseen(bag) or "no three samples at even steps of time"
     missing = {"grade": None, "value": None, "place": "", "why": unseen, "distance_from_bit_m": None}
     rows |= {name: missing for name in _OF_MARKS if name not in rows}

@@ -25,6 +25,7 @@ from drill_twin.report.quantities import (
 )
 from drill_twin.report.recording import Recording, read_recording
 from drill_twin.report.severity import never_stuck, severity
+from drill_twin.report.string_forces import left_torque
 from drill_twin.report.surface import SLOWEST, surface, without_spikes
 from drill_twin.whirl import AnalysisError, BitMotion, MotionPeriod, two_sided_spectrum
 
@@ -227,7 +228,7 @@ def _notes(bag: Recording) -> list[str]:
         )
     elif bag.rotation_from_spin and bag.places:
         notes.append("the bag holds no rig states: the rotation is taken from the spin of the marks")
-    notes += [*_missed_speed(bag), *bag.skipped.sentences()]
+    notes += [*_missed_speed(bag), *(left_torque(bag) if bag.scene_known else ()), *bag.skipped.sentences()]
     if bag.unpaired:
         notes.append(f"{bag.unpaired} states of the marks or the rig have no partner with the same stamp")
     if bag.live.differing:

@@ -67,7 +67,7 @@ class LastCompilation:
     def __str__(self) -> str:
         """Time that the compilation is expected to take."""
         if self.seconds > 0.0:
-            return f"the last such took {self.seconds:.0f} s"
+            return f"the last compilation took {self.seconds:.0f} s"
         return f"{'one' if self._kind == _EMPTY else 'ten seconds'} to two minutes on most machines"
 
     def text(self, functions: int, seconds: float) -> str:

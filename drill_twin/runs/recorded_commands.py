@@ -60,7 +60,7 @@ def recorded_commands(bag: Bag, planned: Callable[[float], Command], *, block: b
     stamps = sorted(reading.held)
     if len(stamps) < _LEAST_FRAMES:
         raise BagError(
-            f"{bag.path}: expected frames on {RIG_STATE} to run again, found {len(stamps)}; record that topic too"
+            f"{bag.path}: expected frames on {RIG_STATE} to run again, found {len(stamps)} frames; record the topic too"
         )
     period = round(float(np.median(np.diff(stamps))))
     commanded = [stamp for stamp, command in (reading.held | reading.stamped).items() if command and stamp > 0]

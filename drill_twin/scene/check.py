@@ -91,7 +91,7 @@ def _may_follow_the_hole(scene: Scene) -> Iterator[Problem]:
     if found := needs_lateral(scene):
         yield Incompatibility(
             ("numerics", "lateral_from"),
-            f"expected 0 m, the whole string, as a string that follows the hole has no lateral motion for them, found "
+            f"expected 0 m, the whole string, which needs lateral motion for what the scene lists, found "
             f"{', '.join(found)}",
         )
 

@@ -52,23 +52,31 @@ def shown_modes(table: ModeTable, diagram: Campbell | None, scene: Scene) -> Ite
 
 
 def _resonances(modes: Sequence[Mode], scene: Scene, command: Command) -> Table:
-    """Rotations at which an excitation some times a revolution meets a mode."""
-    rock, turn = getattr(scene.effects, "bit_regenerative", None), abs(command.rotation)
-    orders = sorted({1, 3, *([rock.blades] if rock else [])})
+    """Rotations at which an excitation some times a revolution meets a mode: of the scene's bit, where it is known."""
+    blocks = (getattr(scene.effects, key, None) for key in ("bit_regenerative", "bit_torque_stribeck", "rock_floor"))
+    (rock, law, floor), turn, orders = blocks, abs(command.rotation), {1: "unbalance, bend"}
+    kind = law and law.bit
+    if rock is None and kind in {None, "roller_cone"}:
+        orders[3] = "cones of a roller cone bit"
+    if floor is not None and floor.lobe_height > 0.0:
+        orders[round(floor.lobes)] = "lobes of the rock"
+    if rock is not None:
+        orders[rock.blades] = "blades of the bit"
+    unknown = "" if rock or kind == "roller_cone" else "; blades: 1, over their number, which the scene does not give"
 
     def cell(speed: float) -> str:
         return scene.unit_system.number(speed, "rotation") + "*" * (abs(speed - turn) < NEAR_ROTATION * turn)
 
     rows = [
         (f"{mode.kind} {mode.number}", f"{abs(mode.frequency):.4g}",
-         *(cell(abs(mode.eigenvalue.imag) / order) for order in orders))
+         *(cell(abs(mode.eigenvalue.imag) / order) for order in sorted(orders)))
         for mode in modes
     ]  # fmt: skip
-    blades = f"{rock.blades}: blades of the bit" if rock else "n: rows / n, as the scene names no blades of its bit"
+    named = "; ".join(f"{order}: {orders[order]}" for order in sorted(orders))
     return Table(
-        ("mode", "Hz", *(f"{order} a turn" for order in orders)), rows, right=range(1, 2 + len(orders)),
+        ("mode", "Hz", *(f"{order} a turn" for order in sorted(orders))), rows, right=range(1, 2 + len(orders)),
         title=f"resonances: rotation in {scene.unit_system.rotation} at which an excitation of an order meets a mode "
-        f"(1: unbalance, bend; 3: cones of a roller cone bit; {blades}); *: within {NEAR_ROTATION:.0%} of the rotation",
+        f"({named}{unknown}); *: within {NEAR_ROTATION:.0%} of the rotation",
     )  # fmt: skip
 
 

@@ -112,7 +112,7 @@ def fits_of(found: OverDepth, points: Mapping[str, Points]) -> dict[str, Frictio
         if (deepest := one.depth.max(initial=0.0)) > found.scene.length * (1.0 + 1e-6):
             raise ArgumentError(
                 f"--measured: expected depths of the bit up to {units.text(found.scene.length, 'length')}, found "
-                f"{units.text(deepest, 'length')} ({load}); take a scene whose string reaches as deep, or less rows"
+                f"{units.text(deepest, 'length')} ({load}); take a scene whose string is as long, or fewer rows"
             )
         if load != "off bottom" and one.value.size:
             fits[load] = found.fit(load, one.depth, one.value)

@@ -80,6 +80,8 @@ class BitMotion(StrEnum):
     """The top drive does not turn."""
     STARTING = "start-up"
     """Rotation begins: the index says nothing yet."""
+    EARLY = "too early to tell"
+    """At speed from the first sample on, and no index yet."""
     STANDS = "bit stands still"
     """The top drive turns and the bit does not."""
     STEADY = "steady rotation"
@@ -136,6 +138,7 @@ class StickSlipCode(IntEnum):
     STICK_SLIP = 5
     STANDS = 6
     DECAYING = 7
+    EARLY = 8
 
     @classmethod
     def of(cls, motion: BitMotion) -> Self:

@@ -94,7 +94,7 @@ def check_marks(marks: Sequence[MarkInfo]) -> tuple[MarkInfo, ...]:
         AnalysisError: No mark, or two of one name.
     """
     if not marks:
-        raise AnalysisError("expected at least one mark to analyse, found none; give the scene's string a mark")
+        raise AnalysisError("expected a mark to analyse, found none; give the scene's string a mark")
     names = [mark.name for mark in marks]
     twice = sorted({name for name in names if names.count(name) > 1})
     if twice:

@@ -27,7 +27,7 @@ def test_a_run_without_whirl_says_so_and_repeats_nothing(tmp_path):
     run = dt.Simulation("pa6_bench", {**SOON, "rpm": 60}).run(duration=5)
     cause = dt.why(run)
     assert str(cause).startswith(
-        "The run has no problem: it does not whirl, at 5 N at 1 rev/s at its end. Small motion"
+        "The run has no problem: the string does not whirl, at 5 N at 1 rev/s at its end. Small motion"
     )
     assert "decays" in str(cause)
     assert cause.causes == ()

@@ -18,7 +18,7 @@ from drill_twin.report import build_report, read_recording, summarise
 from drill_twin.report.charts import CHARTS
 from drill_twin.report.figures import FIGURES, OVER_TIME, drawing
 from drill_twin.report.figures.style import STATE_COLOURS, styled
-from drill_twin.report.page import build_page
+from drill_twin.report.page import ON_THE_JOINT, build_page
 from drill_twin.report.text import NOT_VALIDATED
 from drill_twin.scene import load_scene
 from drill_twin.whirl import MotionState
@@ -68,6 +68,16 @@ def recording(known_bag):
 def page_of(recording, files):
     """The page of another recording, with the figures of `files`."""
     return Page(build_page(recording, summarise(recording), files.figures, {}))
+
+
+def test_a_page_has_the_note_on_the_joint_outside_of_its_warnings(recording, files):
+    """Where lateral motion begins warns of nothing; it stood among what limits the findings."""
+    summary, note = summarise(recording), f"{ON_THE_JOINT[0]}2773 m down"
+    text = build_page(recording, summary | {"notes": [note, "a trouble"]}, files.figures, {})
+    box = text[text.index('<section class="warning">') :].partition("</section>")[0]
+    assert "a trouble" in box
+    assert note not in box
+    assert f'<p class="lead">Note: {note}</p>' in text
 
 
 def drawn(name, recording):

@@ -8,6 +8,7 @@ import sys
 import threading
 import time
 from dataclasses import replace
+from types import SimpleNamespace
 
 import pytest
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
@@ -98,12 +99,41 @@ def test_the_way_to_start_a_twin_is_one_that_is_installed(tmp_path, monkeypatch,
     assert check.remedy.startswith(advice)
 
 
+CLOCK_END = SimpleNamespace(
+    node_name="simulator", node_namespace="/", topic_type="rosgraph_msgs/msg/Clock", qos_profile=QoSProfile(depth=1)
+)
+SENDS_A_CLOCK = ({"/clock": [CLOCK_END]}, {"/clock": []})
+"""Publishers and readers of a domain with a clock."""
+
+
+def test_nodes_that_wait_after_the_end_of_a_run_are_no_problem(bench):
+    """The doctor called each node that waits for the next run a problem, and sent the user to its log."""
+    bench.start("analyzer")
+    simulator = bench.start("simulator", pace="fast", duration=1.0, wait_for_command=False)
+    bench.until(lambda: simulator.code is not None, what="the end of the run")
+    assert simulator.code == 0
+    bench.until_status("analyzer", lambda status: status.level == Level.STALE)
+    code, checks = _doctor(bench, "--duration", "4")
+    assert code == 0, checks
+    assert checks["nodes", "/analyzer"]["found"].startswith("waits: no good sample of /marks/state")
+    assert "the run has ended" in checks["nodes", "simulator"]["found"]
+    assert checks["nodes", "simulator"]["remedy"].startswith("start a simulator or a replay")
+
+
+def test_a_clock_of_another_namespace_starts_no_node():
+    silent = Status("rig2/analyzer", Level.STALE, "no good sample of /rig2/marks/state for 8.0 s", {}, "drill_twin")
+    for clock, verdict in (("/rig1/clock", Verdict.NOTE), ("/rig2/clock", Verdict.PROBLEM)):
+        seen = Observed(["/rig2/analyzer"], {clock: [CLOCK_END]}, {clock: []}, {"/rig2/analyzer": silent}, {})
+        assert {check.name: check for check in graph_checks(seen)}["/rig2/analyzer"].verdict is verdict
+
+
 def test_nodes_that_wait_in_a_pause_of_their_simulator_are_no_problem():
     silent = Status("analyzer", Level.STALE, "no good sample of /marks/state for 8.0 s", {}, "drill_twin")
     for state, verdict in (("paused", Verdict.OK), ("running", Verdict.PROBLEM)):
         simulator = Status("simulator", Level.OK, f"{state} at t = 20 s", {"state": state}, "drill_twin")
         statuses = {"/analyzer": silent, "/simulator": simulator}
-        found = {check.name: check for check in graph_checks(Observed(list(statuses), {}, {}, statuses, {}))}
+        seen = Observed(list(statuses), *SENDS_A_CLOCK, statuses, {})
+        found = {check.name: check for check in graph_checks(seen)}
         assert found["/analyzer"].verdict is verdict
         assert ("the simulator is paused" in found["/analyzer"].found) == (state == "paused")
 

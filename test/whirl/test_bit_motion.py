@@ -138,9 +138,26 @@ def test_a_start_from_rest_is_no_stick_slip(ramp):
         bit.push(*values)
         motions.append(bit.motion)
     assert bit.motion is BitMotion.STEADY
-    assert {*motions[: round(50 * max(ramp, 3.0))]} <= {BitMotion.AT_REST, BitMotion.STARTING}
+    assert motions[-1] is BitMotion.STEADY
+    before = {*motions[: round(50 * max(ramp, 3.0))]}
+    assert before <= {BitMotion.AT_REST, BitMotion.STARTING, BitMotion.EARLY}
+    assert (BitMotion.STARTING in before) is (ramp > 0.0)  # a ramp is seen; a jump before the first sample is not
     assert all(period.severity < 1.3 for period in bit.periods)
     assert bit.index < 0.05
+
+
+def test_at_speed_from_the_first_sample_on_there_was_no_start_up():
+    """A run that begins at speed said `start-up` for ten seconds."""
+    time, motions, bit = np.arange(0.0, 15.0, 0.02), [], StickSlip()
+    for at in time.tolist():
+        bit.push(at, 12.0, 12.0)
+        motions.append(bit.motion)
+    assert list(dict.fromkeys(motions)) == [BitMotion.EARLY, BitMotion.STEADY]
+    at_rest = followed(time, np.where(time < 3.0, 0.0, 12.0), np.where(time < 3.0, 0.0, 12.0))
+    assert at_rest.motion is BitMotion.STEADY
+    assert followed(time[:300], np.where(time < 3.0, 0.0, 12.0)[:300], 12.0 * (time[:300] > 3.0)).motion is (
+        BitMotion.STARTING
+    )
 
 
 def test_a_bit_that_stands_still_and_a_string_that_stops():

@@ -112,7 +112,7 @@ class ForeignFile:
                     number += 1
                     if len(line) > longest:
                         raise self.error(
-                            f"{path}:{number}: expected a line of at most {longest} characters, found a longer one"
+                            f"{path}:{number}: expected a line of at most {longest} characters, found more"
                         )
                     if "\0" in line:
                         raise self.refused(f"{path}:{number}", "binary data")

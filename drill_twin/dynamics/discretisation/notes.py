@@ -49,6 +49,10 @@ THICKER = 2.0
 """Diameter over a neighbour's from which a section shorter than its diameter is a disc; chosen."""
 
 
+ON_THE_JOINT = ("lateral motion from ", "`numerics.lateral_from: auto` is 0 m")
+"""Beginnings of the notes on the part of a string that moves laterally, which warn of nothing."""
+
+
 def notes_on(scene: Scene) -> list[str]:
     """Sentences on the resolution, the rotary drag, the friction intervals and the rolling of a scene.
 
@@ -57,6 +61,7 @@ def notes_on(scene: Scene) -> list[str]:
     """
     return [
         *_joint(scene),
+        *_left_hand(scene),
         *_coarse_mesh(scene),
         *_rotary_drag(scene),
         *_friction_below_the_string(scene),
@@ -76,7 +81,7 @@ def _joint(scene: Scene) -> Iterator[str]:
     if joint is None:
         if scene.numerics.lateral_from == "auto":
             why = ", ".join(needs_lateral(scene))
-            yield f"`numerics.lateral_from: auto` is 0 m: the whole string moves laterally{why and ', for ' + why}"
+            yield f"{ON_THE_JOINT[1]}: the whole string moves laterally{why and ', for ' + why}"
         return
     above: dict[str, list[str]] = {
         "marks on the axis": [mark.name for mark in scene.string.marks if mark.distance_from_bit > joint],
@@ -88,7 +93,7 @@ def _joint(scene: Scene) -> Iterator[str]:
         ],
     }
     yield (
-        f"lateral motion from {text(scene.length - joint, 'length')} down (`numerics.lateral_from`); above, the string "
+        f"{ON_THE_JOINT[0]}{text(scene.length - joint, 'length')} down (`numerics.lateral_from`); above, the string "
         + "; ".join(["follows the hole", *(f"{what}: {', '.join(names)}" for what, names in above.items() if names)])
     )
     if (buckled := buckled_up_to(scene)) > joint:
@@ -96,6 +101,11 @@ def _joint(scene: Scene) -> Iterator[str]:
             f"pipe up to {text(buckled, 'length')} from the bit may buckle, but has no lateral motion there: expected "
             f"numerics.lateral_from at most {text(max(scene.length - buckled, 0.0), 'length')}"
         )
+
+
+def _left_hand(scene: Scene) -> Iterator[str]:
+    if min(scene.rig.rotation.value, scene.rig.rotation.initial) < 0.0 and (why := scene.string.backs_off):
+        yield f"`rig.rotation` is below 0, to the left: {why}"
 
 
 def frequency_error(elements: float) -> float:

@@ -112,7 +112,7 @@ def refuse_time_dependent(scene: Scene) -> None:
     if found:
         named = ", ".join(f"{key} ({TIME_DEPENDENT[key]})" for key in found)
         raise SceneError(
-            f"{scene.name}: expected effects that are constant in a turning frame, found {named}; "
+            f"{scene.name}: expected effects constant in a turning frame, found {named}; "
             f"{' '.join(f'--without {key}' for key in found)} leaves {'it' if len(found) == 1 else 'them'} out"
         )
     if scene.rig.block is not None:

@@ -135,7 +135,7 @@ def unbalance_response(scene: Scene, speeds: Array, weight_on_bit: float = 0.0) 
         RunError: No balance is found from the string on the axis.
     """
     if not scene.string.discs:
-        raise SceneError(f"{scene.name}: expected a disc in string.discs, found none; an unbalance is a disc's")
+        raise SceneError(f"{scene.name}: expected a disc in string.discs, whose unbalance acts, found none")
     equations = EquationsOfMotion(scene)
     model, frame, columns = equations.model, HoleFrame.of(equations), equations.columns
     held = balance(equations, Command(weight_on_bit, float(speeds[0])), lambda command: equations.on_axis(command)[0])

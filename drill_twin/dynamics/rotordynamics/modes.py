@@ -169,7 +169,7 @@ def balance(equations: EquationsOfMotion, command: Command, resting: Resting | N
     u, v = equations.on_axis(command)
     if not is_vertical(equations):
         if resting is None:
-            raise RunError("expected a static balance to start from in an inclined hole, found none")
+            raise RunError("expected a balance in an inclined hole, found none; drill-twin run needs none")
         u = resting(command)
     still = np.zeros_like(u)
     for _ in range(NEWTON_STEPS):

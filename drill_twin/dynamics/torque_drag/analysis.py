@@ -170,6 +170,8 @@ def analyse(scene: Scene, operations: Sequence[Operation]) -> Statics:
             if operation.axial_speed < 0.0 and found[-1].hookload < 0.0:
                 held = stop_text(own, balance.equations.model, operation)
                 notes[operation.name] = f"{operation.name}: the top has to push, its hookload is below 0{held}"
+            if (why := own.string.backs_off) and operation.rotation < 0.0:
+                notes[operation.name] = f"{operation.name}: turns to the left: {why}; no margin of make-up holds"
         except RunError as error:
             notes[operation.name] = str(error)
     if not found:

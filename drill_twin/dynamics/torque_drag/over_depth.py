@@ -208,7 +208,7 @@ def _numbers(name: str, values: Any, low: float, high: float) -> Array:
     wrong = ~(np.isfinite(found) & (found >= low) & (found <= high))
     if found.ndim != 1 or not found.size or wrong.any():
         told = f"{found[wrong][0]:g}" if found.ndim == 1 and wrong.any() else shortened(repr(values), 80)
-        raise ArgumentError(f"{name}: expected a list of finite numbers from {low:g} to {high:g}, found {told}")
+        raise ArgumentError(f"{name}: expected finite numbers from {low:g} to {high:g}, found {told}")
     return found
 
 

@@ -46,7 +46,7 @@ def parse_remappings(pairs: Iterable[str], option: str) -> dict[str, str]:
     for pair in pairs:
         theirs, equals, ours = (part.strip() for part in pair.partition("="))
         if not (equals and theirs and ours):
-            raise BagError(f'{option}: expected THEIRS=OURS such as "/camera/marks=/marks/state", found "{pair}"')
+            raise BagError(f'{option}: expected THEIRS=OURS as "/camera/marks=/marks/state", found "{pair}"')
         names[theirs] = ours
     return names
 
@@ -115,7 +115,7 @@ def recorded_names(
             raise BagError(f"{where}: expected the topic {name} to read as {wanted}, found {', '.join(sorted(topics))}")
         present = namespace + wanted
         if present in topics and topics[present].count and present not in remappings:
-            raise BagError(f"{where}: expected no topic {present} beside {name}, which is to be read so, found both")
+            raise BagError(f"{where}: expected no topic {present} beside {name}, which is read as {wanted}, found both")
     inside = {name.removeprefix(namespace): name for name in topics if name.startswith(namespace)}
     own = {known: name for known, name in inside.items() if known in TOPICS}
     others = {name: name for name in topics if name not in TOPICS and name not in own.values()}
@@ -176,7 +176,7 @@ class Bag:
         starts = [file.start for file in self._files if file.start is not None]
         ends = [file.end for file in self._files if file.end is not None]
         if not starts:
-            raise BagError(f"{self.path}: expected a bag with messages, found none{self._because()}; record it again")
+            raise BagError(f"{self.path}: expected messages, found none{self._because()}; record it again")
         self.start: int = min(starts)
         self.end: int = max(ends)
         self._check_topics()
@@ -233,7 +233,7 @@ class Bag:
             BagError: The bag has no scene.
         """
         if (raw := self.last(TWIN_SCENE)) is None:
-            raise BagError(f"{self.path}: expected the scene on {TWIN_SCENE}, found no message there; name the scene")
+            raise BagError(f"{self.path}: expected the scene on {TWIN_SCENE}, found none; name the scene")
         return read_string(raw)
 
     def _because(self) -> str:

@@ -148,7 +148,7 @@ class BagWriter:
     def _check(self, topic: str, stamp: int) -> None:
         if topic not in self._topics:
             raise BagError(
-                f"{self.folder}: expected one of {', '.join(self._topics)}, found {topic}; add_topic it first"
+                f"{self.folder}: expected one of {', '.join(self._topics)}, found {topic}; add the topic first"
             )
         if stamp < 0:
             raise BagError(f"{self.folder}: expected a stamp of 0 ns or later on {topic}, found {stamp} ns")
@@ -205,7 +205,7 @@ class BagWriter:
         if not self.folder.is_dir():
             for one in self._files:
                 one.lost = one.count
-            raise BagError(f"{found}; record again: its folder is gone with {self.lost} messages")
+            raise BagError(f"{found}; record again: the folder is gone with {self.lost} messages")
         self.damage.append(f"{found}: up to {file.count} messages are lost")
         self._open_next()
         for topic, (stamp, raw) in self._latched.items():

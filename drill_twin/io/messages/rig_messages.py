@@ -87,7 +87,7 @@ def read_commands(states: JointArrays) -> Array:
         )
     if not any(name in COMMAND_JOINTS for name in states.names):
         found = ", ".join(states.names) or "none"
-        raise MessageError(f"expected a joint of {', '.join(COMMAND_JOINTS)} in a /rig/command, found {found}")
+        raise MessageError(f"expected a joint of {', '.join(COMMAND_JOINTS)} in /rig/command, found {found}")
     weight, block = states.column("effort", BIT_AXIAL), states.column("velocity", BLOCK)
     rests = np.isnan(block) & ~np.isnan(weight)
     return np.stack((weight, states.column("velocity", TOP_DRIVE), np.where(rests, 0.0, block)), axis=-1)

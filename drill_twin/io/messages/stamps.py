@@ -38,7 +38,7 @@ def stamps_ns(times: Array) -> list[int]:
         MessageError: A time is not a finite number.
     """
     if not np.isfinite(times).all():
-        raise MessageError(f"expected finite times in seconds for stamps, found {times[~np.isfinite(times)][0]}")
+        raise MessageError(f"expected finite times [s] for stamps, found {times[~np.isfinite(times)][0]}")
     return list(map(int, np.rint(times * NANOSECONDS).tolist()))
 
 

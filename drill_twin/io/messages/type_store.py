@@ -70,6 +70,6 @@ def deserialize(raw: bytes, type_name: str) -> Any:
 
 def _decode_error(raw: bytes, type_name: str, reason: Exception | str) -> MessageError:
     return MessageError(
-        f"expected the CDR bytes of a {type_name}, found {len(raw)} bytes that do not decode as one "
+        f"expected the CDR bytes of a {type_name}, found {len(raw)} bytes that do not decode "
         f"({' '.join(str(reason).split())}); the writer uses another type or the bytes are damaged"
     )

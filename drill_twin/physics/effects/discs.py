@@ -71,7 +71,7 @@ class Disc(EffectConfig):
         if self.bore is not None and (self.outer_diameter is None or self.bore >= self.outer_diameter):
             raise refuse(f"expected a `bore` below the `outer_diameter`, found {self.bore:.6g} m")
         if (self.weight is None) != (self.radius is None) or (self.weight is not None and self.unbalance is not None):
-            raise refuse("expected an `unbalance`, or `weight` and `radius`, or none of them, found another choice")
+            raise refuse("expected an `unbalance`, or `weight` and `radius`, or none of them, found others")
         if self.mass is not None and (self.weight or 0.0) > self.mass:
             raise refuse(
                 f"expected a `weight` that is part of the `mass` ({self.mass:.6g} kg), found {self.weight:.6g} kg"

@@ -69,7 +69,7 @@ class ViscousEffect(EffectConfig):
     def check_against(self, scene: Any) -> Iterator[Incompatibility]:
         """Yield mud without viscosity."""
         if scene.effects.mud is not None and scene.effects.mud.viscosity == 0.0:
-            yield Incompatibility((), "expected a viscosity above 0 Pa s in `mud`, found 0 Pa s: this comes from it")
+            yield Incompatibility((), "expected a viscosity above 0 Pa s in `mud`, found 0 Pa s")
 
 
 def reference_rate(model: DiscreteModel) -> float:

@@ -37,7 +37,7 @@ class Wall(EffectConfig):
     def _has_one_law(self) -> Self:
         if (self.stiffness is None) == (self.linear_stiffness is None):
             found = "neither" if self.stiffness is None else "both"
-            raise refuse(f'expected either `stiffness` such as "1e7 N/m^2.5" or `linear_stiffness`, found {found}')
+            raise refuse(f'expected `stiffness` such as "1e7 N/m^2.5" or `linear_stiffness`, found {found}')
         return self
 
 

@@ -88,8 +88,8 @@ class StartupBarrier:
         if now > self._deadline and reasons:
             name, reason = next(iter(reasons.items()))
             raise RunError(
-                f"waited {self._seconds:g} s for the node {self._full_name(name)}: {reason}; where it is not there, "
-                "start it in this ROS_DOMAIN_ID and namespace, or take its name out of the parameter wait_for"
+                f"waited {self._seconds:g} s for the node {self._full_name(name)}: {reason}; start the "
+                "node in this ROS_DOMAIN_ID and namespace, or take the name out of the parameter wait_for"
             )
         if reasons or (unmatched_readers(self._node) and now < self._deadline):
             return False

@@ -103,6 +103,8 @@ def _nodes(seen: Observed) -> Iterator[Check]:
             remedy = "end one of them, or give it a namespace: -r __ns:=/rig2"
             yield Check(NODES, name, f"{count} nodes of this name", Verdict.PROBLEM, remedy)
     paused = {status.hardware_id for status in seen.statuses.values() if status.values.get("state") == "paused"}
+    stale = {name for name, status in seen.statuses.items() if status.level == Level.STALE}
+    idle = {name for name in stale if not _has_clock(name, seen)}
     for name, status in sorted(seen.statuses.items()):
         waits = "the simulator is paused; " if status.level == Level.STALE and status.hardware_id in paused else ""
         other = status.values.get("version", "")
@@ -111,12 +113,23 @@ def _nodes(seen: Observed) -> Iterator[Check]:
             yield Check(NODES, name, f"drill_twin {other}", Verdict.PROBLEM, remedy)
         elif status.level == Level.OK or waits:
             yield Check(NODES, name, f"drill_twin {other or 'of unknown version'}: {waits}{status.text}")
+        elif name in idle:
+            yield Check(NODES, name, f"waits: {status.text}", Verdict.NOTE)
         else:
             remedy = "see the log of the node, and docs/reference/diagnostics.md"
             yield Check(NODES, name, status.text, Verdict.PROBLEM, remedy)
+    if idle:
+        found = "none, as nothing sends /clock: the run has ended, has not begun, or its simulator was killed"
+        remedy = "start a simulator or a replay, or end the nodes that wait; the log of the simulator says how it ended"
+        yield Check(NODES, "simulator", found, Verdict.NOTE, remedy)
     silent = [name for name in dict.fromkeys(seen.nodes) if name not in seen.statuses]
     if silent:
         yield Check(NODES, "others", ", ".join(silent))
+
+
+def _has_clock(name: str, seen: Observed) -> bool:
+    """Tell whether anything sends a clock to a node: the clock of its namespace, or the clock without a namespace."""
+    return any(seen.publishers.get(topic) for topic in (name.rpartition("/")[0] + CLOCK_TOPIC, CLOCK_TOPIC))
 
 
 def _topic(topic: str, publishers: list[TopicEndpointInfo], readers: list[TopicEndpointInfo]) -> Iterator[Check]:
@@ -157,7 +170,7 @@ def _clock(topic: str, times: list[tuple[float, int]], seen: Observed) -> Check:
     if last[0] - first[0] < 0.2:
         return Check(CLOCKS, topic, f"{found}: stands still")
     if any(late < early for (_, early), (_, late) in pairwise(times)):
-        remedy = "one simulator or replay a namespace; a loop or a reset steps back too"
+        remedy = "run one simulator or replay in a namespace; a loop or a reset steps back too"
         return Check(CLOCKS, topic, f"{found}: steps back", Verdict.PROBLEM, remedy)
     factor = (last[1] - first[1]) * 1e-9 / (last[0] - first[0])
     return Check(CLOCKS, topic, f"{found}: {factor:.2f} x real time")

@@ -115,7 +115,7 @@ def _package(name: str) -> Check:
     except ImportError as error:
         remedy = f"run make setup, or pip install {name} into {sys.prefix}"
         if name == "numba" and "NumPy" in str(error):
-            remedy = 'pip install "numpy<2" beside a sourced ROS 2 Jazzy, as the README says'
+            remedy = 'pip install "numpy<2" beside a sourced ROS 2 Jazzy (docs/install.md)'
         return Check(INSTALLED, name, f"cannot be loaded: {error}", Verdict.PROBLEM, remedy)
 
 
@@ -215,7 +215,7 @@ def _domain() -> Iterator[Check]:
     except DrillTwinError as error:
         yield Check(ROS, "domain", str(error), Verdict.PROBLEM, "export ROS_DOMAIN_ID=0")
         return
-    high = f"choose one up to {HIGHEST_DOMAIN}: other programs may have the ports of this one"
+    high = f"choose a domain up to {HIGHEST_DOMAIN}: other programs may have the ports"
     yield judged(ROS, "domain", str(domain or 0), high if (domain or 0) > HIGHEST_DOMAIN else "", Verdict.NOTE)
 
 

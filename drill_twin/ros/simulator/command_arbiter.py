@@ -94,7 +94,7 @@ class CommandArbiter:
         try:
             limits.check(Command(settings.safe_weight_on_bit, settings.safe_speed))
         except CommandError as error:
-            raise ParameterError(f"parameters safe_weight_on_bit, safe_speed: {error}, beyond the limits") from error
+            raise ParameterError(f"parameters safe_weight_on_bit, safe_speed: {error}") from error
         return limits
 
     # --- arrivals -------------------------------------------------------------------------------------------------
@@ -175,8 +175,8 @@ class CommandArbiter:
         if quantity.is_before_reset(source, stamp, self._stamps):
             raise CommandError(
                 "before_reset",
-                f"stamp: expected simulated time ({seconds(self._stamps.now()):g} s) since it went back, "
-                f"found {seconds(stamp):g} s, of the run before; stamp by /clock",
+                f"stamp: expected simulated time, which went back to {seconds(self._stamps.now()):g} s, found "
+                f"{seconds(stamp):g} s, of the run before; stamp by /clock",
             )
         kept = quantity.kept_base(source)
         base = self._stamps.base(stamp, kept) or kept

@@ -170,7 +170,7 @@ class CommandStamps:
         if kept not in {"", base}:
             raise CommandError(
                 "stamp_other_clock",
-                f"stamp: expected {kept}, as this source began with, found {base}; keep to one, or stamp zero",
+                f"stamp: expected {kept}, as this source began with, found {base}; keep to {kept}, or stamp zero",
             )
         return base
 

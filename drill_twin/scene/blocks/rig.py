@@ -197,7 +197,7 @@ class Rig(Part):
             (block.shape == "table", ("block", "shape"), 'expected "constant", "step" or "ramp", found "table"'),
             (self.holds_values, ("start",), f'expected "axis" or "rotating" with a block, found "{self.start}"'),
             (driller is None and any((weight.value, weight.initial, weight.shape == "table")), ("weight_on_bit",),
-             "expected no weight without `rig.block.auto_driller`, found one: nothing holds it"),
+             "expected no weight without `rig.block.auto_driller`, which holds a weight, found one"),
             (block.off_bottom > 0.0 and weight.initial != 0.0, ("weight_on_bit", "initial"),
              "expected no weight at the start off bottom, found one; `initial: ~` takes away the value of the base"),
             (driller is not None and driller.torque is not None and self.top_drive.model == "prescribed",

@@ -37,7 +37,7 @@ class SeverityBounds(Part):
     def problems(self) -> Iterator[Problem]:
         """Bounds that do not rise from above zero, and a source without bounds."""
         if not self._given:
-            yield (), "expected bounds of a quantity beside their source, found none; without own bounds leave it out"
+            yield (), "expected bounds of a quantity beside their source, found none; add bounds"
         for key in self._given:
             values = (0.0, *getattr(self, key))
             if any(low >= high for low, high in pairwise(values)):

@@ -224,6 +224,12 @@ class String(Part):
         """Length from bit to top clamp [m]."""
         return math.fsum(section.length for section in self.sections)
 
+    @property
+    def backs_off(self) -> str:
+        """Clause on torque to the left; empty for a string without tool joints or make-up torque, as of a bench."""
+        joined = any(one.joints or one.adjusted_mass or one.make_up_torque for one in self.sections)
+        return "right-hand joints can back off, at a torque not computed here" if joined else ""
+
     def section_at(self, distance_from_bit: float) -> Section:
         """Section at an arc length from the bit [m]: the upper one at a joint of two, the top one beyond the
         end.

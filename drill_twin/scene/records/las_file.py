@@ -61,9 +61,9 @@ def _header(path: Path, lines: Iterator[tuple[int, str]]) -> tuple[dict[str, str
         elif section == "C":
             curves.append((name, unit))
     if not {"V", "A"} <= seen:
-        raise TableError(f"{path}: expected a LAS 2.0 file with ~V and ~A sections, found none; export it again")
+        raise TableError(f"{path}: expected LAS 2.0 with ~V and ~A sections, found none; export it again")
     if len(curves) > _MOST_CURVES:
-        raise TableError(f"{path}: expected at most {_MOST_CURVES} curves, found {len(curves)}; export fewer")
+        raise TableError(f"{path}: expected at most {_MOST_CURVES} curves, found {len(curves)}; take fewer")
     if curves and curves[0][0] in _DEPTH:
         raise TableError(f"{path}: expected a log over time, found one over {curves[0][0]}; export the log over time")
     return version, null, curves

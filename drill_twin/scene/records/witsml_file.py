@@ -97,7 +97,7 @@ class _LogReader:
     def columns(self, path: Path) -> Columns:
         """The columns of numbers, the index first and in s."""
         if self.rows is None:
-            raise _RefusedError("expected <data> in the log, found none: a header only; export the log with its data")
+            raise _RefusedError("expected <data> in the log, found none; export the log with its data")
         units = dict(zip(self.rows.names, map(str.strip, self.header.get("unitList", "").split(",")), strict=False))
         units = {name: unit for name, unit in units.items() if unit not in _NONE}
         return self.rows.columns(path, units, self.header.get("nullValue", ""))

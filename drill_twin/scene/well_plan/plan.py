@@ -41,7 +41,7 @@ def read_survey(file: Path, system: str) -> list[dict[str, float]]:
     rows = read_table(file, NAMES, ("md", "inclination", "azimuth"), system)
     stations = [_station(row) for row in rows]
     if not rows or (len(rows) == 1 and stations[0]["depth"] == 0.0):
-        raise SceneError(f"{file}: expected at least two stations, found {len(rows)}; add them down to the bit")
+        raise SceneError(f"{file}: expected two or more stations down to the bit, found {len(rows)}")
     first = stations[0]
     if first["depth"] > 0.0:
         if first["inclination"] > math.radians(1.0):
@@ -65,7 +65,7 @@ def _station(row: Row) -> dict[str, float]:
     }
     for name, value in found.items():
         if not math.isfinite(value):
-            raise SceneError(f"{row.place}: expected a number for {name}, found none; give it, or take the row out")
+            raise SceneError(f"{row.place}: expected a number for {name}, found none; give it, or drop the row")
     if not 0.0 <= found["inclination"] <= math.pi:
         raise SceneError(
             f"{row.place}: expected an inclination from 0 to 180 deg, found "

@@ -101,7 +101,7 @@ def read_table(file: Path, names: dict[str, tuple[str, ...]], needed: tuple[str,
     """
     lines = [(number, line.rstrip("\n")) for number, line in used_lines(TABLE, file) if line.strip(" ,;\t\n")]
     if not lines or len(lines) - 1 > MOST_ROWS:
-        raise SceneError(f"{file}: expected a heading and at most {MOST_ROWS} rows, found {len(lines)} lines")
+        raise SceneError(f"{file}: expected a heading and up to {MOST_ROWS} rows, found {len(lines)} lines")
     heading = lines[0][1]
     separator = delimiter_of(heading)
     columns, units, unread = list[str](), dict[str, str](), list[str]()

@@ -58,6 +58,8 @@ MOST = {"collar": 1.0 + ROUNDED} | dict.fromkeys(("tube", *PIPES), 1.5)
 weigh at most what a bar weighs."""
 MARKED = ("stabiliser", "mwd", "lwd", "rss", "motor", "jar", "reamer", "sub")
 """Kinds with a mark at their middle."""
+APART = 0.5
+"""Distance of two marks that tell the same motion [m]: half of the length of a short tool. Chosen, not measured."""
 TOOLS = {
     "motor": "motor: a tube that turns with the string; its bend and the speed and torque of its rotor are left out",
     "rss": "rotary steerable tool: a tube; the force of its pads is left out (effects.bit_side_force)",
@@ -128,20 +130,23 @@ def from_top(rows: Sequence[Row]) -> bool:
 def marks(pieces: Sequence[TallyPiece]) -> list[dict[str, Any]]:
     """Marks of a string from the bit up: near the bit, at stabilisers and tools, in the longest collar and half-way up.
 
-    The bit itself is held, so the lowest mark is a metre above its face, or less in a short string.
+    The bit itself is held, so the lowest mark is a metre above its face, or less in a short string. A place nearer than
+    `APART` to a mark has none of its own.
     """
     length = math.fsum(piece.length for piece in pieces)
-    found = {"near_bit": min(1.0, 0.02 * length)}
+    found, apart = {"near_bit": min(1.0, 0.02 * length)}, min(APART, 0.01 * length)
     longest = max((piece.length for piece in pieces if piece.kind == "collar"), default=0.0)
     place = 0.0
     for piece in pieces:
         middle, word = place + 0.5 * piece.length, piece.kind
+        place += piece.length
+        if any(abs(middle - at) < apart for at in found.values()):
+            continue
         if word in MARKED:
             same = sum(name.rstrip("0123456789_") == word for name in found)
             found[f"{word}_{same + 1}" if same else word] = middle
         elif word == "collar" and piece.length == longest:
             found.setdefault("collars", middle)
-        place += piece.length
     found["middle"] = 0.5 * length
     return [{"name": name, "distance_from_bit": f"{at:.6g} m"} for name, at in found.items()]
 

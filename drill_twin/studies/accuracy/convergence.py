@@ -205,7 +205,7 @@ def measure(
             costs = motion.cost, 1.0 / motion.cost, motion.frame_p95, motion.compile_seconds, motion.iteration_rate
             measured.append(MeasuredRun(resolution, compare(motion, reference), *costs))
     if not measured:
-        raise SceneError(f"none of the resolutions of {described.name} could be run; the first: {failures[0]}")
+        raise SceneError(f"none of the resolutions of {described.name} ran; the first: {failures[0]}")
     own = [run for run in measured if exact.form != JOINED or run.resolution.form == JOINED]
     front = pareto_front(own, lambda run: run.errors.controlled)
     return Curve(

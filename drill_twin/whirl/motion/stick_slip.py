@@ -57,7 +57,7 @@ LARGEST_COUNT = 2000
 
 _MOTIONS = (
     BitMotion.AT_REST, BitMotion.STARTING, BitMotion.STANDS, BitMotion.STEADY, BitMotion.VIBRATION,
-    BitMotion.STICK_SLIP,
+    BitMotion.STICK_SLIP, BitMotion.EARLY,
 )  # fmt: skip
 """In the order of the codes of `stick_slip_index`."""
 SWINGS = (BitMotion.VIBRATION, BitMotion.STICK_SLIP)
@@ -236,7 +236,7 @@ class StickSlip:
         """Text of what decided a motion."""
         if motion is BitMotion.AT_REST:
             return "the top drive does not turn"
-        if motion is BitMotion.STARTING:
+        if motion in {BitMotion.STARTING, BitMotion.EARLY}:
             return f"an index needs {SETTLED} s or {CYCLES_SEEN} cycles after the bit has come up to speed"
         window = self.speed.window
         if motion is BitMotion.STANDS:

@@ -7,7 +7,8 @@ classes differ; these two bounds follow from the definition alone.
 
 Rotation from rest winds the string up first: the bit stands, breaks loose and catches up. This start-up is
 no stick-slip. It lasts until the top drive no longer gains 2 % in a second and the bit has been as fast as the top
-drive. The index is known when the window then holds 10 s or two cycles.
+drive. The index is known when the window then holds 10 s or two cycles. Where the samples show neither rest nor a rise
+of the top drive, as of a run that begins at speed, there was no start-up, and the motion is too early to tell.
 """
 
 import math
@@ -34,7 +35,7 @@ measured."""
 MOST_STUCK = 10
 """Seconds at rest after which a bit without a known top drive has been stopped; chosen, not measured."""
 
-AT_REST, STARTING, STANDS, STEADY, VIBRATION, STICK_SLIP = range(6)
+AT_REST, STARTING, STANDS, STEADY, VIBRATION, STICK_SLIP, EARLY = range(7)
 """Codes of the motion."""
 NOW = TIME_BASE
 """Row of the second that is being filled."""
@@ -52,7 +53,7 @@ def new_window() -> Columns:
         slowest=math.nan,  # speed in the window [rad/s]
         fastest=math.nan,  # speed in the window [rad/s]
         mean=math.nan,  # speed in the window [rad/s]
-        motion=STARTING,
+        motion=EARLY,
         turning=False,  # True after the start-up
         seconds=0,  # since the start-up
         cycles=0,  # since the start-up
@@ -76,7 +77,7 @@ def _index(slowest: float, fastest: float, mean: float) -> float:
 @strict_kernel
 def restart(window: Columns) -> None:
     """Begin anew, after a gap."""
-    window.rows.samples[NOW], window.index[0], window.motion[0] = 0.0, math.nan, STARTING
+    window.rows.samples[NOW], window.index[0], window.motion[0] = 0.0, math.nan, EARLY
     window.turning[0] = False
     window.seconds[0] = window.resting[0] = 0
 
@@ -123,7 +124,8 @@ def _close(window: Columns) -> bool:
         fastest = max(now.fastest[NOW], -now.slowest[NOW])
         if not rises and fastest >= max(REACHED * abs(drive), REST):
             window.turning[0], window.seconds[0], window.cycles[0] = True, 0, 0
-        window.motion[0] = STARTING
+        if rises or before == AT_REST:
+            window.motion[0] = STARTING
     return bool(window.motion[0] != before)
 
 
@@ -137,8 +139,8 @@ def _judge(window: Columns, known: bool) -> None:
     window.slowest[0], window.fastest[0], window.mean[0] = slowest, fastest, mean
     window.index[0] = math.nan
     if window.seconds[0] < SETTLED and window.cycles[0] < CYCLES_SEEN:
-        window.motion[0] = STARTING
-    elif (known and mean < criteria.STANDSTILL * _mean(window, window.rows.top)) or mean == 0.0:
+        return  # STARTING, or EARLY, goes on
+    if (known and mean < criteria.STANDSTILL * _mean(window, window.rows.top)) or mean == 0.0:
         window.motion[0] = STANDS
     else:
         index = window.index[0] = _index(slowest, fastest, mean)

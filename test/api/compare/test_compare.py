@@ -8,6 +8,7 @@ from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
+import yaml
 from typer.testing import CliRunner
 
 import drill_twin as dt
@@ -92,6 +93,22 @@ def test_a_mirrored_run_is_the_same_run() -> None:
     assert rows["speed of the bit, largest"].values[1] > 1.0
     assert rows["balance, drill: surface torque"].values[1] > 1e3
     assert [name for name, row in rows.items() if row.differs(0.01)] == []
+
+
+def test_a_case_that_turns_to_the_left_has_a_note_and_its_loads(tmp_path: Path) -> None:
+    data = yaml.safe_load(dt.load_scene("two_mass").to_yaml())
+    data["string"]["sections"][0]["make_up_torque"] = "30 kN m"
+    (tmp_path / "pipe.yaml").write_text(yaml.safe_dump(data))
+    fast = ["--repeats", "1", "--duration", "1", "--set", "numerics.step=20 ms", "--set", "numerics.frame_rate=10 Hz"]
+    cases = [str(tmp_path / "pipe.yaml"), f"{tmp_path / 'pipe.yaml'},rpm=-60 rpm"]
+    said = CliRunner().invoke(app, ["compare", *cases, "--out", str(tmp_path / "out"), *fast])
+    assert said.exit_code == 0, said.output
+    found = json.loads((tmp_path / "out" / "compare.json").read_text())
+    (note,) = (note for note in found["notes"] if "to the left" in note)
+    assert note.endswith(
+        "rpm=-60 rpm turns to the left: right-hand joints can back off, at a torque not computed here."
+    )
+    assert "balance, drill: hookload" in {row["name"] for row in found["quantities"]}
 
 
 def contact(name: str, place: float, force: float, build: float = math.nan) -> SimpleNamespace:

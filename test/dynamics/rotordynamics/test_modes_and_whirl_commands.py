@@ -46,7 +46,7 @@ def test_the_api_gives_the_numbers_of_the_command(bench):
     assert [mode["frequency_hz"] for mode in said["modes"]] == [mode.frequency for mode in table.modes]
     assert dt.campbell(bench, speeds=[1.0, 2.0]).eigenvalues.shape == (2, 6)
     assert dt.growth_map(bench, weights=[1.0], speeds=[1.0, 2.0]).lateral.shape == (1, 2)
-    with pytest.raises(ArgumentError, match=r"weights: expected values that increase, found \[2.0, 1.0\]; sort them"):
+    with pytest.raises(ArgumentError, match=r"weights: expected increasing values, found \[2.0, 1.0\]; sort them"):
         dt.growth_map(bench, weights=[2.0, 1.0], speeds=[1.0])
 
 

@@ -254,9 +254,9 @@ NAN = float("nan")
     ("load", "depth", "measured", "words"),
     [
         ("tripout", [1e3, 2e3], [5e5, 6e5], 'trip out, trip in, off bottom, torque, found "tripout", did you mean'),
-        ("trip out", [1e3, NAN], [5e5, 6e5], "depths .*expected a list of finite numbers from 0 to 3000, found nan"),
-        ("trip out", [1e3, 2e3], [5e5, NAN], "loads, trip out: expected a list of finite numbers .*found nan"),
-        ("torque", [1e3, 2e3], [5e5, NAN], "loads, torque: expected a list of finite numbers .*found nan"),
+        ("trip out", [1e3, NAN], [5e5, 6e5], "depths .*expected finite numbers from 0 to 3000, found nan"),
+        ("trip out", [1e3, 2e3], [5e5, NAN], "loads, trip out: expected finite numbers .*found nan"),
+        ("torque", [1e3, 2e3], [5e5, NAN], "loads, torque: expected finite numbers .*found nan"),
         ("trip out", [1e3, 2e3], [5e5, 0.0], "loads, trip out: .* found 0"),
         ("trip in", [1e3, 2e3], [5e5, -2e3], "loads, trip in: .* found -2000"),
         ("trip out", [1e3, 4e3], [5e5, 6e5], "depths .*to 3000, found 4000"),
@@ -273,7 +273,7 @@ def test_measured_loads_that_cannot_be_fitted_are_refused(found, load, depth, me
 
 @pytest.mark.parametrize("friction", [[], [-0.1], [0.2, NAN], [6.0], 0.2, ["much"], None])
 def test_friction_that_is_no_list_of_coefficients_is_refused(friction):
-    with pytest.raises(ArgumentError, match=r"friction: expected a list of finite numbers from 0 to 5, found"):
+    with pytest.raises(ArgumentError, match=r"friction: expected finite numbers from 0 to 5, found"):
         dt.statics_over_depth("wells/s_shaped", friction)
     with pytest.raises(ArgumentError, match="depths: expected"):
         dt.statics_over_depth("wells/s_shaped", [0.2], depths=0)

@@ -16,6 +16,7 @@ from variants import one_of
 import drill_twin as dt
 from drill_twin.cli.app import app
 from drill_twin.core.errors import ArgumentError, RunError
+from drill_twin.dynamics.discretisation.notes import notes_on
 from drill_twin.dynamics.rotordynamics.equations import EquationsOfMotion
 from drill_twin.dynamics.torque_drag.along_string import hole_and_string
 from drill_twin.dynamics.torque_drag.analysis import Statics, steady
@@ -54,6 +55,16 @@ def test_the_hookload_follows_the_operation(found: Statics) -> None:
         assert loads.hookload == pytest.approx(loads.soft.hookload, rel=0.02)
         assert loads.along.tension[-1] == pytest.approx(loads.hookload, rel=0.01)
         assert loads.along.tension[0] == pytest.approx(-loads.operation.weight_on_bit, abs=3e4)
+
+
+def test_a_reverse_rotation_says_that_right_hand_joints_can_back_off(found: Statics) -> None:
+    reverse = dt.statics(well(), {"rig.rotation.value": "-10 rad/s"})
+    assert [*reverse.notes] == ["off bottom", "drill"]
+    assert reverse.notes["drill"].startswith("drill: turns to the left: right-hand joints can back off")
+    assert not found.notes
+    (note,) = (note for note in notes_on(reverse.scene) if "to the left" in note)
+    assert note.startswith("`rig.rotation` is below 0, to the left: right-hand joints can back off")
+    assert not [note for note in notes_on(found.scene) if "to the left" in note]
 
 
 def test_the_weight_of_the_string(found: Statics) -> None:

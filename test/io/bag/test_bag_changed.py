@@ -71,7 +71,7 @@ def test_a_folder_that_is_removed_ends_the_recording(tmp_path, messages):
     writer = BagWriter(tmp_path / "run_0", flush_interval=0.0)
     writer.write(*messages[0])
     shutil.rmtree(tmp_path / "run_0")
-    with pytest.raises(BagError, match="found it removed; record again: its folder is gone with 2 messages"):
+    with pytest.raises(BagError, match="found it removed; record again: the folder is gone with 2 messages"):
         writer.write(*messages[1])
     writer.close()
     assert writer.lost == 2

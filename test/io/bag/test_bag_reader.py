@@ -170,7 +170,7 @@ def test_garbage(tmp_path, name, content):
 def test_an_empty_bag(tmp_path):
     with BagWriter(tmp_path / "run_0"):
         pass
-    assert error_of(tmp_path / "run_0").endswith("expected a bag with messages, found none; record it again")
+    assert error_of(tmp_path / "run_0").endswith("expected messages, found none; record it again")
 
 
 def test_a_bag_killed_at_birth(tmp_path):
@@ -203,7 +203,7 @@ def test_a_bag_that_vanishes_while_it_is_read(write_bag):
     folder = write_bag()
     bag = Bag(folder)
     shutil.rmtree(folder)
-    with pytest.raises(BagError, match="expected a readable bag file, found No such file"):
+    with pytest.raises(BagError, match="expected a readable bag, found No such file"):
         list(bag.messages())
 
 

@@ -130,7 +130,7 @@ def test_a_command_has_the_block_as_a_joint():
     ("change", "said"),
     [
         ({"weight_on_bit": {"at": "top", "value": 0.0}}, "at: block` and `rig.block` together"),
-        ({"weight_on_bit": {"at": "block", "value": 5.0}}, "nothing holds it"),
+        ({"weight_on_bit": {"at": "block", "value": 5.0}}, "which holds a weight, found one"),
         ({"block": {"auto_driller": {"rate": 0.0}}}, "above 0 m/s"),
         ({"block": {"auto_driller": {"rate": 0.01, "torque": 5.0}}}, "a top drive with a motor"),
         ({"block": {"value": 100.0}}, "no block moves faster"),

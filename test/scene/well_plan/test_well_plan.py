@@ -45,6 +45,15 @@ def test_a_tally_without_collars_has_no_mark_of_this_name():
     assert [mark["name"] for mark in found] == ["near_bit", "motor", "middle"]
 
 
+def test_a_near_bit_stabiliser_has_no_second_mark_beside_near_bit():
+    """Marks at 1 m and 1.07 m told the same motion twice; the next stabiliser keeps its name."""
+    row: Any = None
+    rows = (("bit", 0.3), ("stabiliser", 1.5), ("collar", 3.0), ("stabiliser", 1.5), ("collar", 82.0), ("pipe", 900.0))
+    found = marks([TallyPiece(row, {}, kind, length, 0.2) for kind, length in rows])
+    assert [mark["name"] for mark in found] == ["near_bit", "stabiliser", "collars", "middle"]
+    assert [mark["distance_from_bit"] for mark in found][:2] == ["1 m", "5.55 m"]
+
+
 def made(folder: Path, survey: str = SURVEY, tally: str = TALLY, **plan: object) -> Scene:
     (folder / "survey.csv").write_text(survey)
     (folder / "tally.csv").write_text(tally)
@@ -358,7 +367,7 @@ MISTAKES = {
     "pulled": ({"weight_on_bit": "-12 klb"}, r'--wob: expected a force from 0, found "-12 klb"'),
     "left-handed": ({"rotation": "-120 rpm"}, r'--rpm: expected a speed of rotation from 0, found "-120 rpm"'),
     "thin mud": ({"viscosity": "0 cP"}, r'^--viscosity: expected a viscosity above 0, found "0 cP"'),
-    "one station": ({"survey": "md [m],inc,azi\n0,0,0\n"}, r"survey.csv: expected at least two stations, found 1; add"),
+    "one station": ({"survey": "md [m],inc,azi\n0,0,0\n"}, r"survey.csv: expected two or more stations .*found 1"),
     "unit": ({"hole": "12 kg"}, r"--hole: .*12 kg"),
 }  # fmt: skip
 

@@ -47,7 +47,7 @@ class Jobs:
         """
         page = words[0] == "watch"
         if not page and sum(job["code"] is None and not job["page"] for job in self.shown) >= AT_ONCE:
-            raise RunError(f"expected at most {AT_ONCE} commands at a time, found one more; stop one, or wait")
+            raise RunError(f"expected at most {AT_ONCE} commands at a time, found more; stop a command, or wait")
         try:
             process = subprocess.Popen(
                 [sys.executable, "-uP", "-m", "drill_twin.cli", *words],  # P: no module of the folder is imported
@@ -56,7 +56,9 @@ class Jobs:
                 start_new_session=True,  # Ctrl-C in the terminal reaches the page alone
             )  # fmt: skip
         except (OSError, ValueError) as error:  # no memory; a null character
-            raise RunError(f"expected to start a command, found: {error}") from error
+            raise RunError(
+                f"expected to start drill-twin {words[0]}, found: {error}; free memory, or correct the options"
+            ) from error
         job = {"number": process.pid, "line": shlex.join(["drill-twin", *words]), "out": out, "page": page}
         job |= {"text": "", "code": None}
         self.shown = [job, *(old for at, old in enumerate(self.shown) if at < MOST - 1 or old["code"] is None)]

@@ -92,7 +92,7 @@ class FrontServer(PageServer):
             return
         do, on, options = asked.do, asked.on, asked.options
         if (form := self._forms.get(do)) is None or not on:
-            raise ArgumentError(f"expected one of {', '.join(self._forms)} with a name, found {do[:40]}")
+            raise ArgumentError(f"expected one of {', '.join(self._forms)} on scene or result, found {do[:40]}")
         taken = {job["out"] for job in self._jobs.shown if job["code"] is None}
         name = folder_name(Path(on[0].partition(",")[0]).name.removesuffix(".yaml"))
         if form["target"] == "FILE":

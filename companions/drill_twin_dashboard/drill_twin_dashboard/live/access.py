@@ -54,12 +54,15 @@ class Access:
         """Status and sentence for a request that is not for this server; None for a request that is."""
         hosts, origins = headers.get_all("Host"), headers.get_all("Origin")
         if len(hosts) != 1 or len(origins) > 1:
-            return HTTPStatus.BAD_REQUEST, "expected one Host and at most one Origin\n"
+            return HTTPStatus.BAD_REQUEST, "expected one header Host and at most one header Origin\n"
         name = _host_name(hosts[0])
         if name is None:
-            return HTTPStatus.BAD_REQUEST, "expected the Host as NAME:PORT\n"
+            return HTTPStatus.BAD_REQUEST, "expected the header Host as NAME:PORT\n"
         if not self._is_own(name):
-            return HTTPStatus.FORBIDDEN, "this page is not known by that name; start it with --allow-host NAME\n"
+            return (
+                HTTPStatus.FORBIDDEN,
+                "the page is not known by this name; start drill-twin watch with --allow-host NAME\n",
+            )
         return None
 
     def is_foreign(self, headers: Headers) -> bool:
@@ -109,7 +112,7 @@ class Access:
 
 
 _MINUTES = f"{CODE_LIFE / 60:g} minutes"
-TOO_LATE = f"expected a link of drill-twin watch that is new and at most {_MINUTES} old; it has printed one since\n"
+TOO_LATE = f"expected a new link, at most {_MINUTES} old; open the link that drill-twin watch printed last\n"
 READ_ONLY = (
     "expected a page that may command, found a page that reads only, or a page of an earlier drill-twin watch; "
     "open the link that drill-twin watch printed last"

@@ -118,7 +118,7 @@ def parse_limit(text: str) -> dict[str, float]:
     name, _, value = (part.strip() for part in text.partition("="))
     channel = name.rpartition("_")[0]
     if channel not in _DIMENSIONS or not value:
-        raise DrillTwinError(f"expected a limit as torque_high=12 kN m, of {', '.join(CHANNELS)}, found {text[:100]!r}")
+        raise DrillTwinError(f'expected a limit as torque_high=12 kN m, of {", ".join(CHANNELS)}, found "{text[:100]}"')
     try:
         found = parse(value, _DIMENSIONS[channel])
     except UnitError as error:
@@ -147,10 +147,12 @@ class AlarmLimits:
         if value is not False:
             own[side] = float(value)
         if len(own) == len(SIDES) and own["low"] >= own["high"]:
-            raise DrillTwinError(f"expected a low limit of the {NAMES[channel]} below the high one, found it above")
+            raise DrillTwinError(
+                f"expected a low limit of the {NAMES[channel]} below the high limit, found low at or above high"
+            )
         self.values[channel] = own
         self._last.pop((channel, side), None)
-        return f"limit set: {NAMES[channel]}, {side}" if value is not False else f"no limit: {NAMES[channel]}, {side}"
+        return f"{'no limit' if value is False else 'limit set'}: {NAMES[channel]}, {side}"
 
     def again(self) -> None:
         """Forget what was beyond a limit: another run begins."""
@@ -231,7 +233,7 @@ class Alarms:
         """
         found = {cause: alarm for cause, alarm in self._alarms.items() if number in {None, alarm.number}}
         if number is not None and not found:
-            raise DrillTwinError(f"expected the number of an alarm, found {number}; it may be over")
+            raise DrillTwinError(f"expected the number of an alarm, found {number}, whose alarm may be over")
         for cause, alarm in found.items():
             if not alarm.acknowledged:
                 alarm.acknowledged = True

@@ -94,10 +94,12 @@ class FoxgloveServer(WebServer):
 
     async def _respond(self, connection: ServerConnection, request: Request) -> Response | None:
         if not self._access.may_view(request.headers):
-            text = "pages of this origin may not ask; start it with --allow-host NAME\n"
+            text = "pages of this origin may not ask; start drill-twin watch with --allow-host NAME\n"
             return connection.respond(HTTPStatus.FORBIDDEN, text)
         if len(self.places) >= MOST_VIEWERS:
-            return connection.respond(HTTPStatus.SERVICE_UNAVAILABLE, f"{MOST_VIEWERS} viewers are open already\n")
+            return connection.respond(
+                HTTPStatus.SERVICE_UNAVAILABLE, f"{MOST_VIEWERS} viewers are open; close a viewer\n"
+            )
         self.places[connection] = _Viewer()
         return None
 

@@ -167,7 +167,7 @@ class PageState:
 
     def _mark(self, name: str) -> dict[str, Any]:
         if name not in self._marks and len(self._marks) >= _MOST_MARKS:
-            raise MessageError(f"expected at most {_MOST_MARKS} marks, found another")
+            raise MessageError(f"expected at most {_MOST_MARKS} marks on {MARKS_STATE} and {WHIRL_MOTION}, found more")
         return self._marks.setdefault(name, {"name": short(name)})
 
     def _on_marks(self, state: JointState) -> None:

@@ -114,7 +114,7 @@ class Player:
         request = self.state.take(request)
         unknown = set(request) - {"play", "seek", "rate"}
         if unknown:
-            raise DrillTwinError(f"expected play, seek or rate for a recording, found {', '.join(sorted(unknown))}")
+            raise DrillTwinError(f"expected play, seek or rate of a bag, found {', '.join(sorted(unknown))}")
         with self._lock:
             if "play" in request:
                 self._playing = bool(request["play"])

@@ -192,7 +192,7 @@ class PageServer(WebServer):
                 return connection.respond(HTTPStatus.FORBIDDEN, f"{READ_ONLY}\n")
             most = MOST_CLIENTS if entered else MOST_CLIENTS - KEPT
             if len(self.places) >= most:
-                return connection.respond(HTTPStatus.SERVICE_UNAVAILABLE, f"{most} pages are open already\n")
+                return connection.respond(HTTPStatus.SERVICE_UNAVAILABLE, f"{most} pages are open; close a page\n")
             self.places[connection] = _ENTERED if entered else _STRANGER
             return None
         if path == "/enter":

@@ -94,9 +94,9 @@ def shown_map(text: str) -> dict[str, Any]:
         edges = [low, high, slow, fast, *map(float, window or ())]
         good = 1 <= steps <= _MOST_STEPS and low < high and slow < fast and all(map(math.isfinite, edges))
         if not (good and all(len(digits) == side**2 and set(digits) <= set(hexdigits) for digits in fields.values())):
-            raise ValueError(f"{steps} steps")
+            raise ValueError
     except (KeyError, TypeError, ValueError, OverflowError) as error:
-        raise MessageError(f"expected an operating map, found another text ({type(error).__name__})") from error
+        raise MessageError("expected an operating map, found another text") from error
     rows = range(0, side, every)
     return {
         "digest": digest[:64],

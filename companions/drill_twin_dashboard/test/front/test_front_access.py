@@ -109,7 +109,7 @@ def test_nothing_outside_of_the_folder_and_no_other_kind_of_file_is_opened(front
         ({"do": "run", "on": ["a\0b"]}, "expected a file or folder in "),
         ({"do": "compare", "on": ["pa6_bench", "../x,wob=3"]}, "expected a file or folder in "),
         ({"do": "run", "on": ["pa6_bench"], "options": {"--out": "../x"}}, "expected a file or folder in "),
-        ({"do": "run", "on": ["pa6_bench"], "options": {"--wob": "1\0"}}, "expected to start a command, found: "),
+        ({"do": "run", "on": ["pa6_bench"], "options": {"--wob": "1\0"}}, "expected to start drill-twin run, found: "),
         ({"do": "statics", "on": ["pa6_bench"], "options": {"--measured": "/etc/passwd"}}, "expected a file or folder"),
         ({"do": "scene new", "on": ["x"], "options": {"--survey": "/etc/passwd"}}, "expected a file or folder in "),
         ({"do": "run", "on": ["pa6_bench"], "options": {"--cheat": "1"}}, "expected an option of --wob, "),

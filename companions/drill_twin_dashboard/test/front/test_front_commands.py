@@ -105,7 +105,7 @@ def test_two_commands_at_a_time_a_third_is_refused_and_stop_keeps_the_bag(front)
     long = {"do": "run", "on": ["pa6_bench"], "options": {"--duration": "100000 s"}}
     assert front.ask(**long) == ""
     assert front.ask(**long) == ""
-    assert front.ask(**long) == "expected at most 2 commands at a time, found one more; stop one, or wait"
+    assert front.ask(**long) == "expected at most 2 commands at a time, found more; stop a command, or wait"
     second, first = front.commands()
     assert (first["out"], second["out"]) == ("out/run_pa6_bench", "out/run_pa6_bench_2")
     front.until(lambda: " left" in front.commands()[1]["text"])  # its output comes while it runs

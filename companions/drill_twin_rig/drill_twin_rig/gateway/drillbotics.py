@@ -141,7 +141,7 @@ def read_log(bag: Bag, selection: Selection, rate: float, start: datetime | None
         raise BagError(f"{bag.path}: expected messages on {RIG_STATE} in this time, found {len(rows)}")
     table = np.array(rows)
     if (covered := table[-1, 0] - table[0, 0]) * rate < 1.0:
-        raise BagError(f"{bag.path}: expected rig states over {1.0 / rate:g} s at least, found {covered:g} s")
+        raise BagError(f"{bag.path}: expected rig states over {1.0 / rate:g} s or more, found {covered:g} s")
     ends, means, last = _resampled(table, rate)
     values = {name: (last if name in _LAST else means)[:, k] for k, name in enumerate(signals, 1)}
     return DrillingLog(start or _zero(bag, *first), ends, values, signals)
@@ -164,7 +164,7 @@ def _zero(bag: Bag, recorded: float, time: float) -> datetime:
     with suppress(BagError, ValueError):
         if found := re.search(r"^[ \t]*started: ['\"]?([0-9T:.+-]+)", bag.scene(), re.MULTILINE):
             return datetime.fromisoformat(found[1])
-    raise BagError(f"{bag.path}: expected the time of the run, found none in the bag; give it with --start")
+    raise BagError(f"{bag.path}: expected the time of the run, found none in the bag; give --start")
 
 
 _NEEDED_OF_VIRTUAL_TEAMS = {"flow_in_lpm": "flow in", "flow_out_lpm": "flow out", "spp_MPa": "standpipe pressure"}
@@ -245,7 +245,7 @@ def check_log(path: Path) -> Iterator[Rule]:
         units = [curve.mnemonic for curve in las.curves if not curve.unit]
         index = las.curves[0].data
     except (OSError, ValueError, KeyError, IndexError, AttributeError) as error:
-        raise TableError(f"{path}: expected a LAS 2.0 file, found {' '.join(str(error).split())[:200]}") from None
+        raise TableError(f"{path}: expected LAS 2.0, found {' '.join(str(error).split())[:200]}") from None
     yield Rule("name", path.name.endswith("_logs.las"), path.name)
     yield Rule("LAS 2.0", version == 2.0, f"version {version:g}")
     yield Rule("name of the well", bool(well), well or "none")

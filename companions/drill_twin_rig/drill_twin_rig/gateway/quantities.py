@@ -189,7 +189,9 @@ class TwinQuantities:
     def _on_marks(self, now: JointState) -> bool:
         before = self._marks
         if len(now.names) % 4 or now.velocity.size != len(now.names) or now.effort.size != len(now.names):
-            raise MessageError("expected four joints a mark with velocity and effort on /marks/state")
+            raise MessageError(
+                f"expected four joints a mark with velocity and effort on /marks/state, found {len(now.names)} names"
+            )
         self._marks = now
         force = now.effort.reshape(-1, 4)[:, :2]
         self.values["wall_force"] = float(np.hypot(force[:, 0], force[:, 1]).max(initial=0.0))
@@ -245,5 +247,5 @@ class TwinQuantities:
             window = json.loads(text)["safe_window"] or [math.nan] * len(_SAFE)
             self.values |= zip(_SAFE, map(float, window), strict=True)
         except (KeyError, TypeError, ValueError) as error:
-            raise MessageError(f"expected a safe_window on {ADVICE_MAP}, found {error!r}") from error
+            raise MessageError(f"expected a safe_window of four numbers on {ADVICE_MAP}, found none") from error
         return True

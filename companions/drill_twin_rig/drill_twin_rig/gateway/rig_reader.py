@@ -16,6 +16,7 @@ from typing import Any, NamedTuple, TypeVar
 
 from drill_twin.core.errors import shortened
 from drill_twin.core.missing import CERTAIN, LiveChannel, beyond
+from drill_twin.core.units.quantity import show
 from drill_twin.core.units.registry import UnitError, si_factor
 from drill_twin_rig.gateway.signals import RigSignal
 
@@ -70,7 +71,7 @@ class QualityCheck:
         if reading.status:
             return f"status {reading.status}"
         if isinstance(value, bool) or not isinstance(value, int | float):
-            return f"expected a number, found {type(value).__name__}"
+            return f"expected a number, found {show(value)}"
         if not math.isfinite(value):
             return f"expected a finite number, found {value}"
         is_beyond, what = beyond(signal.quantity, value * signal.factor)
@@ -80,7 +81,7 @@ class QualityCheck:
         if is_beyond:
             return f"{what}, found {value:g} {signal.unit}"
         if not signal.low <= value <= signal.high:
-            return f"expected {signal.low:g} to {signal.high:g} {signal.unit}, found {value:g}"
+            return f"expected {signal.low:g} to {signal.high:g} {signal.unit}, found {value:g} {signal.unit}"
         if signal.stale_after and not math.isfinite(reading.stamp):
             return "no source timestamp"
         if signal.stale_after and now - reading.stamp > signal.stale_after:
@@ -208,7 +209,7 @@ class RigReader(ABC):
             before = self.connections
             try:
                 await self.connect_and_read()
-                self.fault = "its server ended the connection"
+                self.fault = "the server of the rig ended the connection"
             except Exception as error:  # noqa: BLE001 - a server may answer anything; its error is told, and it is asked again
                 text = str(error) or type(error).__name__
                 self.fault = shortened(text.partition("\n")[0], 200)

@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 from drill_twin.core.errors import DrillTwinError
 from drill_twin.core.files.foreign_file import ForeignFile
 from drill_twin.core.files.yaml_reader import LARGEST_TEXT, Place, read_yaml
-from drill_twin.core.units import UnitError, factor_of
+from drill_twin.core.units import UnitError, factor_of, show
 from drill_twin_rig.gateway.quantities import MEASURED, QUANTITIES, downhole, measured_dimension
 
 _RIG = ("node", "unit", "low", "high", "stale_after", "frozen_after")
@@ -97,7 +97,7 @@ def why_refused(signal: CommandTarget | RigSignal, value: float, limits: Limits)
     low, high = max(low, signal.low), min(high, signal.high)
     if not (math.isfinite(low) and math.isfinite(high)):
         return "expected a simulator, whose diagnostics tell its limits, or low and high in the file, found none so far"
-    return "" if low <= value <= high else f"expected {low:g} to {high:g} {signal.unit}, found {value:g}"
+    return "" if low <= value <= high else f"expected {low:g} to {high:g} {signal.unit}, found {value:g} {signal.unit}"
 
 
 class Signals(NamedTuple):
@@ -162,10 +162,10 @@ class _Reader:
     def _section(self, data: Mapping[str, Any], name: str) -> dict[str, dict[str, Any]]:
         section = data.get(name) or {}
         if not isinstance(section, dict):
-            raise self._error((name,), f"{name}: expected a line a signal, found {section!r}")
+            raise self._error((name,), f"{name}: expected a line a signal, found {show(section)}")
         for signal, line in section.items():
             if not isinstance(line, dict):
-                raise self._error((name, signal), f"{signal}: expected {{value: ..., unit: ...}}, found {line!r}")
+                raise self._error((name, signal), f"{signal}: expected {{value: ..., unit: ...}}, found {show(line)}")
             self._known((name, signal), line, _SECTIONS[name])
         return section
 
@@ -176,10 +176,10 @@ class _Reader:
         quantity, unit, factor = self._quantity(place, {"value": place[-1], **line}, known)
         node = line.get("node")
         if not isinstance(node, str) or "=" not in node:
-            raise self._error(place, f'{quantity}: expected a node such as "ns=2;s=WOB", found {node!r}')
+            raise self._error(place, f'{quantity}: expected a node such as "ns=2;s=WOB", found {show(node)}')
         times = [line.get("stale_after", _STALE_AFTER), line.get("frozen_after", 0.0)]
         if not all(isinstance(one, int | float) and 0.0 <= one < math.inf for one in times):
-            raise self._error(place, f"{quantity}: expected times [s] from 0, found {times}")
+            raise self._error(place, f"{quantity}: expected times [s] from 0, found {' and '.join(map(show, times))}")
         low, high = self._range(place, line)
         stale, frozen = map(float, times)
         return RigSignal(quantity, unit, factor, node, low, high, stale, frozen, is_typed=place[0] == "follow")
@@ -187,7 +187,7 @@ class _Reader:
     def _range(self, place: Place, line: Mapping[str, Any]) -> tuple[float, float]:
         low, high = (line.get(key, default) for key, default in (("low", -math.inf), ("high", math.inf)))
         if not (isinstance(low, int | float) and isinstance(high, int | float) and low < high):
-            raise self._error(place, f"{place[-1]}: expected numbers low < high, found {low!r} and {high!r}")
+            raise self._error(place, f"{place[-1]}: expected numbers low < high, found {show(low)}, {show(high)}")
         return float(low), float(high)
 
     def _quantity(
@@ -207,8 +207,8 @@ class _Reader:
         for name in found:
             if name not in known:
                 near = get_close_matches(name, known, n=1)
-                hint = f"did you mean {near[0]}?" if near else f"expected one of {', '.join(known)}"
-                raise self._error((*place, name), f"found {name!r}, which is unknown here; {hint}")
+                hint = f'a known name such as "{near[0]}"' if near else f"one of {', '.join(known)}"
+                raise self._error((*place, name), f"expected {hint}, found {show(name)}")
 
     def _error(self, place: Place, message: str) -> SignalsError:
         line = next((self._lines[place[:n]] for n in range(len(place), -1, -1) if place[:n] in self._lines), 1)

@@ -87,4 +87,4 @@ class WitsReader(RigReader):
         for item in self._items:
             text, stamp = self._found.get(item, ("", math.nan))
             found = math.nan if text.lower() in WORDS else number(text)
-            yield SignalReading(text if found is None else found, "" if text else f"item {item} has not come", stamp)
+            yield SignalReading(text if found is None else found, "" if text else f"no item {item} so far", stamp)

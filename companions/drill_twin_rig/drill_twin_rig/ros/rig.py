@@ -245,14 +245,18 @@ def check_security(settings: Any, *, follows: bool, has_keys: bool) -> None:
     """
     if _is_secure(settings):
         if not has_keys:
-            raise ParameterError("parameter keys: expected a folder of keys, as rig_security is sign_and_encrypt")
+            raise ParameterError(
+                "parameter keys: expected a folder of drill-twin ros keys for sign_and_encrypt, found none"
+            )
     elif not is_loopback(urlsplit(settings.rig_url).hostname or ""):
         for reason, holds in (
             ("set-points of another host are followed", follows),
             ("the password of rig_user goes to another host", bool(settings.rig_user)),
         ):
             if holds:
-                raise ParameterError(f"parameter rig_security: expected sign_and_encrypt, as {reason}; WITS has none")
+                raise ParameterError(
+                    f"parameter rig_security: expected sign_and_encrypt, as {reason}; WITS has no encryption"
+                )
 
 
 def _opc_ua_client(settings: Any, signals: Sequence[RigSignal], keys: Keys | None) -> RigReader:
@@ -264,7 +268,9 @@ def _opc_ua_client(settings: Any, signals: Sequence[RigSignal], keys: Keys | Non
     if settings.rig_user:
         file = Path(settings.keys) / "rig_password"
         if not file.is_file():
-            raise ParameterError(f"parameter rig_user: expected the password in {file}, found no such file")
+            raise ParameterError(
+                f"parameter rig_user: expected the password in {file}, found no such file; write the password there"
+            )
         check_private(file)
         password = ForeignFile("a password", 10_000, ParameterError).text(file).strip()
     access = ServerAccess(settings.rig_url, keys, APPLICATION, settings.rig_user, password)

@@ -59,7 +59,7 @@ def test_without_limits_of_a_file_those_of_the_simulator_hold(now, limits):
     user = _holder(control)
     assert control.refusal(user, "WOBTarget", 1e308).text.endswith("or low and high in the file, found none so far")
     limits["weight_on_bit"] = (-1.0, 400.0)
-    assert control.refusal(user, "WOBTarget", 1e308).text == "WOBTarget: expected 0 to 0.4 kN, found 1e+308"
+    assert control.refusal(user, "WOBTarget", 1e308).text == "WOBTarget: expected 0 to 0.4 kN, found 1e+308 kN"
     assert control.refusal(user, "WOBTarget", 0.41).of_value
     assert control.refusal(user, "WOBTarget", -0.001).of_value
     assert control.refusal(user, "WOBTarget", 0.4) is None
@@ -69,7 +69,7 @@ def test_a_limit_of_the_file_stays_below_the_simulator_s(control, limits):
     assert control.is_unsure("WOBTarget")
     limits["weight_on_bit"] = (-1e9, 1e9)
     assert not control.is_unsure("WOBTarget")
-    assert control.refusal(_holder(control), "WOBTarget", 101.0).text == "WOBTarget: expected 0 to 100 kN, found 101"
+    assert control.refusal(_holder(control), "WOBTarget", 101.0).text == "WOBTarget: expected 0 to 100 kN, found 101 kN"
 
 
 def test_an_endless_text_is_not_repeated(control):

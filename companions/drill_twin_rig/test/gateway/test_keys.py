@@ -86,7 +86,7 @@ def test_a_password_that_is_short_or_endless_is_refused_and_nothing_changes(fold
 
 @pytest.mark.parametrize("name", ["", "x" * 61, "a\nb", "\x1b[2J"])
 def test_a_name_that_is_none_is_refused(folder, name):
-    with pytest.raises(KeysError, match=r"^user: expected a name of 1 to 60 printable characters, found "):
+    with pytest.raises(KeysError, match=r"^user: expected 1 to 60 printable characters, found "):
         set_password(folder / "users.yaml", name, LONG)
 
 
@@ -206,5 +206,5 @@ def test_others_are_served_while_a_password_is_checked(folder, monkeypatch):
 
 def test_a_machine_that_is_too_busy_is_not_called_a_taken_port(folder, monkeypatch):
     monkeypatch.setattr("drill_twin_rig.gateway.opc_ua.server.START", 1e-3)
-    with pytest.raises(RunError, match=r"was not served within 0.001 s: the machine is too busy"):
+    with pytest.raises(RunError, match=r"was not served within 0.001 s: the machine may be too busy"):
         OpcUaServer(("127.0.0.1", free_port()), [], [], Control([], 2.0, lambda: None, {}), read_keys(folder))

@@ -21,15 +21,18 @@ def test_the_installed_file_shows_every_class_with_a_unit_that_has_a_noun():
     ("text", "message"),
     [
         ("", ":1: expected the sections show, command, measure, follow, found none"),
-        ("shows: {}", ":1: found 'shows', which is unknown here; did you mean show?"),
+        ("shows: {}", ':1: expected a known name such as "show", found "shows"'),
         ("show:\n  A: 3\n", ":2: A: expected {value: ..., unit: ...}, found 3"),
-        ("show:\n  A: {value: weight_on_bitt}\n", ":2: found 'weight_on_bitt', which is unknown here; did you mean"),
+        (
+            "show:\n  A: {value: weight_on_bitt}\n",
+            ':2: expected a known name such as "weight_on_bit", found "weight_on_bitt"',
+        ),
         ("show:\n  A: {value: weight_on_bit, unit: rpm}\n", ":2: A: expected a unit of force"),
-        ("command:\n  A: {value: hookload, unit: N}\n", ":2: found 'hookload', which is unknown here; expected one of"),
+        ("command:\n  A: {value: hookload, unit: N}\n", ":2: expected one of weight_on_bit, "),
         ("command:\n  A: {value: weight_on_bit, unit: N, low: 2, high: 1}\n", ":2: A: expected numbers low < high"),
-        ("measure:\n  hookload: {unit: N}\n", ':2: hookload: expected a node such as "ns=2;s=WOB", found None'),
+        ("measure:\n  hookload: {unit: N}\n", ':2: hookload: expected a node such as "ns=2;s=WOB", found nothing'),
         ("measure:\n  hookload: {unit: N, node: i=1, stale_after: -1}\n", ":2: hookload: expected times [s] from 0"),
-        ("follow:\n  hookload: {unit: N, node: i=1}\n", ":2: found 'hookload', which is unknown here"),
+        ("follow:\n  hookload: {unit: N, node: i=1}\n", ":2: expected one of weight_on_bit, "),
         ("show: [", ":2: column 1: expected valid YAML"),
     ],
 )

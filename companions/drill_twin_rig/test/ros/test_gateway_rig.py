@@ -151,7 +151,7 @@ def test_set_points_of_a_rig_are_followed_until_they_are_stale(bench, serve, joi
     bench.until(lambda: commands and last() == (35.0, pytest.approx(1.5 * math.tau)), what="the set-points")
     bench.until(lambda: len(commands) > 5, what="more commands: a source sends at a rate")
     rig.ask("set", "WOBSet", 401.0)
-    told = "control lost: weight_on_bit of the rig: expected 0 to 400 N, found 401; "
+    told = "control lost: weight_on_bit of the rig: expected 0 to 400 N, found 401 N; "
     bench.until_status("gateway", lambda one: one.level == Level.ERROR and one.text.startswith(told))
     bench.until(lambda: last(states) == (4.0, 0.0), what="the safe set-point")
     assert all(one.effort[one.index("bit_axial")] <= 35.0 for one in joints(commands))

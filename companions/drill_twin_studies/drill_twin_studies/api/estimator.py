@@ -96,7 +96,7 @@ class Estimator:
                 f"{values!r}"
             )
         if odd := sorted(map(str, values.keys() - {*CHANNELS, *SET_POINTS})):
-            raise ArgumentError(f"expected values of {', '.join((*CHANNELS, *SET_POINTS))}, found {', '.join(odd)}")
+            raise ArgumentError(f"expected one of {', '.join((*CHANNELS, *SET_POINTS))}, found {', '.join(odd)}")
         return self.intake.take(stamp, values)
 
     def take_readings(self, stamp: float, sub: str, values: Sequence[float] | Array) -> None:

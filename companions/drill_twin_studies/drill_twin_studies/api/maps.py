@@ -57,7 +57,7 @@ def draws_of(scene: Scene, seeds: int, vary: Mapping[str, tuple[float, float]]) 
     if not 1 <= seeds <= MOST_DRAWS:
         raise ArgumentError(f"seeds: expected 1 to {MOST_DRAWS}, found {seeds}")
     if vary and seeds == 1:
-        raise ArgumentError("vary: expected 2 or more seeds with uncertain numbers, one draw for each; found 1")
+        raise ArgumentError("vary: expected 2 or more seeds with uncertain numbers, one draw each; found 1")
     if seeds == 1:
         return ()
     draws = [{SEED: scene.numerics.seed} | {key: number_at(scene, key) or 0.0 for key in vary}]
@@ -169,7 +169,7 @@ def operating_map(
         raise ArgumentError(f"duration: expected a time above 0 s and up to 1e6 s, found {length:g} s")
     if not length <= asked <= 1e6:
         raise ArgumentError(
-            f"calm for: expected a time from a run's length, {length:g} s, up to 1e6 s, found {asked:g} s"
+            f"calm_for: expected a time from a run's length, {length:g} s, up to 1e6 s, found {asked:g} s"
         )
     draws = draws_of(own, seeds, ranges)
     setup = {

@@ -89,16 +89,18 @@ def fit(
     if not ranges or likelihood not in {"series", "features"}:
         raise ArgumentError(
             f"fit: expected a range of at least one number and a likelihood of series, features, "
-            f"found {len(ranges)} and {likelihood!r}"
+            f'found {len(ranges)} and "{likelihood}"'
         )
     if played := {name: found.series[name] for name in sorted(SET_POINTS & found.series.keys())}:
         note = f"{', '.join(played)}: played, not compared; fitted.yaml has the set-points of the scene"
         series = {name: each for name, each in found.series.items() if name not in SET_POINTS}
         found = replace(found, series=series, notes=[*found.notes, note])
     if not found.series:
-        raise ArgumentError(f"fit: expected a channel that a run computes, {', '.join(CHANNELS)}, found none")
+        raise ArgumentError(f"fit: expected a channel of a run, {', '.join(CHANNELS)}, found none")
     if idle := [place for place in places if place.startswith(tuple(f"rig.{name}." for name in played))]:
-        raise ArgumentError(f"fit: expected a number beside the set-points that are played, found {idle[0]}")
+        raise ArgumentError(
+            f"fit: expected a number that the run takes, found {idle[0]}: the record is played in its place"
+        )
     length = base.rig.duration if end is None else in_si("end", end, TIME)
     frequency, first = in_si("rate", rate, FREQUENCY), in_si("begin", begin, TIME)
     if (length - first) * min(frequency, base.numerics.frame_rate) < FEWEST:

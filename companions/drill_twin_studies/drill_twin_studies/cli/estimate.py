@@ -78,7 +78,9 @@ def estimate(
                 alarm = found.alarm
                 remark(line(found))
     if not over_time:
-        raise RunError(f"{record}: expected more than {window:g} s of record, found less")
+        raise RunError(
+            f"{record}: expected a record longer than --window ({window:g} s), found less; take a shorter window"
+        )
     found = over_time[-1]
     troubles = {"troubles": dict(estimator.intake.troubles), "notes": [*measurements.notes]}
     emit(

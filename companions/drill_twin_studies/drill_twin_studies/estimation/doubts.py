@@ -219,6 +219,6 @@ def explained(predicted: Array, numbers: Array) -> Array:
 def told_of_jumps(since: Mapping[str, float]) -> str:
     """Sentence on numbers that are being looked for anew, by key with the time of the jump [s]; empty without."""
     if UNEXPLAINED in since:
-        return f"a jump at {since[UNEXPLAINED]:.1f} s that {UNEXPLAINED} explains: they are held as they were"
+        return f"a jump at {since[UNEXPLAINED]:.1f} s that {UNEXPLAINED} explains: numbers are held"
     parts = [f"{key} since {time:.1f} s" for key, time in since.items()]
     return f"looked for anew after a jump: {', '.join(parts)}" if parts else ""

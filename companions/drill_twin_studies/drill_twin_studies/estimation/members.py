@@ -290,4 +290,7 @@ class EstimatorMembers:
         ends = [self._overrides(in_ranges(np.full((1, len(self.keys)), end), self.ranges)[0]) for end in (0.0, 1.0)]
         kernels = {kernel_of(override(self.scene, end)) for end in ends if takes(self.scene, end)}
         if len(kernels) > 1 or any(kernel[-1] for kernel in kernels):
-            raise ArgumentError("free: expected one law over each range and no numerics.audit, found another at an end")
+            raise ArgumentError(
+                "free: expected one law over each range and no numerics.audit, found a law that changes, or an audit; "
+                "take a smaller range, or leave the audit out"
+            )

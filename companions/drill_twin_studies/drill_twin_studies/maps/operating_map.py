@@ -199,7 +199,9 @@ class OperatingMap(MapFields):
         points = len(file.growth)
         for name, grid in (("growth", file.growth), ("torsional_growth", file.torsional_growth)):
             if grid and (points < 2 or [len(row) for row in grid] != [points] * points):
-                raise ArgumentError(f"{name}: expected rows and columns of one number, as many in both tables")
+                raise ArgumentError(
+                    f"{name}: expected as many rows as columns, and as many as growth has, 2 at least, found others"
+                )
         records: dict[Key, RunRecord] = {}
         for number, run in enumerate(file.runs):
             ends = max(run.node) <= plane.steps * run.finer and max(run.origin or (0,)) <= plane.steps
@@ -207,7 +209,7 @@ class OperatingMap(MapFields):
                 raise ArgumentError(f"runs[{number}]: expected a node of the lattice and a draw, found {run.key}")
             records[run.key] = run.record
         if not any(key.searches and key.draw == 0 for key in records):
-            raise ArgumentError("runs: expected one from rest or more, found none")
+            raise ArgumentError("runs: expected one or more runs from rest, found none")
         return cls(file.scene_name, file.digest, file.scene, plane, file.duration_s, file.draws, records, file.notes,
                    file.growth, file.torsional_growth, file.calm_for_s, file.clean_checks)  # fmt: skip
 

@@ -51,7 +51,7 @@ class Plane(NamedTuple):
                     f"range of the {name}: expected LOW..HIGH with LOW below HIGH, found {span.low:g} to {span.high:g}"
                 )
         if self.steps not in {2**power for power in range(3, 11)}:
-            raise ArgumentError(f"steps of the lattice: expected a power of 2 from 8 to 1024, found {self.steps}")
+            raise ArgumentError(f"lattice steps: expected a power of 2 from 8 to 1024, found {self.steps}")
         return self
 
     def command(self, node: tuple[float, float]) -> tuple[float, float]:

@@ -273,7 +273,7 @@ def test_set_points_of_a_record_are_played(tmp_path):
     assert told.record.notes == [
         "rotation, weight_on_bit: played, not compared; fitted.yaml has the set-points of the scene"
     ]
-    with pytest.raises(ArgumentError, match=r"set-points that are played, found rig\.weight_on_bit"):
+    with pytest.raises(ArgumentError, match=r"that the run takes, found rig\.weight_on_bit.*: the record is played"):
         dt.fit(record, "two_mass", {"wob": "50 kN..58 kN"}, overrides=over, end=9.0)
 
 
@@ -308,7 +308,7 @@ def test_a_channel_needs_a_name_of_the_contract_and_a_unit(tmp_path):
         dt.read_record(record, ["time=T:s"])
     with pytest.raises(ArgumentError, match="expected each one once, found torque again"):
         dt.read_record(record, ["torque", "torque=T:N m"])
-    with pytest.raises(ArgumentError, match=r"fit: expected a channel that a run computes, .* found none"):
+    with pytest.raises(ArgumentError, match=r"fit: expected a channel of a run, .* found none"):
         dt.fit(record, "two_mass", {"wob": "50 kN..58 kN"}, channels=["weight_on_bit=T:kN"])
     assert dt.read_record(record, ["torque"]).series["torque"][1] == pytest.approx([1355.818, 2711.636], rel=1e-6)
 

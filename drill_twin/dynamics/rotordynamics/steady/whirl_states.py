@@ -65,7 +65,7 @@ def check_whirls(equations: EquationsOfMotion, command: Command) -> None:
         raise SceneError(f"{name}: expected the effect wall, found none: nothing limits a whirl; see drill-twin modes")
     if equations.unknowns > MOST_UNKNOWNS:
         raise SceneError(
-            f"{name}: expected at most {MOST_UNKNOWNS} unknowns, since stability needs eigenvalues of full matrices, "
+            f"{name}: expected at most {MOST_UNKNOWNS} unknowns, as stability needs eigenvalues of full matrices, "
             f"found {equations.unknowns}; take fewer elements (--set numerics.elements=100)"
         )
     if not all(support.is_isotropic for support in equations.scene.string.supports):
@@ -74,7 +74,7 @@ def check_whirls(equations: EquationsOfMotion, command: Command) -> None:
             "is steady then; see drill-twin modes, or run it"
         )
     if command.rotation == 0.0:
-        raise SceneError(f"{name}: expected a rotation other than 0, found none; give one, such as --rpm 120")
+        raise SceneError(f"{name}: expected a rotation other than 0, found none; give a speed, as --rpm 120")
 
 
 def whirl_states(

@@ -142,7 +142,7 @@ class McapFile(BagFile):
                         self._note(f"expands to more than any recording of {bounds.file} bytes; the rest is left out")
                         return
         except OSError as error:
-            raise BagError(f"{self.title}: expected a readable bag file, found {error.strerror or error}") from error
+            raise BagError(f"{self.title}: expected a readable bag, found {error.strerror or error}") from error
 
     def _messages_in(self, data: bytes, topics: Collection[str] | None, bounds: Bounds) -> Iterator[Row]:
         place, size, unregistered = 0, len(data), 0

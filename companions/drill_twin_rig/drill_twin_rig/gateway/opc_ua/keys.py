@@ -115,7 +115,7 @@ def read_users(path: Path) -> dict[str, PasswordHash]:
     try:
         return {str(name): PasswordHash.parsed(text) for name, text in lines.items()}
     except (AttributeError, TypeError, ValueError):
-        raise KeysError(f"{path}: expected lines NAME: COST:SALT:HASH, found others; {_REMEDY}") from None
+        raise KeysError(f"{path}: expected lines NAME: COST:SALT:HASH, found other lines; {_REMEDY}") from None
 
 
 def set_password(path: Path, name: str, password: str) -> bool:
@@ -128,7 +128,7 @@ def set_password(path: Path, name: str, password: str) -> bool:
         OSError: The file cannot be written.
     """
     if not name.isprintable() or not 0 < len(name) <= _NAME_LENGTH:
-        raise KeysError(f"user: expected a name of 1 to {_NAME_LENGTH} printable characters, found {name[:80]!r}")
+        raise KeysError(f"user: expected 1 to {_NAME_LENGTH} printable characters, found {name[:80]!r}")
     users = read_users(path) if path.exists() else {}
     is_new = name not in users
     users[name] = PasswordHash.of(password)
@@ -176,7 +176,7 @@ class Keys:
             return f"its certificate is not in {self.folder / TRUSTED}"
         known, now = x509.load_der_x509_certificate(certificate), datetime.now(UTC)
         if not known.not_valid_before_utc <= now <= known.not_valid_after_utc:
-            return f"its certificate is valid from {known.not_valid_before_utc} to {known.not_valid_after_utc} only"
+            return f"its certificate holds from {known.not_valid_before_utc} to {known.not_valid_after_utc} only"
         return ""
 
     def is_user(self, name: str, password: str) -> bool:

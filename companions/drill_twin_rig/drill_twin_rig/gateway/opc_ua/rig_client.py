@@ -82,7 +82,9 @@ class RigClient(RigReader):
         offered = await client.connect_and_get_server_endpoints()
         found = [one for one in offered if one.SecurityPolicyUri == uri and one.SecurityMode == encrypted]
         if not found:
-            raise RefusedError("its server offers no Basic256Sha256 with encryption")
+            raise RefusedError(
+                "expected Basic256Sha256 with encryption of the server of the rig, found no such endpoint"
+            )
         if reason := keys.distrust(bytes(found[0].ServerCertificate)):
             raise RefusedError(f"server of the rig: {reason}")
         client.application_uri = self._access.application
@@ -113,11 +115,11 @@ def _node_id(text: str, uris: Sequence[str]) -> Any:
         if text.startswith("nsu="):
             uri, _, rest = text.removeprefix("nsu=").partition(";")
             if uri not in uris:
-                raise RefusedError(f"its server has no namespace {uri}")
+                raise RefusedError(f"expected the namespace {uri} on the server of the rig, found none of that name")
             text = f"ns={uris.index(uri)};{rest}"
         return ua.NodeId.from_string(text)
     except ua.UaError as error:
-        raise RefusedError(f"expected a node id, found {text!r}") from error
+        raise RefusedError(f'expected a node id such as "ns=2;s=WOB", found "{text}"') from error
 
 
 async def _unit(node: Any) -> str:

@@ -74,7 +74,9 @@ class OpcUaServer:
         except OSError as error:
             self._thread.close()
             if isinstance(error, TimeoutError):
-                raise RunError(f"{self.url} was not served within {START:g} s: the machine is too busy") from None
+                raise RunError(
+                    f"{self.url} was not served within {START:g} s: the machine may be too busy; try again"
+                ) from None
             raise RunError(
                 f"expected a free port at {self.url}, found: {error.strerror}; set the parameter port"
             ) from None

@@ -100,7 +100,8 @@ class MapMaker:
 def _range(name: str, value: float, unit: str) -> str:
     if not value > 0.0 or not math.isfinite(value):
         raise DrillTwinError(
-            f"parameter {name}: expected a range for the map, for the scene has the set-point {value:g} {unit}"
+            f"parameter {name}: expected a range for the map, found none, and {value:g} {unit} in the scene; "
+            f'set it, as "10..100 {unit}"'
         )
     return f"{_LOW * value!r}..{_HIGH * value!r} {unit}"
 
