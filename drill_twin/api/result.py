@@ -236,7 +236,7 @@ class Result(Plots):
         """
         old = self._selection or Selection()
         if not isinstance(time, slice) or time.step is not None:
-            raise ArgumentError(f'time: expected slice(start, end), as slice("5 s", "10 s"), found {time!r}')
+            raise ArgumentError(f'time: expected slice(start, end), such as slice("5 s", "10 s"), found {time!r}')
         ends = (time.start, -math.inf), (time.stop, math.inf)
         begin, end = (open_end if at is None else in_si("time", at, TIME) for at, open_end in ends)
         first, last = max(begin, old.begin), min(end, old.end)

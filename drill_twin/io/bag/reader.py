@@ -46,7 +46,7 @@ def parse_remappings(pairs: Iterable[str], option: str) -> dict[str, str]:
     for pair in pairs:
         theirs, equals, ours = (part.strip() for part in pair.partition("="))
         if not (equals and theirs and ours):
-            raise BagError(f'{option}: expected THEIRS=OURS as "/camera/marks=/marks/state", found "{pair}"')
+            raise BagError(f'{option}: expected THEIRS=OURS such as "/camera/marks=/marks/state", found "{pair}"')
         names[theirs] = ours
     return names
 

@@ -135,5 +135,5 @@ def read_summary(states: JointArrays) -> Array:
         MessageError: The messages have none of the values.
     """
     if not set(SUMMARY) & set(states.names):
-        raise MessageError(f"expected values as {SUMMARY[0]}, found {', '.join(states.names) or 'none'}")
+        raise MessageError(f"expected values such as {SUMMARY[0]}, found {', '.join(states.names) or 'none'}")
     return np.stack([states.column("position", name) for name in SUMMARY], axis=-1)

@@ -50,5 +50,5 @@ def _date(text: str) -> datetime:
     try:
         found = datetime.fromisoformat(text)
     except ValueError:
-        raise ArgumentError(f'--start: expected a time as "2026-05-14T13:57:00Z", found "{text}"') from None
+        raise ArgumentError(f'--start: expected a time such as "2026-05-14T13:57:00Z", found "{text}"') from None
     return found if found.tzinfo else found.replace(tzinfo=UTC)

@@ -74,7 +74,7 @@ def check_whirls(equations: EquationsOfMotion, command: Command) -> None:
             "is steady then; see drill-twin modes, or run it"
         )
     if command.rotation == 0.0:
-        raise SceneError(f"{name}: expected a rotation other than 0, found none; give a speed, as --rpm 120")
+        raise SceneError(f"{name}: expected a rotation other than 0, found none; give a speed, such as --rpm 120")
 
 
 def whirl_states(
