@@ -12,7 +12,6 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
-from scipy import special
 
 from drill_twin.core.arrays import Array
 from drill_twin.whirl import criteria
@@ -130,6 +129,8 @@ def _over(statistics: Columns, mark: int, begin: float, end: float, *, irregular
     if changes or irregular or count < WINDOWS or alike > LIKE:
         spread = float(means.min()), float(means.max())
         return found._replace(interval_hz=spread, changes=True if changes and not irregular else None)
+    from scipy import special  # takes 0.1 s, which a run without a steady whirl does not need
+
     error = math.sqrt(square / (count - 1) / count * (1.0 + alike) / (1.0 - alike))
     half = float(special.stdtrit(count - 1, 0.5 + 0.5 * SHARE)) * error
     return found._replace(interval_hz=(hz - half, hz + half), changes=False)
@@ -142,5 +143,6 @@ def _trend(means: Array) -> float:
     place = np.linspace(-1.0, 1.0, means.size)
     curve = np.polynomial.Polynomial.fit(place, means, 2)(place)
     shown, rest = float(np.sum((curve - means.mean()) ** 2)), float(np.sum((means - curve) ** 2))
-    sure = 0.5 * shown * (means.size - 3) > special.fdtri(2, means.size - 3, 1.0 - CHANCE) * rest  # formula of the test
+    left = means.size - 3
+    sure = shown > (CHANCE ** (-2.0 / left) - 1.0) * rest  # quantile of F for 2 and `left` degrees, in closed form
     return float(np.ptp(curve)) if sure else 0.0

@@ -165,6 +165,22 @@ def test_help_loads_nothing_heavy(call):
     assert "run" in call().out  # no command at all shows the help
 
 
+def test_a_run_imports_no_scipy_and_seldom_seeks_garbage():
+    """Unless it needs a quantile or a mode: scipy takes 0.1 s to import, and a search for garbage 0.1 s of a start."""
+    code = "import gc, sys, drill_twin.cli as cli, drill_twin.runs, drill_twin.report.summary\n"
+    code += "found = {'scipy.special', 'scipy.linalg'}\n"
+    code += "cli.end_process = lambda code: print(found & {*sys.modules}, gc.get_threshold()[0], code)\n"
+    code += "cli.main(['--version'])"
+    done = subprocess.run(
+        [sys.executable, "-c", code],
+        capture_output=True,
+        text=True,
+        check=True,
+        env=dict(os.environ, PYTHONPATH=SOURCE),
+    )
+    assert done.stdout.splitlines()[1] == "set() 100000 0"
+
+
 @pytest.mark.parametrize("number", one_of(2, [signal.SIGINT, signal.SIGTERM]))
 def test_interrupted_run_keeps_a_whole_bag_and_says_so(start, inside, number):
     child = start("run", "pa6_bench", *QUICK, "--duration", "500", "--out", "long")

@@ -10,20 +10,26 @@ an empty cache: 57 s of processor time, 99 s with each part optimised too, and t
 import gc
 import hashlib
 import inspect
+from collections import Counter
 from importlib import import_module
 from typing import Any, cast
 
 from llvmlite import binding
 from numba import njit
+from numba.core import analysis, ir
 from numba.core.codegen import JITCodeLibrary
 from numba.core.compiler import Compiler, CompilerBase, DefaultPassBuilder, compile_result
 from numba.core.compiler_machinery import register_pass
+from numba.core.lowering import Lower
 from numba.core.typed_passes import NativeLowering
 
+_ANALYSIS: Any = analysis
 _COMPILER: Any = Compiler
 _CONSTANTS = (bool, int, float, str)
 _DYNFUNC: Any = import_module("numba._dynfunc")
+_IR: Any = ir
 _LIBRARY: Any = JITCodeLibrary
+_LOWER: Any = Lower
 _LOWERING: Any = NativeLowering
 _REGISTER: Any = register_pass
 
@@ -50,11 +56,34 @@ class InlinedLibrary(_LIBRARY):  # type: ignore[misc]
         self._finalized = True
 
 
+class ValueLowering(_LOWER):  # type: ignore[misc]
+    """Lowering in which a variable that is assigned once is a value, and has no place on the stack.
+
+    numba does so only where all uses are in the block of the assignment. A record of arrays has hundreds of words,
+    which LLVM would store, load and take apart at each use. Without reference counts nothing ends a variable.
+    """
+
+    def _find_singly_assigned_variable(self) -> None:
+        """Add the variables whose one assignment is passed before each use."""
+        super()._find_singly_assigned_variable()
+        if self.context.enable_nrt:
+            return
+        blocks = self.blocks
+        passed = _ANALYSIS.compute_cfg_from_blocks(blocks).dominators()
+        assigned = [(one.target.name, at) for at, block in blocks.items() for one in block.find_insts(_IR.Assign)]
+        count, place = Counter(name for name, _ in assigned), dict(assigned)
+        for at, names in _ANALYSIS.compute_use_defs(blocks).usemap.items():  # where they are not assigned before
+            count.update(name for name in names if not (place.get(name, at) < at and place[name] in passed[at]))
+        once = {name for name in place if count[name] == 1} - _ANALYSIS.must_use_alloca(blocks)
+        self._singly_assigned_vars |= once
+
+
 @_REGISTER(mutates_CFG=True, analysis_only=False)
 class LoweringWithoutMachineCode(_LOWERING):  # type: ignore[misc]
     """Lowering to LLVM's intermediate code, registered with the target so that callers link and inline it."""
 
     _name = "lowering_without_machine_code"
+    lowering_class = ValueLowering
 
     def run_pass(self, state: Any) -> bool:
         """Lower the function of a compiler state."""

@@ -53,7 +53,8 @@ def start() -> None:
 def _start() -> None:
     numba: Any = import_module("numba")
     numba.config.SLP_VECTORIZE = 1
-    import_module("drill_twin.core.compile.inlined_compiler")
+    from drill_twin.core.compile import inlined_compiler  # noqa: F401  its source enters the names of kernels
+
     made = {function: make() for function, make in _WAITING.items()}
     for module in list(sys.modules.values()):
         for name, value in list(getattr(module, "__dict__", {}).items()):

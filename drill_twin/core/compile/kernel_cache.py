@@ -14,7 +14,6 @@ import sys
 import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from functools import cache
 from importlib import import_module
 from pathlib import Path
 from threading import RLock
@@ -28,7 +27,7 @@ from numba.core.dispatcher import Dispatcher
 
 from drill_twin.core.compile.jit import is_inlined, start
 from drill_twin.core.compile.object_cache import keep_machine_code, keep_parts
-from drill_twin.core.compile.source_hash import PARSED, modules_reached, source_hash
+from drill_twin.core.compile.source_hash import PACKAGE, PARSED, modules_reached, source_hash
 from drill_twin.core.files.kept_files import CheckedFiles, cached_file, permanent_folder
 from drill_twin.core.files.output import PRIVATE, write_whole
 
@@ -90,7 +89,6 @@ def _load(name: str, text: str, packages: tuple[str, ...]) -> ModuleType:
     """
     if name in sys.modules:
         return sys.modules[name]
-    import_array_functions()
     path = cached_file(f"{name}.py")
     try:
         if not path.is_file() or path.read_bytes() != text.encode():
@@ -107,7 +105,8 @@ def _load(name: str, text: str, packages: tuple[str, ...]) -> ModuleType:
         raise
     for value in vars(module).values():
         if isinstance(value, Dispatcher) and value.py_func.__module__ == name and not is_inlined(value):
-            keep_machine_code(value, lambda: _keep_parts(text, packages))
+            foreign = any(package != PACKAGE for package in packages)
+            keep_machine_code(value, lambda: _keep_parts(text, packages), allocates=foreign)
     return module
 
 
@@ -117,26 +116,6 @@ def _keep_parts(text: str, packages: tuple[str, ...]) -> None:
     if folder is not None:
         modules = [name for name in modules_reached(text, packages) if name in sys.modules]
         keep_parts(modules, folder, lambda name: fingerprint(f"import {name}", packages=packages))
-
-
-@cache
-def import_array_functions() -> None:
-    """Import `numba.np.arraymath` without scipy, which takes a fifth of the start of a short run.
-
-    On import, numba asks whether scipy's BLAS is there. Only functions that use BLAS need to know, and such functions
-    ask again when they are compiled.
-    """
-    linalg: Any = import_module("numba.np.linalg")
-    ensure_blas = getattr(linalg, "ensure_blas", _no_question)
-    linalg.ensure_blas = _no_question
-    try:
-        import_module("numba.np.arraymath")
-    finally:
-        linalg.ensure_blas = ensure_blas
-
-
-def _no_question() -> None:
-    """Stands in for `ensure_blas` during the import."""
 
 
 _EVENTS: Any = import_module("numba.core.event")

@@ -5,7 +5,6 @@ import math
 from collections.abc import Iterator
 
 import numpy as np
-import scipy.linalg
 
 from drill_twin.dynamics.discretisation.discretise import (
     BIT_ENDS,
@@ -41,8 +40,6 @@ TOLD = 1.5
 FRAMES_IN_ORBIT, STEPS_IN_ORBIT = 2.5, 20.0
 """Frames in an orbit that whirl needs to be seen (`whirl.criteria.NEEDED_IN_ORBIT`), and time steps in which the
 midpoint rule turns it by 0.8 % too little."""
-
-
 LEAST_GYROSCOPIC, TILT_ELEMENTS, TILT_MODES = 5e-3, 60, 8
 """Change of a lateral frequency from which a note is given, elements and lowest modes of its estimate; chosen."""
 THICKER = 2.0
@@ -274,8 +271,10 @@ def tilt_share(scene: Scene, speed: float) -> float:
     free = np.ones(2 * nodes, bool)
     free[:2] = ~np.array(BIT_ENDS[scene.string.bit_end])[[0, 3]]
     free[-2:] = ~BoundaryConditions.of(scene).constrained(scene.string.bit_end)[1, [0, 3]]
+    from scipy import linalg  # takes 0.1 s, which a scene without discs does not need
+
     kept, last = np.ix_(free, free), min(TILT_MODES, int(free.sum())) - 1
-    squares, shapes = scipy.linalg.eigh(stiffness[kept], mass[kept], subset_by_index=[0, last])
+    squares, shapes = linalg.eigh(stiffness[kept], mass[kept], subset_by_index=[0, last])
     whole = np.zeros((2 * nodes, last + 1))
     whole[free] = shapes
     frequency = np.sqrt(np.maximum(squares, (0.05 * speed) ** 2 + 1e-12))

@@ -17,7 +17,6 @@ comes and goes (a beat) is not told from a decay.
 import math
 
 import numpy as np
-from scipy import special
 
 from drill_twin.core.compile.jit import as_python, strict_kernel
 from drill_twin.whirl.columns import Columns, columns
@@ -193,15 +192,15 @@ class StickSlip:
 
     @property
     def decrement(self) -> tuple[float, float, float] | None:
-        """Logarithmic decrement of the swing, its standard error and its chance; None where fewer than three cycles are
-        known.
-        """
+        """Logarithmic decrement of the swing, its standard error and its chance; None for fewer than three cycles."""
         if len(self._heights) < FEWEST_HEIGHTS:
             return None
+        from scipy.special import stdtr  # takes 0.1 s, which a run without stick-slip does not need
+
         count = len(self._heights)
         (slope, _), covariance = np.polyfit(range(count), [height for _, height in self._heights], 1, cov=True)
         error = math.sqrt(covariance[0, 0])
-        return -float(slope), error, 2.0 * float(special.stdtr(count - 2, -abs(slope) / max(error, 1e-300)))
+        return -float(slope), error, 2.0 * float(stdtr(count - 2, -abs(slope) / max(error, 1e-300)))
 
     def push(self, time: float, bit_speed: float, top_speed: float = math.nan) -> None:
         """Add the speeds of bit and top drive [rad/s] at a time [s]; nan for an unknown speed of the top drive.

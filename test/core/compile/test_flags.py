@@ -3,9 +3,15 @@
 
 import importlib
 import pkgutil
+from typing import NamedTuple
 
+import numpy as np
 import pytest
 from numba.core.dispatcher import Dispatcher
+
+from drill_twin.core.arrays import Array
+from drill_twin.core.compile import jit
+from drill_twin.core.compile.inlined_compiler import InlinedLibrary
 
 ROOMS = ("core", "physics", "dynamics.solver", "dynamics.audit", "whirl")
 
@@ -23,3 +29,44 @@ def test_no_function_of_the_time_loop_counts_references(room):
     }
     assert defined
     assert not [name for name, counts in defined.items() if counts]
+
+
+class Record(NamedTuple):
+    values: Array
+    bounds: Array
+
+
+def total(record, count):
+    """Uses a record in several blocks, and variables that are assigned once, in a loop, in a branch, and twice."""
+    found, values = 0.0, record.values
+    for k in range(count):
+        double = 2.0 * values[k]
+        if double > record.bounds[0]:
+            part = double
+            if part > record.bounds[1]:
+                found += part
+        else:
+            part = -1.0
+        found += part
+    return found if count else double
+
+
+def test_a_variable_that_is_assigned_once_has_no_place_on_the_stack(monkeypatch):
+    """A record of arrays has hundreds of words, which LLVM would move to and from such a place at each use."""
+    jit.start()
+    lowered, record = [], Record(np.array([0.5, 2.0, 4.0, -1.0, 3.0]), np.array([3.0, 7.0]))
+    add = InlinedLibrary.add_ir_module
+    monkeypatch.setattr(InlinedLibrary, "add_ir_module", lambda own, made: (lowered.append(str(made)), add(own, made)))
+    monkeypatch.setattr(total, "__module__", "drill_twin.core.probe")
+    inlined = jit.kernel(total)
+
+    @jit.entry_kernel
+    def entry(record, count):
+        return inlined(record, count)
+
+    assert entry(record, 5) == total(record, 5) == 24.0
+    (text,) = lowered
+    assert '%"found' in text
+    assert " = alloca" in text  # of what is assigned more than once
+    assert '%"record" = alloca' not in text
+    assert '%"values" = alloca' not in text
