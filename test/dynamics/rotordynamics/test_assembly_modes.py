@@ -2,6 +2,7 @@
 """Lateral modes of an assembly on two meshes, each with the one that is nearest to it."""
 
 import cmath
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -18,17 +19,20 @@ from drill_twin.scene import load_scene
 from drill_twin.scene.set_points.command import Command
 
 
-def modes_at(*eigenvalues: complex) -> list[Mode]:
-    return [Mode("lateral", value, np.ones(3, complex)) for value in eigenvalues]
+def modes_at(*eigenvalues: complex) -> list[tuple[Mode, Any]]:
+    return [(Mode("lateral", value, np.ones(3, complex)), None) for value in eigenvalues]
 
 
-def paired(monkeypatch: Any, *meshes: list[Mode]) -> list[Mode]:
+def paired(monkeypatch: Any, coarse: Any, moved: Any, fine: Any) -> list[Mode]:
     """The modes that are kept, of those of the coarse mesh, of the moved cut, and of the fine mesh."""
-    found = iter(meshes)
-    monkeypatch.setattr(assembly_modes, "assembly_of", lambda *_, **__: None)
-    monkeypatch.setattr(assembly_modes, "lateral_modes", lambda *_: next(found))
+
+    nothing = {name: lambda *_: None for name in ("pencil", "on")}
+    parts = iter([SimpleNamespace(modes=modes, **nothing) for modes in (coarse, moved, fine)])
+    monkeypatch.setattr(assembly_modes, "assembly_of", lambda *_, **__: next(parts))
+    monkeypatch.setattr(assembly_modes, "_refined", lambda *_: None)
+    monkeypatch.setattr(assembly_modes, "lateral_modes", lambda part, *_: part.modes)
     given: Any = None
-    return assembly_modes.assembly_modes(given, given, 10.0, given)[2]
+    return assembly_modes.assembly_modes(given, Command(0.0, 1.0), 10.0, given)[2]
 
 
 def test_pairs_whose_difference_does_not_add_up_are_pairs(monkeypatch):
