@@ -101,9 +101,10 @@ def fastest_of(command: Command) -> float:
     return 2.0 * (abs(command.rotation) or 10.0)
 
 
-def _sliding(equations: EquationsOfMotion, command: Command) -> Array:
+def _sliding(equations: EquationsOfMotion, command: Command, guess: Array | None = None) -> Array:
     """Balance of a long string that turns on bottom."""
-    return SlidingBalance(equations).solve(Operation("turning", command.weight_on_bit, 0.0, command.rotation)).u
+    operation = Operation("turning", command.weight_on_bit, 0.0, command.rotation)
+    return SlidingBalance(equations).solve(operation, guess).u
 
 
 def forced_response(scene: Scene, table: ModeTable) -> ForcedResponse:

@@ -246,7 +246,7 @@ def which_fit(scene: Scene, draws: Iterable[Overrides]) -> list[bool]:
     """
     found = [takes(scene, one) for one in draws]
     if not any(found):
-        raise ArgumentError(f"free: expected ranges of numbers that fit together, found none in {len(found)} draws")
+        raise ArgumentError(f"ranges: expected numbers that fit together, found none in {len(found)} draws")
     return found
 
 

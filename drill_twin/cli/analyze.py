@@ -19,7 +19,8 @@ from drill_twin.core.files.output import make_folder
 from drill_twin.core.table import Table
 
 if TYPE_CHECKING:
-    from drill_twin.report import Recording, ReportFiles
+    from drill_twin.report import ReportFiles
+    from drill_twin.report.recording import Recording
 
 SUMMARY = "summary.json"
 EXPORTS = "drill_twin.exports"

@@ -2,7 +2,7 @@
 """Report of a bag: summary as JSON, figures, and a page with both.
 
 >>> files = build_report("out/run/bag_0", "out/run")
->>> summarise("out/run/bag_0")["onset_s"]
+>>> summary.summarise("out/run/bag_0")["onset_s"]
 """
 
 from __future__ import annotations
@@ -16,15 +16,13 @@ from drill_twin.core.errors import BagError
 from drill_twin.core.files.output import write_whole
 from drill_twin.core.files.plain_json import json_text
 from drill_twin.report.figures import FIGURES, drawing, left_out
-from drill_twin.report.load_text import answers
-from drill_twin.report.recording import Recording, read_recording
-from drill_twin.report.summary import summarise
-from drill_twin.report.verdict import verdict
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-__all__ = ["Recording", "ReportFiles", "build_report", "draw", "read_recording", "summarise"]
+    from drill_twin.report.recording import Recording
+
+__all__ = ["ReportFiles", "build_report", "draw"]
 
 
 @dataclass(frozen=True)
@@ -59,6 +57,13 @@ def build_report(
     Raises:
         BagError: The bag cannot be analysed, or the folder cannot be written.
     """
+    from drill_twin.report.load_text import (
+        answers,  # here, as reading bags takes 0.3 s, which figures of modes do not need
+    )
+    from drill_twin.report.recording import Recording, read_recording
+    from drill_twin.report.summary import summarise
+    from drill_twin.report.verdict import verdict
+
     progress("analysis")
     recording = bag if isinstance(bag, Recording) else read_recording(bag)
     summary = summarise(recording)

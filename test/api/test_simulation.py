@@ -11,9 +11,9 @@ import drill_twin as dt
 from drill_twin.io.bag.reader import Bag
 from drill_twin.io.messages.diagnostics import Level, Status, encode_diagnostics
 from drill_twin.io.messages.topics import DIAGNOSTICS, OF_EVERY_RUN, REALTIME_FACTOR, TWIN_SCENE, TWIN_SUMMARY
-from drill_twin.report import summarise
 from drill_twin.report.figures import FIGURES
 from drill_twin.report.run_log import RunLog
+from drill_twin.report.summary import summarise
 
 TEXTS = {TWIN_SCENE, DIAGNOSTICS, REALTIME_FACTOR}
 """Topics that hold wall-clock times."""

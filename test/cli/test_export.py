@@ -10,7 +10,7 @@ import pytest
 
 from drill_twin.cli.analyze import export
 from drill_twin.core.errors import ArgumentError, BagError
-from drill_twin.report import read_recording
+from drill_twin.report.recording import read_recording
 
 
 def test_both_files_hold_the_recorded_channels_in_their_units(bench_run, tmp_path, capsys):

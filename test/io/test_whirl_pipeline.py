@@ -27,7 +27,7 @@ from drill_twin.io.messages.topics import (
 from drill_twin.io.messages.whirl_encode import decode_motion, decode_onset
 from drill_twin.io.samples import STUCK, UNKNOWN_RIG, WAITING, RigSample
 from drill_twin.io.whirl_pipeline import WhirlPipeline
-from drill_twin.report import read_recording
+from drill_twin.report.recording import read_recording
 from drill_twin.whirl import AnalysisError, BitMotion, MarkInfo, MotionCode, MotionState, StickSlipCode
 from drill_twin.whirl.severity import WINDOW, accelerations, sizes
 

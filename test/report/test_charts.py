@@ -9,8 +9,9 @@ import numpy as np
 import pytest
 from matplotlib.figure import Figure
 
-from drill_twin.report import draw, read_recording
+from drill_twin.report import draw
 from drill_twin.report.charts import CHARTS, chart
+from drill_twin.report.recording import read_recording
 
 
 def numbers(packed):

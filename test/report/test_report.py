@@ -14,11 +14,13 @@ from matplotlib.patches import Circle
 from PIL import Image
 
 from drill_twin.core.errors import BagError
-from drill_twin.report import build_report, read_recording, summarise
+from drill_twin.report import build_report
 from drill_twin.report.charts import CHARTS
 from drill_twin.report.figures import FIGURES, OVER_TIME, drawing
 from drill_twin.report.figures.style import STATE_COLOURS, styled
 from drill_twin.report.page import ON_THE_JOINT, build_page
+from drill_twin.report.recording import read_recording
+from drill_twin.report.summary import summarise
 from drill_twin.report.text import NOT_VALIDATED
 from drill_twin.scene import load_scene
 from drill_twin.whirl import MotionState

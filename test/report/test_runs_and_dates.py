@@ -12,8 +12,10 @@ from drill_twin.io.messages.decode import read_string
 from drill_twin.io.messages.encode import encode_string
 from drill_twin.io.messages.stamps import NANOSECONDS, pack_stamp, raw_header_stamp
 from drill_twin.io.messages.topics import MARKS_STATE, RIG_STATE, STRING_POSES, TWIN_SCENE
-from drill_twin.report import build_report, read_recording, summarise
+from drill_twin.report import build_report
+from drill_twin.report.recording import read_recording
 from drill_twin.report.selection import Selection
+from drill_twin.report.summary import summarise
 
 EPOCH = 1_700_000_000 * NANOSECONDS
 

@@ -14,8 +14,10 @@ from drill_twin.core.rig_channels import RIG_JOINTS
 from drill_twin.io.messages.cdr import JointStateTemplate
 from drill_twin.io.messages.decode import read_joint_state
 from drill_twin.io.messages.topics import MARKS_STATE, RIG_STATE, TWIN_SCENE, WHIRL_STATE
-from drill_twin.report import build_report, read_recording, summarise
+from drill_twin.report import build_report
+from drill_twin.report.recording import read_recording
 from drill_twin.report.selection import Selection
+from drill_twin.report.summary import summarise
 
 RPM = 2.0 * math.pi / 60.0
 

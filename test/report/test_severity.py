@@ -13,9 +13,9 @@ from drill_twin.core.errors import SceneError
 from drill_twin.core.severity import DEFAULT, Grade, Severity, grade, told
 from drill_twin.core.units.system import SYSTEMS
 from drill_twin.dynamics.discretisation.resolution import mesh
-from drill_twin.report import read_recording
 from drill_twin.report import severity as severities
 from drill_twin.report.load_text import severity_rows
+from drill_twin.report.recording import read_recording
 from drill_twin.report.selection import Selection
 from drill_twin.report.severity import severity
 from drill_twin.report.string_forces import JOINT, fibre_stress, force_on_joint

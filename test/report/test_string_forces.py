@@ -9,7 +9,8 @@ import pytest
 
 from drill_twin.dynamics.twin.twin import Twin
 from drill_twin.io.messages.drawing.transforms import orientation, spin_of, tangent_of
-from drill_twin.report import draw, read_recording
+from drill_twin.report import draw
+from drill_twin.report.recording import read_recording
 from drill_twin.report.string_forces import string_forces
 from drill_twin.scene import load_scene
 from drill_twin.scene.set_points import Schedule

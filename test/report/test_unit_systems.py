@@ -4,10 +4,12 @@
 import pytest
 
 from drill_twin.core.units.system import SYSTEMS
-from drill_twin.report import draw, read_recording, summarise
+from drill_twin.report import draw
 from drill_twin.report.charts import view_data
 from drill_twin.report.load_text import applied
+from drill_twin.report.recording import read_recording
 from drill_twin.report.selection import Selection
+from drill_twin.report.summary import summarise
 from drill_twin.report.text import findings
 from drill_twin.scene import load_scene
 

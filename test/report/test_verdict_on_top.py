@@ -3,7 +3,7 @@
 
 import pytest
 
-from drill_twin.report import summarise
+from drill_twin.report.summary import summarise
 from drill_twin.report.verdict import first_rows, verdict
 from drill_twin.whirl import MotionState
 

@@ -4,7 +4,8 @@
 import numpy as np
 import pytest
 
-from drill_twin.report import draw, read_recording
+from drill_twin.report import draw
+from drill_twin.report.recording import read_recording
 from drill_twin.scene import load_scene
 
 STATIONS = ((0, 0), (2, 0), (5, 60))

@@ -23,7 +23,7 @@ from drill_twin.io.messages.diagnostics import decode_diagnostics
 from drill_twin.io.messages.encode import TwinEncoder
 from drill_twin.io.messages.topics import OF_EVERY_RUN
 from drill_twin.io.scene_geometry import string_geometry
-from drill_twin.report import read_recording
+from drill_twin.report.recording import read_recording
 from drill_twin.runs import Session, SessionRun
 from drill_twin.scene import parse_scene
 from drill_twin.scene.set_points import Schedule

@@ -10,7 +10,7 @@ import pytest
 from drill_twin.core.errors import TableError
 from drill_twin.io.bag.reader import Bag
 from drill_twin.io.bag.writer import BagWriter
-from drill_twin.report import read_recording
+from drill_twin.report.recording import read_recording
 from drill_twin_rig.gateway.drillbotics import SUGGESTED, TIMESERIES, check_log, check_timeseries
 
 lasio = pytest.importorskip("lasio")

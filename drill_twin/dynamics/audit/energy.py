@@ -10,7 +10,7 @@ from drill_twin.core.compile.jit import as_python
 from drill_twin.dynamics.solver.joined.linear_solver import Workspace
 from drill_twin.physics.effects.wall import Parameters as Wall
 from drill_twin.physics.model.discrete_model import DiscreteModel
-from drill_twin.physics.model.mesh import SPIN, Rod, part_of
+from drill_twin.physics.model.mesh import SPIN, Rod, locate, part_of
 from drill_twin.physics.model.wellbore import axis_offset, offsets
 
 
@@ -29,8 +29,8 @@ class Energy(NamedTuple):
 
 
 def element_unknowns(rows: Array) -> Array:
-    """Gather r_0, r'_0, r_1, r'_1 of each element from node rows, shape (n, 4, 3)."""
-    return np.stack([rows[:-1, 0:3], rows[:-1, 3:6], rows[1:, 0:3], rows[1:, 3:6]], 1)
+    """Gather r_0, r'_0, r_1, r'_1 of each element from node rows, shape (..., n, 4, 3)."""
+    return np.concatenate([rows[..., :-1, :6], rows[..., 1:, :6]], -1).reshape(*rows.shape[:-2], -1, 4, 3)
 
 
 def energy(rod: Rod, u: Array, v: Array) -> Energy:
@@ -120,6 +120,13 @@ def wall_energy(model: DiscreteModel, wall: Wall, u: Array) -> float:
 
 
 def gauss_positions(rod: Rod, u: Array) -> Array:
-    """Centre line at the Gauss points [m], shape (2 n, 3)."""
-    places: Array = np.einsum("epi,eic->epc", rod.shape[:, :, 0], element_unknowns(u)).reshape(-1, 3)
-    return places
+    """Centre line at the Gauss points [m], shape (..., 2 n, 3)."""
+    places: Array = np.einsum("epi,...eic->...epc", rod.shape[:, :, 0], element_unknowns(u))
+    return places.reshape(*u.shape[:-2], -1, 3)
+
+
+def rows_at(rod: Rod, rows: Array, arc: Array) -> Array:
+    """Node rows (r, r', psi) at other places from the bit [m], by the shape functions; shape (p, 7)."""
+    element, _, shape = locate(rod, arc)
+    nodal = np.einsum("pdi,pic->pdc", shape[:, :2], element_unknowns(rows)[element]).reshape(-1, SPIN)
+    return np.column_stack([nodal, np.interp(arc, rod.arc, rows[:, SPIN])])

@@ -16,16 +16,18 @@ from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
+from scipy.sparse import csc_array
 
-from drill_twin.core.arrays import Array
-from drill_twin.dynamics.audit.energy import gauss_positions
+from drill_twin.core.arrays import Array, ComplexArray
+from drill_twin.dynamics.audit.energy import gauss_positions, rows_at
 from drill_twin.dynamics.discretisation.discretise import tubes_of
 from drill_twin.dynamics.discretisation.joint import collars_of
 from drill_twin.dynamics.discretisation.resolution import LONGEST_ELEMENT
+from drill_twin.dynamics.rotordynamics.block_rows import BlockRows
 from drill_twin.dynamics.rotordynamics.eigenvalues import Numbers, Pencil
 from drill_twin.dynamics.rotordynamics.equations import EquationsOfMotion, Linearised
 from drill_twin.dynamics.rotordynamics.turning_frame import HoleFrame
-from drill_twin.dynamics.solver.linearisation import DAMPING, MASS, STIFFNESS
+from drill_twin.dynamics.solver.linearisation import DAMPING, MASS
 from drill_twin.physics.model import SPIN, Rod, rod_of, tube_constants
 from drill_twin.physics.model.wellbore import offsets
 from drill_twin.scene import Scene
@@ -116,20 +118,16 @@ class Assembly:
         return HoleFrame.of(self.equations)
 
     @cached_property
-    def part(self) -> Numbers:
-        """Numbers of the m unknowns, of the nodes below the cut but for the spin, which the drive holds."""
+    def rows(self) -> BlockRows:
+        """Operations on the matrices of the m unknowns, of the nodes below the cut but for the spin, which is held."""
         equations, top = self.equations, self.equations.scene.length
         below = equations.model.rod.arc < (self.extent.cut - 1e-6 if self.extent.cut < top else math.inf)
-        return np.flatnonzero((below[:, None] & (equations.columns != SPIN))[equations.free])
+        return BlockRows(equations.free & below[:, None] & (equations.columns != SPIN), equations.columns)
 
-    def absorption(self, fastest: float) -> Array:
-        """Rate at which motion above the assembly is absorbed [1/s], by unknown, shape (m,)."""
-        arc, (assembly, cut) = self.equations.model.rod.arc, self.extent
-        rise = np.clip((arc - assembly) / max(cut - assembly, 1e-9), 0.0, 1.0)
-        if cut >= self.equations.scene.length:
-            rise[:] = 0.0
-        rate = np.broadcast_to((0.5 * fastest * rise**2)[:, None], self.equations.free.shape)
-        return np.asarray(rate[self.equations.free][self.part])
+    @cached_property
+    def part(self) -> Numbers:
+        """Numbers of the m unknowns."""
+        return np.flatnonzero(self.rows.free[self.equations.free])
 
     def linearised(self, rotation: float) -> Linearised:
         """Equations of the whole string in its balance, turning at a speed [rad/s].
@@ -152,23 +150,40 @@ class Assembly:
         blocks[:, :, 3:6] += turn[:, :, None, None] * blocks[:, :, None, SPIN]
         return replace(system, tangents=blocks.reshape(system.tangents.shape))
 
+    def entries(self, rotation: float, fastest: float) -> Array:
+        """Mass, damping and stiffness of the m unknowns at the places of `rows`, shape (3, k).
+
+        The damping absorbs motion above the assembly.
+        """
+        rows, (assembly, cut) = self.rows, self.extent
+        found = np.array([rows.entries(tangent) for tangent in self.linearised(rotation).tangents])
+        if cut < self.equations.scene.length:
+            rise = np.clip((self.equations.model.rod.arc - assembly) / max(cut - assembly, 1e-9), 0.0, 1.0)
+            root = math.sqrt(0.5 * fastest) * np.repeat(rise, rows.free.sum(axis=1))  # of the rate [1/s], by unknown
+            found[DAMPING] += found[MASS] * root[rows.row] * root[rows.column]
+        return found
+
     def pencil(self, rotation: float, fastest: float) -> Pencil:
-        """Mass, damping and stiffness of the unknowns below the cut, sparse."""
-        system = self.linearised(rotation)
-        mass, damping, stiffness = (
-            system.rows.sparse(system.tangents[which])[self.part][:, self.part] for which in (MASS, DAMPING, STIFFNESS)
-        )
-        root = np.sqrt(self.absorption(fastest))
-        return Pencil(mass, damping + mass * root[:, None] * root[None, :], stiffness)
+        """The same as sparse matrices."""
+        places = self.rows.row, self.rows.column
+        return Pencil(*(csc_array((values, places)) for values in self.entries(rotation, fastest)))
+
+    def on(self, other: Assembly, values: ComplexArray) -> ComplexArray:
+        """Motion of the m unknowns on another mesh of the string, by the shape functions; without motion above."""
+        whole, equations = np.zeros(self.equations.unknowns, complex), other.equations
+        whole[self.part] = values
+        rows = rows_at(self.equations.model.rod, self.frame.fixed(self.equations.rows(whole)), equations.model.rod.arc)
+        return np.asarray(other.frame.fixed(rows, back=True)[:, equations.columns][other.rows.free], complex)
 
 
-FindBalance = Callable[[EquationsOfMotion, Command], Array]
-"""Function that gives the rows of a string in balance under a command."""
+FindBalance = Callable[..., Array]
+"""Function that gives the rows of a string in balance, of its equations, a command, and rows to begin with if any."""
 
 
 def assembly_of(
-    scene: Scene, command: Command, fastest: float, resting: FindBalance, *, above: float = ABOVE, finer: int = 1
-) -> Assembly:
+    scene: Scene, command: Command, fastest: float, resting: FindBalance, *, above: float = ABOVE, finer: int = 1,
+    near: Assembly | None = None,
+) -> Assembly:  # fmt: skip
     """Find the balance of a long string on a mesh that suits its assembly.
 
     Args:
@@ -178,6 +193,7 @@ def assembly_of(
         resting: Balance of a string.
         above: Pipe above the assembly [m].
         finer: Factor on the number of elements.
+        near: The same with another cut or mesh, from whose balance the search begins.
 
     Raises:
         RunError: There is no balance.
@@ -189,4 +205,5 @@ def assembly_of(
     leans = upright and gravity is not None
     if gravity is not None and leans:
         gravity.weight[:, 0] = math.sin(LEAN) * np.abs(gravity.weight[:, 2])
-    return Assembly(equations, command, resting(equations, command), extent, leans)
+    begin = () if near is None else (rows_at(near.equations.model.rod, near.u, equations.model.rod.arc),)
+    return Assembly(equations, command, resting(equations, command, *begin), extent, leans)

@@ -10,11 +10,11 @@ from typing import Any
 
 import numpy as np
 from scipy.sparse import csc_array
-from scipy.sparse.linalg import splu
 
 from drill_twin.core.arrays import ComplexArray
 from drill_twin.core.errors import RunError
 from drill_twin.dynamics.rotordynamics.assembly import MOVED, Assembly, FindBalance, assembly_of
+from drill_twin.dynamics.rotordynamics.block_rows import banded
 from drill_twin.dynamics.rotordynamics.eigenvalues import Pencil, modes_near, rounding
 from drill_twin.dynamics.rotordynamics.equations import EquationsOfMotion
 from drill_twin.dynamics.rotordynamics.modes import (
@@ -25,7 +25,6 @@ from drill_twin.dynamics.rotordynamics.modes import (
     Mode,
     ModeTable,
     classed,
-    coupled_modes,
     listed,
 )
 from drill_twin.dynamics.rotordynamics.turning_frame import HoleFrame
@@ -33,6 +32,8 @@ from drill_twin.physics.model import SPIN
 from drill_twin.scene import Scene
 from drill_twin.scene.set_points.command import Command
 
+Spectrum = list[tuple[complex, ComplexArray]]
+"""Eigenvalues with their shapes."""
 NEAREST = 60
 """Eigenvalues computed around a point of the imaginary axis, and least number of these of motion along the hole."""
 REPEATS, CONVERGED, AWAY, FEW = 10, 1e-10, 0.03, 8
@@ -42,6 +43,8 @@ needed, and one mode in sixty went away; chosen."""
 MAJORITY = 0.5
 """Share of kinetic energy across the hole above which a mode that began along it is lateral: friction couples an axial
 mode to pipe on the low side, which may take a fifth of it."""
+SAME = 1e-6
+"""Difference of two eigenvalues over their size up to which they are one, computed twice."""
 STAYS = 0.01
 """Change of an eigenvalue, over its size, up to which a mode does not move with the cut."""
 LIGHT = 0.15
@@ -50,25 +53,29 @@ NEAR = 0.05
 """Step from one critical speed to the next, over the speed, below which both are in one range."""
 
 
-def lateral_modes(assembly: Assembly, fastest: float) -> list[Mode]:
-    """Lateral modes up to the frequency of the fastest rotation [rad/s] whose motion is mostly in the assembly."""
-    pencil = assembly.pencil(assembly.command.rotation, fastest)
-    spectrum = _along_axis(pencil, 0.0, fastest)
-    found: list[Mode] = []
+def lateral_modes(
+    assembly: Assembly, pencil: Pencil, fastest: float, spectrum: Spectrum | None = None
+) -> list[tuple[Mode, ComplexArray]]:
+    """Lateral modes up to the frequency of the fastest rotation [rad/s] whose motion is mostly in the assembly.
+
+    By frequency, with their shapes by unknown; of all eigenvalues, or of some.
+    """
+    spectrum = spectrum or _along_axis(pencil, 0.0, fastest)
+    found: list[tuple[Mode, ComplexArray]] = []
     inside = assembly.equations.model.rod.arc <= assembly.extent.assembly
     for value, vector in spectrum:
-        if any(abs(value - mode.eigenvalue) < 1e-6 * abs(value) for mode in found):
+        if any(abs(value - mode.eigenvalue) < SAME * abs(value) for mode, _ in found):
             continue
         if 0.0 < value.imag <= fastest and -value.real < LIGHT * abs(value):
             mode = classed(
                 assembly.equations, assembly.frame, assembly.part, pencil.mass, complex(value), vector, assembly.collars
             )
             if mode.kind == LATERAL and inside[int(np.argmax(np.abs(mode.shape)))]:
-                found.append(mode)
-    return sorted(found, key=lambda mode: mode.eigenvalue.imag)
+                found.append((mode, vector))
+    return sorted(found, key=lambda pair: pair[0].eigenvalue.imag)
 
 
-def _along_axis(pencil: Pencil, low: float, high: float) -> list[tuple[complex, ComplexArray]]:
+def _along_axis(pencil: Pencil, low: float, high: float) -> Spectrum:
     """Eigenvalues near a stretch of the imaginary axis [rad/s], without gaps, and their shapes; some of them twice."""
     middle = 0.5j * (low + high)
     values, vectors = modes_near(pencil, middle, min(NEAREST, pencil.mass.shape[0] - 2))
@@ -83,23 +90,30 @@ def assembly_modes(
 ) -> tuple[Assembly, Assembly, list[Mode]]:
     """Assembly on two meshes, and the lateral modes on the finer mesh that do not move with the cut.
 
-    Each mode has its changes on a mesh half as fine, and on that mesh with the cut moved from `ABOVE` to `MOVED`.
+    They are found on a mesh half as fine, and from there on the finer mesh, and on the first with the cut moved from
+    `ABOVE` to `MOVED`. Each mode has its changes on these.
 
     Raises:
         RunError: There is no balance.
     """
     first = assembly_of(scene, command, fastest, resting)
-    coarse = lateral_modes(first, fastest)
-    moved = lateral_modes(assembly_of(scene, command, fastest, resting, above=MOVED), fastest)
-    assembly = assembly_of(scene, command, fastest, resting, finer=2)
-    kept: dict[int, Mode] = {}
-    fine = lateral_modes(assembly, fastest)
-    for mode in coarse:
-        _, away = _nearest(mode, moved)
-        same, change = _nearest(mode, fine)
-        if abs(away) < STAYS * abs(mode.eigenvalue) and same >= 0 and same not in kept:
-            kept[same] = fine[same]._replace(number=len(kept) + 1, change=change, cut_change=away)
-    return first, assembly, list(kept.values())
+    longer = assembly_of(scene, command, fastest, resting, above=MOVED, near=first)
+    assembly = assembly_of(scene, command, fastest, resting, finer=2, near=first)
+    pencil, moved, fine = (one.pencil(command.rotation, fastest) for one in (first, longer, assembly))
+
+    def again(other: Assembly, own: Pencil, mode: Mode, shape: ComplexArray) -> tuple[Mode | None, complex]:
+        near = lateral_modes(other, own, fastest, _refined(own, mode.eigenvalue, first.on(other, shape)))
+        changes = ((one, one.eigenvalue - mode.eigenvalue) for one, _ in near)
+        return min(changes, key=lambda pair: abs(pair[1]), default=(None, complex(math.nan, math.nan)))
+
+    kept: list[Mode] = []
+    for mode, shape in lateral_modes(first, pencil, fastest):
+        _, away = again(longer, moved, mode, shape)
+        if abs(away) < STAYS * abs(mode.eigenvalue):
+            same, change = again(assembly, fine, mode, shape)
+            if same and all(abs(same.eigenvalue - one.eigenvalue) > SAME * abs(same.eigenvalue) for one in kept):
+                kept.append(same._replace(number=len(kept) + 1, change=change, cut_change=away))
+    return first, assembly, kept
 
 
 def in_trough(table: ModeTable, mode: Mode) -> bool:
@@ -145,11 +159,7 @@ def table_of(scene: Scene, command: Command, fastest: float, resting: FindBalanc
         )
     coarse, assembly, lateral = assembly_modes(scene, command, fastest, resting)
     whole, equations = Pencil(*coarse.linearised(command.rotation).sparse), coarse.equations
-    delay = equations.delay(command)
-    if delay is None:
-        found = modes_along(equations, whole, count)
-    else:
-        found = coupled_modes(equations, np.arange(equations.unknowns), whole, delay)
+    found = modes_along(equations, whole, count)  # none is delayed: cutting needs its weight at the top
     reach = max(abs(mode.eigenvalue) for mode in found)
     others = [mode for kind in (TORSIONAL, AXIAL) for mode in listed(found, count)[0] if mode.kind == kind]
     kept, growing, creeping = listed([*lateral, *others], max(count, len(lateral)))
@@ -181,14 +191,21 @@ def modes_along(equations: EquationsOfMotion, pencil: Pencil, count: int) -> lis
     return found
 
 
-def _refined(pencil: Pencil, start: complex, shape: ComplexArray) -> list[tuple[complex, ComplexArray]]:
-    """The mode near an approximate one, by inverse iteration; where it goes to another one, some modes about it."""
-    value = start
+def _refined(pencil: Pencil, start: complex, shape: ComplexArray) -> Spectrum:
+    """The mode near an approximate one, by inverse iteration; where it goes to another one, some modes about it.
+
+    The sparse matrices have entries at the same places.
+    """
+    value, size = start, shape.size
+    solve = banded(pencil.mass.indices, np.repeat(np.arange(size), np.diff(pencil.mass.indptr)), size)
+    mass, damping, stiffness = (matrix.data for matrix in pencil)
+    products = [matrix @ shape for matrix in pencil]
     for _ in range(REPEATS):
-        before, right = value, 2.0 * value * (pencil.mass @ shape) + pencil.damping @ shape
-        shape = splu(csc_array(value**2 * pencil.mass + value * pencil.damping + pencil.stiffness)).solve(right)
+        before, right = value, 2.0 * value * products[0] + products[1]
+        shape = solve(value**2 * mass + value * damping + stiffness, right)
         shape /= np.linalg.norm(shape)
-        roots = np.roots([shape.conj() @ (matrix @ shape) for matrix in pencil])
+        products = [matrix @ shape for matrix in pencil]
+        roots = np.roots([shape.conj() @ product for product in products])
         value = roots[np.argmin(np.abs(roots - value))]
         if abs(value - start) > AWAY * abs(start):
             break
@@ -209,9 +226,3 @@ def _along(equations: EquationsOfMotion) -> Any:
     row, column = np.broadcast_to(np.arange(node.size), values.shape), 3 * node + np.arange(3)[:, None]
     basis = csc_array((values.ravel(), (row.ravel(), column.ravel())), shape=(node.size, 3 * arc.size))
     return basis[:, np.flatnonzero(np.abs(basis).sum(axis=0) > 0.5)]  # without columns whose motion is held
-
-
-def _nearest(mode: Mode, others: list[Mode]) -> tuple[int, complex]:
-    """Index of the mode with the nearest eigenvalue, and the change to it; -1 and NaN where there is none."""
-    changes = ((number, other.eigenvalue - mode.eigenvalue) for number, other in enumerate(others))
-    return min(changes, key=lambda pair: abs(pair[1]), default=(-1, complex(math.nan, math.nan)))

@@ -4,19 +4,38 @@
 Each node couples with its neighbours alone, so that all operations take a time in proportion to the elements.
 """
 
-from collections.abc import Sequence
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
 from functools import cached_property
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg.lapack import dgbsv
+from scipy.linalg.lapack import dgbsv, zgbsv
 from scipy.sparse import csc_array
 
 from drill_twin.core.arrays import Array, Mask
 
 Places = NDArray[np.int64]
 """Indices."""
+
+
+Solver = Callable[..., Any]
+"""Solution, as of `solve_banded`, from the entries of a matrix, the right-hand side, and columns that are replaced."""
+
+
+def banded(row: Places, column: Places, size: int) -> Solver:
+    """Solver of systems of some size that have their entries at the same rows and columns."""
+    half = int(np.abs(row - column).max())
+    places = column * (3 * half + 1) + 2 * half + row - column
+
+    def solve(entries: NDArray[Any], right: NDArray[Any], *columns: Sequence[Any]) -> Any:
+        store = np.zeros((size, 3 * half + 1), entries.dtype)
+        store.reshape(-1)[places] = entries
+        return solve_banded(store, half, right, *columns)
+
+    return solve
 
 
 class BlockRows:
@@ -80,12 +99,11 @@ class BlockRows:
         return np.asarray(np.matmul(blocks, beside[:, :, None])[self.free, 0])
 
     @cached_property
-    def _band(self) -> tuple[int, Places]:
-        """Diagonals on each side, and places of the entries in LAPACK's band storage, transposed."""
-        half = int(np.abs(self.row - self.column).max())
-        return half, self.column * (3 * half + 1) + 2 * half + self.row - self.column
+    def solver(self) -> Solver:
+        """Solver of systems with such entries."""
+        return banded(self.row, self.column, self.unknowns)
 
-    def solve(self, blocks: Array, right: Array, held: int = -1, instead: Array | None = None) -> Array:
+    def solve(self, blocks: Array, right: Array, held: int = -1, instead: Array | None = None) -> Any:
         """Solution of a banded system, not finite where there is none.
 
         Args:
@@ -94,10 +112,7 @@ class BlockRows:
             held: Number of a column of the matrix that another one replaces; -1: none.
             instead: That other column, dense, shape (m,).
         """
-        half, places = self._band
-        store = np.zeros((self.unknowns, 3 * half + 1))
-        store.reshape(-1)[places] = self.entries(blocks)
-        return solve_banded(store, half, right, *(() if instead is None else ([held], [instead])))
+        return self.solver(self.entries(blocks), right, *(() if instead is None else ([held], [instead])))
 
     def _nodes(self, blocks: Array) -> Array:
         """View with the columns of each node apart, shape (n + 1, k, 3, k)."""
@@ -106,14 +121,14 @@ class BlockRows:
 
 
 def solve_banded(
-    store: Array, half: int, right: Array, held: Sequence[int] = (), instead: Sequence[Array] = ()
-) -> Array:
+    store: NDArray[Any], half: int, right: NDArray[Any], held: Sequence[int] = (), instead: Sequence[Array] = ()
+) -> Any:
     """Solution of a banded system in which dense columns replace some columns; not finite where there is no solution.
 
     Args:
         store: The matrix in LAPACK's band storage, transposed, shape (m, 3 half + 1); overwritten.
         half: Diagonals on each side.
-        right: Right-hand side, shape (m,).
+        right: Right-hand side, shape (m,), or without such columns (m, k).
         held: Numbers of the columns that are replaced.
         instead: The dense columns, shape (m,) each.
     """
@@ -121,16 +136,17 @@ def solve_banded(
     for column in held:
         store[column], store[column, 2 * half] = 0.0, 1.0
     rights = np.asfortranarray(np.column_stack([right, *instead]))
-    _, _, found, info = dgbsv(half, half, store.T, rights, overwrite_ab=1, overwrite_b=1)
+    solver = zgbsv if np.iscomplexobj(store) else dgbsv
+    _, _, found, info = solver(half, half, store.T, rights, overwrite_ab=1, overwrite_b=1)
     if info != 0:
         return np.full(right.shape, np.nan)
-    solution: Array = found[:, 0].copy()
-    if held:
-        columns = list(held)
-        try:
-            own = np.linalg.solve(found[columns, 1:], solution[columns])
-        except np.linalg.LinAlgError:
-            return np.full(right.shape, np.nan)
-        solution -= found[:, 1:] @ own
-        solution[columns] = own
+    if not held:
+        return found.reshape(right.shape)
+    columns = list(held)
+    try:
+        own = np.linalg.solve(found[columns, 1:], found[columns, 0])
+    except np.linalg.LinAlgError:
+        return np.full(right.shape, np.nan)
+    solution = found[:, 0] - found[:, 1:] @ own
+    solution[columns] = own
     return solution

@@ -10,7 +10,6 @@ from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
-from scipy.optimize import linear_sum_assignment
 
 from drill_twin.core.arrays import Array, ComplexArray
 from drill_twin.core.errors import RunError
@@ -71,6 +70,8 @@ def campbell(
     frame = _frame_on_axis(
         equations, "found an inclined or curved one; `drill-twin modes` gives its modes at one speed"
     )
+    from scipy.optimize import linear_sum_assignment  # takes 0.2 s, which modes do not need
+
     values = np.zeros((speeds.size, count), dtype=complex)
     first = 0 if numbered_at is None else int(np.argmin(np.abs(speeds - numbered_at)))
     shapes: ComplexArray | None = None

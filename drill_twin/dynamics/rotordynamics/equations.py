@@ -72,10 +72,9 @@ class Linearised:
         return self.mass, self.damping, self.stiffness
 
     @property
-    def sparse(self) -> tuple[Any, Any, Any]:
+    def sparse(self) -> tuple[Any, ...]:
         """The same as sparse matrices, for a long string."""
-        mass, damping, stiffness = (self.rows.sparse(self.tangents[which]) for which in (MASS, DAMPING, STIFFNESS))
-        return mass, damping, stiffness
+        return tuple(map(self.rows.sparse, self.tangents))
 
 
 def without(scene: Scene, effects: Sequence[str]) -> Scene:
@@ -267,10 +266,10 @@ class EquationsOfMotion(KernelArguments):
         """Frame of the hole at the bit, shape (3, 4) (`drill_twin.dynamics.solver.boundary`)."""
         return np.asarray(self._state.bit_frame)
 
-    def rows(self, free: Array) -> Array:
-        """Rows of seven, shape (n + 1, 7), from values of the free unknowns, shape (m,); zero elsewhere."""
-        kind = free.dtype
-        result, own = np.zeros((self.free.shape[0], 7), kind), np.zeros(self.free.shape, kind)
-        own[self.free] = free
-        result[:, self.columns] = own
+    def rows(self, free: Any) -> Any:
+        """Rows of seven, shape (..., n + 1, 7), from values of the free unknowns, shape (..., m); zero elsewhere."""
+        result = np.zeros((*free.shape[:-1], self.free.shape[0], 7), free.dtype)
+        own = np.zeros((*free.shape[:-1], *self.free.shape), free.dtype)
+        own[..., self.free] = free
+        result[..., self.columns] = own
         return result

@@ -7,12 +7,13 @@ holds. Where an amplitude is larger than the clearance, or a side force changes 
 wall or lifts off it: the speed is right then, the amplitude is not.
 """
 
-from typing import Any, NamedTuple
+from collections.abc import Iterator
+from typing import NamedTuple
 
 import numpy as np
-from scipy.linalg import solve_banded
+from numpy.polynomial.chebyshev import chebvander
 
-from drill_twin.core.arrays import Array, ComplexArray, Integers
+from drill_twin.core.arrays import Array, ComplexArray
 from drill_twin.core.errors import SceneError
 from drill_twin.dynamics.audit.energy import element_unknowns, gauss_positions
 from drill_twin.dynamics.rotordynamics.assembly import Assembly
@@ -32,6 +33,9 @@ SPEEDS, SLOWEST = 120, 0.05
 """Speeds, and the lowest over the fastest."""
 BESIDE = (-3.0, -1.0, 0.0, 1.0, 3.0)
 """Speeds about each critical one, in half widths of its peak."""
+POINTS, INTERPOLATED, TOGETHER = 16, 1e-8, 16
+"""Number of points of the interpolation in speed, its error over the diagonal up to which it is taken, and number of
+speeds at a time (memory). It was 1e-9 in wells, and the response off by 1e-7 of its largest at most; chosen."""
 SPAN = 5.0
 """Length of a contact that is looked at, from its lower end [m]."""
 
@@ -59,59 +63,58 @@ def forced_response(assembly: Assembly, modes: list[Mode], fastest: float) -> Fo
     places = np.linspace(SLOWEST * fastest, fastest, SPEEDS)
     near = [abs(mode.eigenvalue.imag) - share * mode.growth for mode in modes for share in BESIDE]
     speeds = np.unique(np.concatenate([places, [one for one in near if SLOWEST * fastest < one < fastest]]))
-    marks = {mark.name: mark.distance_from_bit for mark in equations.scene.string.marks}
-    marks = {name: place for name, place in marks.items() if place < assembly.extent.cut}
+    own = ((mark.name, mark.distance_from_bit) for mark in equations.scene.string.marks)
+    marks = {name: place for name, place in own if place < assembly.extent.cut}
     at, inside = locate(model.rod, list(marks.values())), model.rod.arc <= assembly.extent.assembly
     wall = getattr(equations.parameters, "wall", None)
     contacts, static, gradient = _contacts(assembly, wall)
-    loads = _loads(assembly)
-    absorbed = np.zeros(equations.unknowns)
-    absorbed[assembly.part] = assembly.absorption(fastest)
-    number = np.full(equations.unknowns, -1)
-    number[assembly.part] = np.arange(assembly.part.size)
     amplitude, force = np.zeros((speeds.size, 2, len(marks) + 1)), np.zeros((speeds.size, 2, len(contacts)))
-    for k, speed in enumerate(speeds):
-        rows = _solve(assembly, float(speed), loads * np.array([speed**2, 1.0]), number, np.sqrt(absorbed))
-        for cause in (0, 1):
-            local = assembly.frame.local(rows[cause])
-            radius = _radius(local)
-            shape = np.stack([local[at.element, :2], local[at.element, 3:5],
-                              local[at.element + 1, :2], local[at.element + 1, 3:5]], axis=1)  # fmt: skip
-            amplitude[k, cause] = [*_radius(np.einsum("pi,pic->pc", at.shape[:, 0], shape)), radius[inside].max()]
-            if contacts:
-                row = rows[cause].copy()
-                row[0, 0:3], row[0, 3:6] = row[0, 0:3] @ assembly.frame.bit, row[0, 3:6] @ assembly.frame.bit
-                moved = gauss_positions(model.rod, row.real) + 1j * gauss_positions(model.rod, row.imag)
-                changes = np.abs((moved * gradient).sum(axis=1)).reshape(-1, 2).sum(axis=1)
-                force[k, cause] = [changes[elements].sum() for elements in contacts.values()]
+    done = 0
+    for values in _responses(assembly, speeds, fastest):
+        rows, block = equations.rows(values), slice(done, done := done + len(values))
+        local = assembly.frame.local(rows)
+        shown = np.einsum("pi,...pic->...pc", at.shape[:, 0], element_unknowns(local)[..., at.element, :, :])
+        amplitude[block] = np.concatenate([_radius(shown), _radius(local)[..., inside].max(-1, keepdims=True)], -1)
+        moved = (gauss_positions(model.rod, assembly.frame.fixed(rows)) * gradient).sum(axis=-1)
+        changes = np.abs(moved).reshape(*moved.shape[:2], -1, 2).sum(axis=-1)
+        for k, elements in enumerate(contacts.values()):
+            force[block, :, k] = changes[..., elements].sum(axis=-1)
     return ForcedResponse(speeds, marks, tuple(contacts), static, amplitude, force)
 
 
 def _radius(local: ComplexArray) -> Array:
     """Largest distance in an elliptic motion of components low and side, the first two columns [m]."""
-    low, side = local[:, 0], local[:, 1]
+    low, side = local[..., 0], local[..., 1]
     return np.asarray(0.5 * (np.abs(low + 1j * side) + np.abs(low - 1j * side)))
 
 
-def _solve(assembly: Assembly, speed: float, loads: ComplexArray, number: Array, root: Array) -> list[ComplexArray]:
-    """Rows of the response to loads on the unknowns of the part, shape (m, 2), at a speed [rad/s]."""
-    system = assembly.linearised(speed)
-    mass, damping, stiffness = (system.rows.entries(tangent) for tangent in system.tangents)
-    row, column = system.rows.row, system.rows.column
-    entries = stiffness - speed**2 * mass + 1j * speed * (damping + mass * root[row] * root[column])
-    kept = (number[row] >= 0) & (number[column] >= 0)
-    whole = np.zeros((2, assembly.equations.unknowns), complex)
-    whole[:, assembly.part] = _solve_entries(number[row[kept]], number[column[kept]], entries[kept], loads).T
-    return [np.asarray(assembly.equations.rows(one), complex) for one in whole]
+def _responses(assembly: Assembly, speeds: Array, fastest: float) -> Iterator[ComplexArray]:
+    """Values of the unknowns by speed and cause, some speeds at a time; shape (b, 2, unknowns).
 
+    The entries of K + i Omega C - Omega^2 M are smooth in the speed: interpolated over its logarithm through Chebyshev
+    points. Where they are not, by the entries at both ends, at which an interpolation is least exact, each speed's are
+    computed.
+    """
 
-def _solve_entries(row: Integers, column: Integers, entries: ComplexArray, loads: ComplexArray) -> ComplexArray:
-    """Solution of a banded system of m unknowns given by its entries; `loads` has shape (m, k)."""
-    half = int(np.abs(row - column).max())
-    band = np.zeros((2 * half + 1, loads.shape[0]), complex)
-    band[half + row - column, column] = entries
-    found = solve_banded((half, half), band, loads, overwrite_ab=True, check_finite=False)
-    return np.asarray(found, complex)
+    def exact(speed: float) -> ComplexArray:
+        mass, damping, stiffness = assembly.entries(speed, fastest)
+        return np.asarray(stiffness - speed**2 * mass + 1j * speed * damping)
+
+    row, column, loads, x = assembly.rows.row, assembly.rows.column, _loads(assembly), np.log(speeds)
+    points = np.cos(np.pi * (np.arange(POINTS) + 0.5) / POINTS)
+    given = np.array([exact(speed) for speed in np.exp(0.5 * (x[0] + x[-1] + np.ptp(x) * points))])
+    basis = chebvander((2.0 * x - x[0] - x[-1]) / np.ptp(x), POINTS - 1)
+    weights = basis @ np.linalg.inv(chebvander(points, POINTS - 1))
+    ends, size = np.array([exact(speeds[0]), exact(speeds[-1])]), np.zeros(assembly.part.size)
+    size[column[row == column]] = np.abs(ends[:, row == column]).max(axis=0)
+    off = np.abs(weights[[0, -1]] @ given - ends) / np.sqrt(size[row] * size[column])
+    smooth = off.max() <= INTERPOLATED
+    for block in np.array_split(np.arange(speeds.size), -(-speeds.size // TOGETHER)):
+        found = weights[block] @ given.view(float) if smooth else np.array([exact(speed) for speed in speeds[block]])
+        whole = np.zeros((block.size, 2, assembly.equations.unknowns), complex)
+        for own, speed, entries in zip(whole, speeds[block], found.view(complex), strict=True):
+            own[:, assembly.part] = assembly.rows.solver(entries, loads * np.array([speed**2, 1.0])).T
+        yield whole
 
 
 def unbalance_response(scene: Scene, speeds: Array, weight_on_bit: float = 0.0) -> ComplexArray:
@@ -153,10 +156,9 @@ def unbalance_response(scene: Scene, speeds: Array, weight_on_bit: float = 0.0) 
         system = equations.evaluate(Command(weight_on_bit, float(speed)), held.u, v, np.zeros_like(v))
         mass, damping, stiffness = (system.rows.entries(tangent) for tangent in system.tangents)
         entries = stiffness - speed**2 * mass + 1j * speed * damping
-        moved = _solve_entries(system.rows.row, system.rows.column, entries, speed**2 * loads)
+        moved = system.rows.solver(entries, speed**2 * loads)
         for k in range(loads.shape[1]):
-            column: Any = moved[:, k]
-            nodal = element_unknowns(frame.local(equations.rows(column)))[at.element]
+            nodal = element_unknowns(frame.local(equations.rows(moved[:, k])))[at.element]
             found[number, k] = np.einsum("pi,pic->pc", at.shape[:, 0], nodal)[:, :2]
     return found
 

@@ -14,7 +14,6 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
-from scipy.optimize import linear_sum_assignment
 
 from drill_twin.core.arrays import Array, ComplexArray
 from drill_twin.core.errors import RunError
@@ -177,8 +176,7 @@ def balance(equations: EquationsOfMotion, command: Command, resting: Resting | N
         if not system.residual.any():
             return Balance(command, u, system)
         step = -system.rows.solve(system.tangents[STIFFNESS], system.residual)
-        u = u + equations.rows(step)
-        size = float(np.abs(step).max())
+        u, size = u + equations.rows(step), float(np.abs(step).max())
         if size < NEWTON_TOLERANCE * equations.scene.length:
             return Balance(command, u, equations.evaluate(command, u, v, still))
         if not np.isfinite(size):
@@ -213,8 +211,7 @@ def modes(
         all_modes = _lateral(equations, frame, pencil)
         reach = _reach(all_modes, frame.x.size)
         if frame.rest.size:
-            part = np.ix_(frame.rest, frame.rest)
-            about = delay if delay is None else delay.of(frame.rest)
+            part, about = np.ix_(frame.rest, frame.rest), delay and delay.of(frame.rest)
             others = coupled_modes(equations, frame.rest, Pencil(*(matrix[part] for matrix in pencil)), about)
             all_modes, reach = all_modes + others, min(reach, _reach(others, frame.rest.size))
     else:
@@ -242,6 +239,8 @@ def listed(all_modes: list[Mode], count: int) -> tuple[tuple[Mode, ...], dict[st
 
 def compared(table: ModeTable, finer: ModeTable) -> ModeTable:
     """The table with the change of each eigenvalue to the nearest eigenvalue of its kind on a finer mesh."""
+    from scipy.optimize import linear_sum_assignment  # takes 0.2 s, which modes of a long string do not need
+
     kept: list[Mode] = []
     for kind in (LATERAL, TORSIONAL, AXIAL):
         own, others = table.of(kind), finer.of(kind)
@@ -289,12 +288,12 @@ def classed(
     energy = np.abs(rows) * np.abs(momenta)
     own = {LATERAL: energy[:, [0, 1, 3, 4]], AXIAL: energy[:, [2, 5]], TORSIONAL: energy[:, 6]}
     shares = {key: float(part.sum()) for key, part in own.items()}
-    kind = max((AXIAL, TORSIONAL), key=lambda key: shares[key])
-    if shares[LATERAL] > mixed * sum(shares.values()):  # friction takes twist and stretch along
-        kind = LATERAL
+    is_lateral = shares[LATERAL] > mixed * sum(shares.values())  # friction takes twist and stretch along
+    kind = LATERAL if is_lateral else max((AXIAL, TORSIONAL), key=shares.__getitem__)
     largest = (rows[:, 0] ** 2 + rows[:, 1] ** 2)[int(np.argmax(np.abs(rows[:, 0]) ** 2 + np.abs(rows[:, 1]) ** 2))]
     at = (rows * np.exp(-0.5j * np.angle(largest))).real
     shape = {LATERAL: at[:, 0] + 1j * at[:, 1], AXIAL: rows[:, 2], TORSIONAL: rows[:, 6]}[kind]
     share = float(energy[equations.model.rod.arc <= collars].sum() / energy.sum())
-    shape = shape / np.abs(shape).max() if kind == LATERAL else normed(shape)
+    peak = shape[int(np.argmax(np.abs(shape)))]  # of a lateral mode to the low side or sideways: figures have one sign
+    shape = shape / np.copysign(abs(peak), peak.real + peak.imag) if kind == LATERAL else normed(shape)
     return Mode(kind, complex(value), shape, share=share, rounding=off)

@@ -116,13 +116,17 @@ class HoleFrame(NamedTuple):
         return cls(low, np.cross(along, low), along, equations.bit_frame[:, :3])
 
     def local(self, rows: Any) -> Any:
-        """Rows (r, r', psi) of small motions of the free unknowns, as components low, side and along; (n + 1, 7)."""
-        result = rows.copy()
+        """Rows (r, r', psi) of small motions of the free unknowns, as low, side and along; shape (..., n + 1, 7)."""
+        result, basis = self.fixed(rows), np.stack([self.low, self.side, self.along], axis=-1)
+        for part in (result[..., 0:3], result[..., 3:6]):
+            part[:] = np.einsum("...nc,nck->...nk", part, basis)
+        return result
+
+    def fixed(self, rows: Any, back: bool = False) -> Any:
+        """The same rows with the bit's row out of its frame, or `back` in it."""
+        result, turn = rows.copy(), self.bit.T if back else self.bit
         for first in (0, 3):
-            part = rows[:, first : first + 3].copy()
-            part[0] = part[0] @ self.bit
-            for k, direction in enumerate((self.low, self.side, self.along)):
-                result[:, first + k] = (part * direction).sum(axis=1)
+            result[..., 0, first : first + 3] = rows[..., 0, first : first + 3] @ turn
         return result
 
     def forces(self, size: ComplexArray) -> ComplexArray:

@@ -19,7 +19,7 @@ from drill_twin.core.arrays import Array
 from drill_twin.core.errors import RunError
 from drill_twin.dynamics.discretisation.discretise import BIT_ENDS, axis_at, kept, untwisted
 from drill_twin.dynamics.discretisation.joint import joint_of
-from drill_twin.dynamics.discretisation.resolution import MOST, mesh, resolution_of
+from drill_twin.dynamics.discretisation.resolution import MOST, resolution_of
 from drill_twin.dynamics.rotordynamics.block_rows import BlockRows
 from drill_twin.dynamics.rotordynamics.equations import TIME_DEPENDENT, EquationsOfMotion
 from drill_twin.dynamics.solver.linearisation import MASS, STIFFNESS
@@ -28,7 +28,7 @@ from drill_twin.physics.effects.bit_torque_stribeck import BitTorqueStribeck
 from drill_twin.physics.effects.gravity import line_weight
 from drill_twin.physics.effects.stretch import Stretch
 from drill_twin.physics.effects.torsion import Torsion
-from drill_twin.physics.model.mesh import SPIN
+from drill_twin.physics.model.mesh import SPIN, Rod
 from drill_twin.scene import Scene
 from drill_twin.scene.blocks.top_drive import TopDrive
 from drill_twin.scene.set_points.command import Command
@@ -190,25 +190,19 @@ class SlidingBalance:
             return u
         clearance = np.interp(rod.arc, model.places, model.wellbore.clearance)
         depth = clearance + (size / wall.stiffness) ** (1.0 if wall.linear else 2.0 / 3.0)
-        typical = float(np.median(size[size > 1e-3 * size.max()]))
-        bending = np.append(rod.bending, rod.bending[-1])
+        typical, bending = float(np.median(size[size > 1e-3 * size.max()])), np.append(rod.bending, rod.bending[-1])
         run = HELD * float(np.median(bending / typical)) ** (1.0 / 3.0)
         rise = np.clip(np.minimum(rod.arc, rod.arc[-1] - rod.arc) / run, 0.0, 1.0)
         share = (rise**2 * (3.0 - 2.0 * rise)) * -np.expm1(-size / (0.2 * typical))
         off = force / np.maximum(size, 1e-9 * typical)[:, None] * (depth * share)[:, None]
-        from scipy.interpolate import CubicSpline  # takes 0.3 s, which a run does not need
-
-        slope = CubicSpline(rod.arc, off).derivative()(rod.arc)
-        slope[[0, -1]] = 0.0
         u[:, 0:3] += off
-        u[:, 3:6] += slope
+        u[1:-1, 3:6] += np.gradient(off, rod.arc, axis=0)[1:-1]
         return u
 
     def transverse_load(self, u: Array) -> Array:
         """Load across the hole at the nodes of a string along its axis: weight, and tension times curvature [N/m]."""
         model, gravity = self.equations.model, getattr(self.equations.parameters, "gravity", None)
-        count = model.rod.arc.size
-        weight = np.zeros((count, 3))
+        weight = np.zeros((model.rod.arc.size, 3))
         if gravity is not None:
             weight[:-1] = gravity.weight[::2]
             weight[-1] = weight[-2]
@@ -239,14 +233,13 @@ def steady(scene: Scene) -> Scene:
 
 
 @kept
-def rotating_rows(scene: Scene) -> Array:
-    """Rows (r, r', psi) of the untwisted string that turns in balance at the first set-points, shape (n + 1, 7).
+def rotating_rows(scene: Scene, rod: Rod) -> Array:
+    """Rows (r, r', psi) on a mesh of the untwisted string that turns in balance at the first set-points; (n + 1, 7).
 
     Above a joint the string is on the axis, and the string below moves along the hole to meet it. Where no balance is
     found, all of the string is on the axis.
     """
-    weight, rotation = scene.rig.first
-    rod, joint = mesh(scene, resolution_of(scene)[0]), joint_of(scene)
+    (weight, rotation), joint = scene.rig.first, joint_of(scene)
     string = SlidingBalance(EquationsOfMotion(steady(scene), rod))
     if scene.rig.weight_on_bit.at == "top":
         weight += string.equations.parameters.drive.hanging

@@ -124,7 +124,7 @@ class Dynamics(KernelArguments):
         elif self.scene.rig.start == "rotating":
             from drill_twin.dynamics.torque_drag.sliding_balance import rotating_rows  # here, for its use of scipy
 
-            begin_turning(self, Dynamics, rotating_rows(self.scene).copy())
+            begin_turning(self, Dynamics, rotating_rows(self.scene, self.rod).copy())
         elif self.scene.rig.start == "whirl-state":
             from drill_twin.dynamics.rotordynamics.steady.whirl_states import (
                 start_in_whirl,  # here, for its use of scipy

@@ -85,6 +85,14 @@ class Rod(NamedTuple):
     line_mass: Array  # mass per length [kg/m], shape (n,)
     outer_radius: Array  # [m], shape (n,)
 
+    def __eq__(self, other: object) -> bool:
+        """True for the same mesh of the same string, so that results can be kept by mesh."""
+        return isinstance(other, Rod) and all(map(np.array_equal, self, other))
+
+    def __hash__(self) -> int:
+        """Hash of the places of the nodes."""
+        return hash(self.arc.tobytes())
+
 
 def tube_constants(tube: Tube) -> tuple[float, float, float, float, float]:
     """EA [N], EI [N m2], GJ [N m2], mass per length [kg/m], polar inertia per length [kg m]."""

@@ -4,11 +4,13 @@
 Figures are drawn without pyplot, which has global state and may need a display.
 """
 
+from __future__ import annotations
+
 import math
 from collections.abc import Sequence
 from io import BytesIO
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import matplotlib as mpl
 import numpy as np
@@ -20,8 +22,9 @@ from drill_twin.core.arrays import Array
 from drill_twin.core.errors import BagError
 from drill_twin.core.files.output import whole_file
 from drill_twin.core.units.system import UnitSystem
-from drill_twin.report.surface import GAP
-from drill_twin.whirl import MarkInfo, MotionState, Onset
+
+if TYPE_CHECKING:
+    from drill_twin.whirl import MarkInfo, Onset
 
 INK, GREY, LIGHT = "#222222", "#767676", "#d9d9d9"
 BLUE, VERMILION, GREEN, PURPLE, SKY, ORANGE, YELLOW = (
@@ -32,20 +35,21 @@ MARK_COLOURS = (BLUE, ORANGE, GREEN, VERMILION, PURPLE, SKY)
 MARK_LINES = ("-", "--", "-", ":", "-", "--")
 
 STATE_COLOURS = {
-    MotionState.NOT_OBSERVABLE: "#fafafa",
-    MotionState.AT_REST: "#eeeeee",
-    MotionState.FIXED_AXIS: "#bdbdbd",
-    MotionState.PLANE_SWING: "#b2df8a",
-    MotionState.SYNCHRONOUS_WHIRL: ORANGE,
-    MotionState.FORWARD_WHIRL: SKY,
-    MotionState.ROLLING: BLUE,
-    MotionState.SECOND_BENDING: GREEN,
-    MotionState.IRREGULAR: YELLOW,
-    MotionState.BACKWARD_WHIRL: VERMILION,
-    MotionState.SPIRAL: PURPLE,
-    MotionState.CREEPING: "#80cdc1",
-    MotionState.IMPACTS: INK,
+    "not observable": "#fafafa",
+    "at rest": "#eeeeee",
+    "rotation about a fixed axis": "#bdbdbd",
+    "swinging in a plane": "#b2df8a",
+    "synchronous whirl": ORANGE,
+    "forward whirl": SKY,
+    "rolling along the wall": BLUE,
+    "second bending": GREEN,
+    "irregular": YELLOW,
+    "backward whirl": VERMILION,
+    "spiral": PURPLE,
+    "creeping along the wall": "#80cdc1",
+    "striking the wall": INK,
 }
+"""By the value of `drill_twin.whirl.MotionState`, whose import takes 0.1 s."""
 
 DPI = 130
 WIDTH = 10.0
@@ -130,6 +134,8 @@ def over_time(
 
 def unbridged(time: Array, values: Array) -> tuple[Array, Array]:
     """Times and values of a line that is broken where samples are missing for more than `GAP` usual intervals."""
+    from drill_twin.report.surface import GAP  # here, as it reads bags, which figures of modes do not need
+
     known = np.isfinite(values)
     time, values = time[known], values[known]
     steps = np.diff(time)
@@ -199,6 +205,9 @@ def save(figure: Figure, path: Path) -> None:
     """
     try:
         with styled(), whole_file(path) as stream:
+            if (layout := figure.get_layout_engine()) is not None:  # else savefig draws all twice, to lay it out first
+                layout.execute(figure)
+                figure.set_layout_engine("none")
             figure.savefig(stream, format="png", dpi=DPI, facecolor="white", metadata={"Software": None})
     except OSError as error:
         raise BagError(f"{path}: cannot be written: {error.strerror or error}; choose another place") from error

@@ -189,7 +189,7 @@ class TwoFrequencyEquations:
         half = (int(np.abs(rows.row - rows.column).max()) + 1) * count - 1
         store = np.zeros((rows.unknowns * count, 3 * half + 1))
         store[column, 2 * half + row - column] = values.reshape(-1, count, count)
-        return solve_banded(store, half, -(back @ residual).T.ravel(), held, rights)
+        return np.asarray(solve_banded(store, half, -(back @ residual).T.ravel(), held, rights))
 
 
 def from_amplitudes(

@@ -53,7 +53,8 @@ def test_stabilised(weight_on_bit):
         {"gravity": {"magnitude": 9.80665}, "wall": {"stiffness": STIFFNESS}}, of=SET, bit_end="pinned",
         inclination=0.5 * math.pi - RISE, radius=RADIUS, sections=sections, weight_on_bit=weight_on_bit, marks=(),
     )  # fmt: skip
-    found = lateral_modes(assembly_of(scene, Command(weight_on_bit, 10.0), FASTEST, resting, finer=2), FASTEST)
+    assembly = assembly_of(scene, Command(weight_on_bit, 10.0), FASTEST, resting, finer=2)
+    found = [mode for mode, _ in lateral_modes(assembly, assembly.pencil(10.0, FASTEST), FASTEST)]
     by_hand = modes_near(Beam(tuple(pieces), weight_on_bit, STIFFNESS), [10.0, 40.0])
     for plane, up_down in (("up-down", True), ("sideways", False)):
         own = [mode.eigenvalue.imag for mode in found if mode.plane == plane]

@@ -2,6 +2,7 @@
 """Lateral modes of an assembly on two meshes, each with the one that is nearest to it."""
 
 import cmath
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -9,7 +10,8 @@ import pytest
 
 from drill_twin.api import rotordynamics
 from drill_twin.core.errors import RunError
-from drill_twin.dynamics.rotordynamics import assembly_modes
+from drill_twin.dynamics.rotordynamics import assembly_modes, forced_response
+from drill_twin.dynamics.rotordynamics.assembly import Assembly, assembly_of
 from drill_twin.dynamics.rotordynamics.assembly_modes import modes_along
 from drill_twin.dynamics.rotordynamics.equations import EquationsOfMotion
 from drill_twin.dynamics.rotordynamics.modes import MIXED, Mode, classed, coupled_modes
@@ -18,17 +20,20 @@ from drill_twin.scene import load_scene
 from drill_twin.scene.set_points.command import Command
 
 
-def modes_at(*eigenvalues: complex) -> list[Mode]:
-    return [Mode("lateral", value, np.ones(3, complex)) for value in eigenvalues]
+def modes_at(*eigenvalues: complex) -> list[tuple[Mode, Any]]:
+    return [(Mode("lateral", value, np.ones(3, complex)), None) for value in eigenvalues]
 
 
-def paired(monkeypatch: Any, *meshes: list[Mode]) -> list[Mode]:
+def paired(monkeypatch: Any, coarse: Any, moved: Any, fine: Any) -> list[Mode]:
     """The modes that are kept, of those of the coarse mesh, of the moved cut, and of the fine mesh."""
-    found = iter(meshes)
-    monkeypatch.setattr(assembly_modes, "assembly_of", lambda *_, **__: None)
-    monkeypatch.setattr(assembly_modes, "lateral_modes", lambda *_: next(found))
+
+    nothing = {name: lambda *_: None for name in ("pencil", "on")}
+    parts = iter([SimpleNamespace(modes=modes, **nothing) for modes in (coarse, moved, fine)])
+    monkeypatch.setattr(assembly_modes, "assembly_of", lambda *_, **__: next(parts))
+    monkeypatch.setattr(assembly_modes, "_refined", lambda *_: None)
+    monkeypatch.setattr(assembly_modes, "lateral_modes", lambda part, *_: part.modes)
     given: Any = None
-    return assembly_modes.assembly_modes(given, given, 10.0, given)[2]
+    return assembly_modes.assembly_modes(given, Command(0.0, 1.0), 10.0, given)[2]
 
 
 def test_pairs_whose_difference_does_not_add_up_are_pairs(monkeypatch):
@@ -100,3 +105,63 @@ def test_torsional_and_axial_modes_are_those_among_all_modes_near_zero(well, mon
         )
         assert len(own) >= 8
         assert [value for value in own if abs(value) < reach] == pytest.approx(among, rel=1e-6)
+
+
+@pytest.fixture(scope="module")
+def low_side():
+    """Assembly of a well, its modes and its forced response up to twice the rotation."""
+    scene = rotordynamics.steady_scene("wells/extended_reach", None, ())
+    table = rotordynamics.modes(scene, count=1)
+    return table, rotordynamics.forced_response(scene, table)
+
+
+def test_a_response_is_that_of_the_equations_at_each_speed(low_side, monkeypatch):
+    """Entries interpolated over the speed give what entries computed at each speed give."""
+    table, found = low_side
+    monkeypatch.setattr(forced_response, "INTERPOLATED", 0.0)
+    few = found.speeds[::40]
+    calls: list[float] = []
+    entries = Assembly.entries
+    monkeypatch.setattr(Assembly, "entries", lambda part, *at: calls.append(at[0]) or entries(part, *at))
+    each = np.concatenate([*forced_response._responses(table.assembly, few, found.speeds[-1])])
+    assert len(calls) == forced_response.POINTS + 2 + few.size
+    monkeypatch.undo()
+    smooth = np.concatenate([*forced_response._responses(table.assembly, few, found.speeds[-1])])
+    assert np.abs(smooth - each).max() < 1e-6 * np.abs(each).max()
+
+
+def test_a_cubic_motion_is_the_same_on_another_mesh(low_side):
+    """The shape functions are cubic; the bit's row is in a frame of its own, and nothing moves above the cut."""
+    scene, command = low_side[0].scene, low_side[0].balance.command
+    parts = [
+        assembly_of(scene, command, 20.0, lambda equations, command, *_: equations.on_axis(command)[0], finer=finer)
+        for finer in (1, 2)
+    ]
+    motions = []
+    for part in parts:
+        arc, cut = part.equations.model.rod.arc, part.extent.cut
+        rows = np.zeros((arc.size, 7), complex)
+        rows[:, 0], rows[:, 3] = 1j * arc * (cut - arc) ** 2, 1j * (cut - arc) * (cut - 3.0 * arc)
+        rows[arc > cut] = 0.0
+        motions.append(part.frame.fixed(rows, back=True)[:, part.equations.columns][part.rows.free])
+    moved = parts[0].on(parts[1], motions[0])
+    assert moved.size > motions[0].size
+    assert np.abs(moved - motions[1]).max() < 1e-9 * np.abs(moved).max()
+
+
+def test_a_figure_has_one_sign_of_each_mode(low_side):
+    """The largest motion is to the low side or sideways to the left, however the iteration ended."""
+    table, _ = low_side
+    for mode in table.of("lateral"):
+        peak = mode.shape[np.abs(mode.shape).argmax()]
+        assert peak.real + peak.imag > 0.0
+
+
+@pytest.mark.long
+def test_two_modes_that_the_mesh_shifts_past_each_other_are_both_kept():
+    """The collars of vertical_3000 and pipe above them: 53.6 and 53.3 rpm on one mesh, 53.1 and 53.5 on the finer."""
+    modes = rotordynamics.modes("wells/vertical_3000").of("lateral")
+    for speed, of_collars in ((53.07, True), (53.49, False), (116.5, True), (117.7, False)):
+        (own,) = (mode for mode in modes if abs(mode.frequency * 60.0 - speed) < 0.1)
+        assert own.of_collars is of_collars
+        assert abs(own.change) < 0.02 * abs(own.eigenvalue)

@@ -6,8 +6,11 @@ import pytest
 from variants import one_of
 
 from drill_twin.core.errors import RunError
+from drill_twin.dynamics.audit.energy import rows_at
 from drill_twin.dynamics.discretisation.joint import joint_of
+from drill_twin.dynamics.discretisation.resolution import mesh
 from drill_twin.dynamics.torque_drag.sliding_balance import SlidingBalance
+from drill_twin.dynamics.twin.dynamics import Dynamics
 from drill_twin.dynamics.twin.frame import RigState
 from drill_twin.dynamics.twin.twin import Twin
 from drill_twin.scene import load_scene
@@ -86,3 +89,18 @@ def test_a_second_twin_of_a_scene_starts_from_the_same_state_without_a_search(mo
     twin.advance(Command(*scene.rig.first), 0.02)
     monkeypatch.setattr(SlidingBalance, "__init__", None)
     assert np.array_equal(Twin(scene).unknowns[0], begun)
+
+
+def test_a_string_on_another_mesh_begins_in_its_own_balance(monkeypatch):
+    """The balance is of the mesh that the dynamics has, and is found once for each."""
+    scene = load_scene("wells/s_shaped", overrides=JOINED)
+    usual = Dynamics(scene)
+    rods = [mesh(scene, usual.rod.length.size + 40) for _ in range(2)]
+    own = Dynamics(scene, rods[0])
+    assert own.unknowns[0].shape == (rods[0].arc.size, 7)
+    below = usual.rod.arc < joint_of(scene)
+    apart = rows_at(rods[0], own.unknowns[0], usual.rod.arc)[below] - usual.unknowns[0][below]
+    assert np.abs(apart[:, :3]).max() < 0.02
+    assert rods[0] is not rods[1]
+    monkeypatch.setattr(SlidingBalance, "__init__", None)
+    assert np.array_equal(Dynamics(scene, rods[1]).unknowns[0], own.unknowns[0])

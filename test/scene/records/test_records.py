@@ -12,8 +12,10 @@ import drill_twin as dt
 from drill_twin.cli.analyze import analyze, export
 from drill_twin.core.errors import TableError
 from drill_twin.io.bag.virtual_bags import RecordBag
-from drill_twin.report import build_report, read_recording, summarise
+from drill_twin.report import build_report
+from drill_twin.report.recording import read_recording
 from drill_twin.report.selection import Selection
+from drill_twin.report.summary import summarise
 from drill_twin.scene.records import CHANNELS, Columns, read_columns
 from drill_twin.scene.set_points import read_table
 

@@ -6,8 +6,8 @@ from collections import Counter
 
 import pytest
 
-from drill_twin.report import read_recording
 from drill_twin.report.quantities import loads, string_weight
+from drill_twin.report.recording import read_recording
 from drill_twin_dashboard.live.player import Player
 
 

@@ -3,12 +3,13 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import replace
+from itertools import compress
 from pathlib import Path
 
 import numpy as np
 
 from drill_twin.api.ensemble import executor_of
-from drill_twin.api.scenes import Overrides, Quantity, as_scene, in_si, range_of
+from drill_twin.api.scenes import Overrides, Quantity, as_scene, in_si, range_of, which_fit
 from drill_twin.core import __version__
 from drill_twin.core.errors import ArgumentError, SceneError
 from drill_twin.core.units.dimension import TIME
@@ -42,7 +43,7 @@ IN_BALANCE = {
 
 
 def draws_of(scene: Scene, seeds: int, vary: Mapping[str, tuple[float, float]]) -> tuple[Mapping[str, float], ...]:
-    """Values by key of each draw; empty where one draw is asked for and nothing varies.
+    """Values by key of each draw that the scene takes; empty where one draw is asked for and nothing varies.
 
     The points of a scrambled Sobol sequence (Owen 1998) fill the ranges.
 
@@ -52,7 +53,7 @@ def draws_of(scene: Scene, seeds: int, vary: Mapping[str, tuple[float, float]]) 
         vary: Least and largest value in SI by full key.
 
     Raises:
-        ArgumentError: Too many draws, or ranges for one.
+        ArgumentError: Too many draws, ranges for one, or ranges of which no draw fits together.
     """
     if not 1 <= seeds <= MOST_DRAWS:
         raise ArgumentError(f"seeds: expected 1 to {MOST_DRAWS}, found {seeds}")
@@ -68,7 +69,7 @@ def draws_of(scene: Scene, seeds: int, vary: Mapping[str, tuple[float, float]]) 
             {SEED: scene.numerics.seed + number}
             | {key: low + (high - low) * share for share, (key, (low, high)) in shares}
         )
-    return tuple(draws)
+    return (draws[0], *compress(draws[1:], which_fit(scene, draws[1:])))
 
 
 MOST_CHECKS, RUNS_FOR_ONE = 59, 20
@@ -184,6 +185,8 @@ def operating_map(
         lateral, torsional = (None, None) if rates is None else (rates.lateral, rates.torsional)
         runner = Runner(own, plane, length, asked, draws, executor)
         search = BoundarySearch(runner, journal, runs, progress or (lambda _, __, ___: None), lateral)
+        if lost := len(draws) and seeds - len(draws):
+            search.notes.append(f"{lost} of {seeds} draws left out: the scene does not take their numbers together")
         if own.rig.start in IN_BALANCE:
             search.notes.append(IN_BALANCE[own.rig.start])
         search.calm()

@@ -7,7 +7,7 @@ import json
 from collections import Counter
 from collections.abc import Iterable, Iterator, Sequence
 from importlib.resources import files
-from math import isfinite
+from math import inf, isfinite
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -193,7 +193,7 @@ def page_data(found: OperatingMap, scene: str) -> dict[str, Any]:
         "window_colour": WINDOW_COLOUR,
         "boundaries": [line._asdict() for line in boundaries(found)],
         "margins": [_finite(field.ravel().tolist()) for field in margins(found.calm)],
-        "own_margin": _finite(found.margin(*own)) if found.contains(*own) else [],
+        "own_margin": _finite(found.margin(*own) or [inf] * 3) if found.contains(*own) else [],
         "commands": [found.command_of(key, scene) for key in found.records],
     }
 
@@ -244,12 +244,14 @@ def shown(found: OperatingMap, scene: Scene) -> Iterator[str]:
         yield f"  {unknown:.0%} of the ranges (hatched) lack runs on all sides; there the nearest run's motion stands"
     load, turn = scene.rig.weight_on_bit.value, scene.rig.rotation.value
     if found.contains(load, turn):
-        margin = found.margin(load, turn)
-        word = "margin to the boundary" if margin.share >= 0.0 else "beyond the boundary by"
-        apart = margin.text(units)
+        margin, apart = found.margin(load, turn), ""
+        if margin is not None and (far := margin.text(units)):
+            apart = f"; {'margin to the boundary' if margin.share >= 0.0 else 'beyond the boundary by'} {far}"
+        elif margin is None:
+            apart = "; no margin, as no set-point of these ranges is calm"
         yield (
             f"  set-point of the scene, {units.set_point(load, turn)}: {found.regime(load, turn).value}"
             + ("" if found.is_known(load, turn) else " in the nearest run; not known there")
-            + (f"; {word} {apart}" if apart else "")
+            + apart
         )
     yield from (f"  note: {note}" for note in found.notes)

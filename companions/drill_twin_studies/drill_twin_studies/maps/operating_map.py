@@ -116,13 +116,14 @@ class OperatingMap(MapFields):
         """
         return REGIMES[int(self.regimes[self.node(*self._inside(weight, speed))])]
 
-    def margin(self, weight: Quantity, speed: Quantity) -> Margin:
-        """Distance of a set-point, given as for `regime`, to the boundary of calm operation.
+    def margin(self, weight: Quantity, speed: Quantity) -> Margin | None:
+        """Distance of a set-point, given as for `regime`, to the boundary of calm operation; None: nowhere is it calm.
 
         Raises:
             ArgumentError: As for `regime`.
         """
-        return self.margin_of(self.calm, *self._inside(weight, speed))
+        found = self.margin_of(self.calm, *self._inside(weight, speed))
+        return found if self.calm.any() else None
 
     def margin_of(self, flags: Mask, weight: float, speed: float) -> Margin:
         """Distance of a set-point [N], [rad/s] in the ranges to the boundary of flagged nodes; negative outside it."""

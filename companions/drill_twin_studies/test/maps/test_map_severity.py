@@ -17,7 +17,7 @@ from drill_twin.whirl import MotionState, Summary
 from drill_twin.whirl.criteria import BitMotion
 from drill_twin.whirl.findings import MotionPeriod
 from drill_twin_studies.maps import OperatingMap, Plane, Regime, Span
-from drill_twin_studies.maps.drawing import GRADES, page_data
+from drill_twin_studies.maps.drawing import GRADES, page_data, shown
 from drill_twin_studies.maps.regimes import TorsionalSpeeds, regime_of
 from drill_twin_studies.maps.rolling import RollingFriction
 from drill_twin_studies.maps.runs import Key, Runner, RunRecord
@@ -220,3 +220,14 @@ def test_collars_that_creep_for_forty_seconds_are_not_settled_and_roll_later():
     slippery = parse_scene(COLLARS.replace("coefficient: 0.3", "coefficient: 0.01"), name="collars")
     (slick,) = (record for _, record in Runner(slippery, plane, 40.0, 400.0, (), Threads(1)).run([Key(8, 8)]))
     assert "roll" not in slick.unsettled
+
+
+def test_a_map_without_a_calm_set_point_has_no_margin_and_says_why():
+    scene = dt.load_scene("pa6_bench", overrides={"wob": "5 N", "rpm": "60"})
+    nowhere = replace(map_of(lambda *_: RunRecord(Regime.ROLLING)), scene=scene.to_yaml())
+    assert nowhere.margin(5.0, 6.0) is None
+    (said,) = (line for line in shown(nowhere, scene) if "set-point of the scene" in line)
+    assert said.endswith("; no margin, as no set-point of these ranges is calm")
+    assert page_data(nowhere, "pa6_bench")["own_margin"] == [None, None, None]
+    everywhere = map_of(lambda *_: SMOOTH)
+    assert "margin" not in " ".join(shown(replace(everywhere, growth=()), scene))

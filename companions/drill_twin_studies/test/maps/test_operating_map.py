@@ -59,6 +59,19 @@ def test_draws_take_the_scene_first_and_fill_their_ranges(found):
     assert any(0 < sum(run.whirls for run in runs) < len(runs) for runs in found.runs_at_nodes.values())
 
 
+OUTER, INNER = "string.sections.0.outer_diameter", "string.sections.0.inner_diameter"
+
+
+def test_draws_that_do_not_fit_together_are_left_out_and_counted():
+    """A bore may be wider than a pipe though each range alone fits the scene."""
+    asked = {**ASKED, "seeds": 9, "vary": {OUTER: "10..17 mm", INNER: "1..16 mm"}, "hysteresis": False, "runs": 1}
+    found = dt.operating_map("pa6_bench", COARSE, **asked)
+    assert 2 <= len(found.draws) < 9
+    assert all(draw[INNER] < draw[OUTER] for draw in found.draws)
+    assert f"{9 - len(found.draws)} of 9 draws left out: the scene does not take their numbers together" in found.notes
+    assert [draw["numerics.seed"] for draw in found.draws] != list(range(1, len(found.draws) + 1))
+
+
 def test_margins_are_those_of_the_calm_nodes(found):
     weight, speed = 1.0, 2.0 * math.tau
     margin = found.margin(weight, speed)
@@ -163,6 +176,10 @@ def test_a_full_disk_is_told_and_the_map_goes_on(tmp_path):
         ({"seeds": 1}, "vary: expected 2 or more seeds"),
         ({"vary": {"gravity.nothing": "1..2"}}, "effects.gravity.nothing: expected one of the keys magnitude"),
         ({"vary": {"wall_friction.coefficient": "0.3..0.1"}}, "expected LO..HI or LO..HI:N with LO below HI"),
+        (
+            {"vary": {OUTER: "10..10.1 mm", INNER: "16..16.4 mm"}},
+            "ranges: expected numbers that fit together, found none in 1 draws",
+        ),
         ({"runs": 0}, "runs: expected 1 to 1000000, found 0"),
         ({"duration": -1.0}, "duration: expected a time above 0 s"),
         ({"wob": "1..1e12 N"}, "rig.weight_on_bit.value"),

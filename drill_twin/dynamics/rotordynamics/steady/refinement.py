@@ -9,15 +9,14 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
-from scipy.interpolate import CubicHermiteSpline
 
-from drill_twin.core.arrays import Array
+from drill_twin.dynamics.audit.energy import rows_at
 from drill_twin.dynamics.rotordynamics.equations import EquationsOfMotion, meshed
 from drill_twin.dynamics.rotordynamics.steady.imperfections import locked_near
-from drill_twin.dynamics.rotordynamics.steady.steady_whirl import MARGIN, SteadyWhirl, TurningEquations
+from drill_twin.dynamics.rotordynamics.steady.steady_whirl import MARGIN, TurningEquations
 from drill_twin.dynamics.rotordynamics.steady.whirl_state import WhirlState, state_of
 from drill_twin.dynamics.rotordynamics.steady.whirl_states import is_new, state_near
-from drill_twin.physics.model import SPIN
+from drill_twin.physics.model import Rod
 from drill_twin.scene import Scene
 
 LARGEST_CHANGE, DOUBLINGS = 0.03, 2
@@ -27,25 +26,6 @@ MOST_UNKNOWNS, MOST_ONCE = 520, 1200
 one mesh twice as fine is tried anyway."""
 SAME_RATIO, SAME_RADIUS = 0.01, 0.1
 """Largest changes of whirl speed over rotation, and of radii over the clearance, of the same state on two meshes."""
-
-
-def on_mesh(equations: EquationsOfMotion, whirl: SteadyWhirl, arc: Array) -> SteadyWhirl:
-    """A whirl on another mesh of the same form, by the shape functions of its own.
-
-    Args:
-        equations: Of the other mesh.
-        whirl: The whirl.
-        arc: Places of its nodes from the bit [m].
-    """
-    u, _ = equations.on_axis(whirl.command)
-    to = equations.model.rod.arc
-    for column in equations.columns:
-        if column == SPIN:
-            u[:, SPIN] = np.interp(to, arc, whirl.u[:, SPIN])
-        elif column < SPIN // 2:
-            line = CubicHermiteSpline(arc, whirl.u[:, column], whirl.u[:, column + 3])
-            u[:, column], u[:, column + 3] = line(to), line(to, 1)
-    return replace(whirl, u=u)
 
 
 def refined(scene: Scene, state: WhirlState) -> WhirlState:
@@ -64,11 +44,11 @@ def refined(scene: Scene, state: WhirlState) -> WhirlState:
     least, changes = MARGIN * abs(state.whirl.command.rotation), list[float]()
     equations = EquationsOfMotion(meshed(scene, state.elements))
     while True:
-        arc = equations.model.rod.arc
+        rod = equations.model.rod
         equations = EquationsOfMotion(meshed(scene, 2 * state.elements))
         if equations.unknowns > (MOST_UNKNOWNS if changes else MOST_ONCE):
             return state
-        found = _again(equations, state, arc)
+        found = _again(equations, state, rod)
         if found is None:
             return replace(state, lost_at=equations.model.rod.length.size)
         changes = [*changes, abs(found.growth - state.growth)][-DOUBLINGS:]
@@ -88,9 +68,11 @@ def refined_states(scene: Scene, states: Sequence[WhirlState]) -> tuple[WhirlSta
     return tuple(sorted(found, key=lambda one: -one.whirl.omega))
 
 
-def _again(equations: EquationsOfMotion, state: WhirlState, arc: Array) -> WhirlState | None:
+def _again(equations: EquationsOfMotion, state: WhirlState, rod: Rod) -> WhirlState | None:
     """The same state on another mesh; None if Newton's method finds none, or another."""
-    turning, guess = TurningEquations(equations), on_mesh(equations, state.whirl, arc)
+    turning, (u, _) = TurningEquations(equations), equations.on_axis(state.whirl.command)
+    u[:, equations.columns] = rows_at(rod, state.whirl.u, equations.model.rod.arc)[:, equations.columns]
+    guess = replace(state.whirl, u=u)
     if state.is_locked:
         found = locked_near(turning, guess)
     else:
@@ -98,5 +80,5 @@ def _again(equations: EquationsOfMotion, state: WhirlState, arc: Array) -> Whirl
         found = state_of(turning, whirl) if whirl is not None else state_near(equations, guess)
     if found is None or abs(found.ratio - state.ratio) > SAME_RATIO:
         return None
-    apart = np.abs(np.interp(arc, equations.model.rod.arc, found.whirl.radius) - state.whirl.radius).max()
+    apart = np.abs(np.interp(rod.arc, equations.model.rod.arc, found.whirl.radius) - state.whirl.radius).max()
     return found if apart < SAME_RADIUS * turning.clearance else None

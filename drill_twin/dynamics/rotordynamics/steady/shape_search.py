@@ -21,7 +21,6 @@ from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
-from scipy.interpolate import CubicSpline
 
 from drill_twin.core.arrays import Array
 from drill_twin.dynamics.equilibrium import random_shape
@@ -197,6 +196,8 @@ def helix(search: ShapeSearch, turns: float) -> Array:
         if held:
             radius *= np.sin(0.5 * math.pi * np.minimum(distance / RUN_IN, 1.0))
     place = radius * np.exp(1j * math.tau * turns * along)
+    from scipy.interpolate import CubicSpline  # takes 0.3 s, which modes do not need
+
     slope = CubicSpline(arc, place)(arc, 1)
     u[:, 0], u[:, 1], u[:, 3], u[:, 4] = place.real, place.imag, slope.real, slope.imag
     return search.on_constraints(u)
