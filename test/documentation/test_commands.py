@@ -291,7 +291,7 @@ def ended(line, folder, domain):
             child.stdin.close()
             begun = time.monotonic()
             while child.poll() is None and time.monotonic() < begun + 400.0:
-                # a node that waits for messages may have nothing to say; on a loaded machine a start takes half a minute
+                # a node that waits for messages may have nothing to say; a start under load takes half a minute
                 if endless and ((folder / "said.txt").stat().st_size or time.monotonic() > begun + 60.0):
                     time.sleep(1.0)  # it goes on
                     os.killpg(child.pid, signal.SIGINT)
