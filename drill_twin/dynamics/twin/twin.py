@@ -74,16 +74,6 @@ class Twin:
         return self.dynamics.step
 
     @property
-    def effects(self) -> list[str]:
-        """Keys of the scene's effects."""
-        return self.scene.effect_names
-
-    @property
-    def form(self) -> str:
-        """Formulation: "spatial", "joined" or "lateral", as `Dynamics.form`."""
-        return self.dynamics.form
-
-    @property
     def drilled(self) -> float:
         """Depth drilled since the start [m]; 0 without a bit that cuts."""
         return float(self.dynamics.parameters.drive.bit.impulse[DRILLED])

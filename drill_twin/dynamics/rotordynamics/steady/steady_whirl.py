@@ -94,8 +94,9 @@ class TurningEquations:
 
     def pencil(self, system: Linearised, omega: float) -> Pencil:
         """Mass, damping and stiffness of small motions in the frame of a whirl."""
-        gyroscopic = system.damping + 2.0 * omega * self.frame.times_j(system.mass)
-        return Pencil(system.mass, gyroscopic, system.rows.dense(self.stiffness(system, omega)))
+        rows, (mass, damping, _) = system.rows, system.tangents
+        gyroscopic = damping + 2.0 * omega * rows.times_j(mass)
+        return Pencil(*map(rows.dense, (mass, gyroscopic, self.stiffness(system, omega))))
 
     def by_omega(self, system: Linearised, whirl: SteadyWhirl) -> Array:
         """Derivative of the residual by the whirl speed, C J u - 2 omega M u across the axis."""
