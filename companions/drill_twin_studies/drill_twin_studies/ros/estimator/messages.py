@@ -5,7 +5,6 @@ import math
 from collections.abc import Iterator
 
 from drill_twin.core.rig_channels import channel_of
-from drill_twin.dynamics.twin.frame import Frames
 from drill_twin.io.messages.cdr import JointStateTemplate
 from drill_twin.io.messages.decode import JointState
 from drill_twin.io.messages.diagnostics import Level, exact
@@ -90,8 +89,8 @@ class NearestTwin:
 
     def messages(self, found: Estimate, origin: float) -> Iterator[tuple[str, bytes]]:
         """Topics and bytes of the frames of a window, stamped by the rig's clock, whose time zero is `origin` [s]."""
-        for frame in found.frames:
-            stamped = Frames.of(frame._replace(time=origin + frame.time))
-            yield RIG_STATE, self._encoder.rig_state(stamped)[0]
-            yield MARKS_STATE, self._encoder.marks(stamped)[0]
-            yield STRING_POSES, self._encoder.poses(stamped)[0]
+        if found.frames is None:
+            return
+        stamped, encoder = found.frames._replace(time=origin + found.frames.time), self._encoder
+        for raws in zip(encoder.rig_state(stamped), encoder.marks(stamped), encoder.poses(stamped), strict=True):
+            yield from zip((RIG_STATE, MARKS_STATE, STRING_POSES), raws, strict=True)
