@@ -55,6 +55,23 @@ class Incompatibility(NamedTuple):
     """Message: expected and found."""
 
 
+def too_large(
+    place: tuple[str | int, ...], found: float, bound: float, name: str, *, below: bool = False
+) -> Iterator[Incompatibility]:
+    """Yield a length [m] above a bound of the scene, or with `below` also a length at the bound.
+
+    Args:
+        place: Keys of the length in its block.
+        found: The length.
+        bound: The bound.
+        name: Words for the bound, such as `radius of the hole`.
+        below: True if the length must be less than the bound.
+    """
+    if found > bound or (below and found == bound):
+        expected = "less than" if below else "at most"
+        yield Incompatibility(place, f"expected {expected} the {name} ({bound:.6g} m), found {found:.6g} m")
+
+
 class EffectConfig(BaseModel):
     """The parameters of one effect, as `effects: <key>:` of a scene file; unknown keys are refused."""
 
