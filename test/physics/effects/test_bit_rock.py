@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Bit on rock: rate of penetration and torque, weight at the bit or at the top, lifting off, and the random law."""
 
-from functools import partial
-
 import numpy as np
 import pytest
 from end_scenes import steel
@@ -138,12 +136,15 @@ def test_one_draw_of_the_random_law(seed, at):
 
 def test_without_dispersion_the_random_law_is_the_mean_law():
     """delta -> 0 recovers the deterministic run; equal seeds give equal runs, others differ."""
-    run = partial(drill, 100e3, seconds=0.3)
-    still, faint = run()[0].drilled, run(dispersion=1e-5, seed=3)[0].drilled
+
+    def depth(**law):
+        return drilled(drill(100e3, seconds=0.3, **law)[0])
+
+    still, faint = depth(), depth(dispersion=1e-5, seed=3)
     assert faint != still
     assert faint == pytest.approx(still, rel=1e-3)
-    assert run(dispersion=0.05, seed=5)[0].drilled == run(dispersion=0.05, seed=5)[0].drilled
-    assert run(dispersion=0.05, seed=5)[0].drilled != run(dispersion=0.05, seed=6)[0].drilled
+    assert depth(dispersion=0.05, seed=5) == depth(dispersion=0.05, seed=5)
+    assert depth(dispersion=0.05, seed=5) != depth(dispersion=0.05, seed=6)
 
 
 @pytest.mark.parametrize("dispersion", [0.1, 0.4])
