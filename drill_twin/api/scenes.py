@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike
 
 from drill_twin.core.arrays import Array
 from drill_twin.core.errors import ArgumentError, DrillTwinError, SceneError
-from drill_twin.core.files.output import write_whole
+from drill_twin.core.files.output import write_whole, writing
 from drill_twin.core.units import Dimension, UnitError, parse
 from drill_twin.core.units.dimension import TIME
 from drill_twin.core.units.parse import split
@@ -115,10 +115,8 @@ def write_scene(scene: Scene, path: str | Path) -> Path:
     file = Path(path)
     if file.exists():
         raise SceneError(f"{file}: expected a new file, found an existing file; choose another or remove it")
-    try:
+    with writing(file, "the scene", "choose another place", SceneError):
         write_whole(file, scene.to_yaml())
-    except OSError as error:
-        raise SceneError(f"{file}: expected a place for the scene, found {error.strerror or error}") from error
     return file
 
 

@@ -14,7 +14,7 @@ from rich.text import Text
 from drill_twin.cli.show import out, print_json, remark
 from drill_twin.core.errors import BagError
 from drill_twin.core.files import output
-from drill_twin.core.files.output import make_folder, write_whole
+from drill_twin.core.files.output import make_folder, write_whole, writing
 from drill_twin.core.files.plain_json import json_text
 from drill_twin.core.table import Table
 
@@ -118,11 +118,9 @@ def write_file(file: Path, content: bytes | str) -> None:
     Raises:
         BagError: The file cannot be written.
     """
-    try:
+    with writing(file, "the file", "choose another place"):
         file.parent.mkdir(parents=True, exist_ok=True)
         write_whole(file, content)
-    except OSError as error:
-        raise BagError(f"{file}: cannot be written: {error.strerror or error}; choose another file") from error
 
 
 def folder_name(text: str) -> str:

@@ -76,7 +76,7 @@ def describe_run(twin: Twin, pace: str = "fast") -> str:
         "seed": int(twin.scene.numerics.seed),
         "elements": int(twin.elements),
         "step_s": float(twin.step_size),
-        "effects": [str(name) for name in twin.effects],
+        "effects": [str(name) for name in twin.scene.effect_names],
         "pace": pace,
         "started": datetime.now(UTC).isoformat(timespec="milliseconds"),
     }

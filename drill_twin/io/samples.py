@@ -114,35 +114,31 @@ class SamplePairing:
         return None
 
 
-class MarkReader:
-    """Reads positions, spin and wall force of given marks."""
+def read_marks(states: JointStates, marks: tuple[str, ...], rig: Array) -> SampleRows:
+    """Positions, spin and wall force of given marks: samples of the states, one a row.
 
-    def __init__(self, marks: tuple[str, ...]) -> None:
-        self._marks = marks
+    Args:
+        states: States of the marks.
+        marks: Names of the marks that are read.
+        rig: Fields of `RigSample` at the same stamps, shape (n, 4).
 
-    def read(self, states: JointStates, rig: Array) -> SampleRows:
-        """Samples of the states, one a row.
+    Raises:
+        MessageError: The messages have no positions, or positions of other marks.
+    """
+    chosen = marks_in(states, marks)
+    values, force = _with_missing(states.position)[:, chosen], None
+    if states.effort.size:
+        components = _with_missing(states.effort)[:, chosen]
+        force = np.hypot(components[..., 0], components[..., 1])
+    return SampleRows(states.stamps, values[..., :3], values[..., 3], force, rig, states.frame_id)
 
-        Args:
-            states: States of the marks.
-            rig: Fields of `RigSample` at the same stamps, shape (n, 4).
 
-        Raises:
-            MessageError: The messages have no positions, or positions of other marks.
-        """
-        self.check(states)
-        chosen = columns(states.names, self._marks)
-        values, force = _with_missing(states.position)[:, chosen], None
-        if states.effort.size:
-            components = _with_missing(states.effort)[:, chosen]
-            force = np.hypot(components[..., 0], components[..., 1])
-        return SampleRows(states.stamps, values[..., :3], values[..., 3], force, rig, states.frame_id)
-
-    def check(self, states: JointStates) -> None:
-        """Check that the marks are in a message; raises MessageError as `read`."""
-        columns(states.names, self._marks)
-        if not states.position.size:
-            raise MessageError(f"expected positions on {MARKS_STATE}, found none")
+def marks_in(states: JointStates, marks: tuple[str, ...]) -> NDArray[np.intp]:
+    """Joints of marks in a message, as of `columns`; raises MessageError as `read_marks`."""
+    found = columns(states.names, marks)
+    if not states.position.size:
+        raise MessageError(f"expected positions on {MARKS_STATE}, found none")
+    return found
 
 
 def _with_missing(values: Array) -> Array:

@@ -16,7 +16,6 @@ from drill_twin.dynamics.twin.twin import Twin
 from drill_twin.io.messages.drawing.geometry import Step, StringGeometry
 from drill_twin.io.messages.topics import TWIN_SCENE, imu_topic, sub_of
 from drill_twin.scene import Scene, parse_scene
-from drill_twin.scene.blocks.sensors import Sub
 from drill_twin.whirl import AnalysisError, MarkInfo
 from drill_twin.whirl.downhole import SubAnalyzer, ToolNoise
 
@@ -80,11 +79,6 @@ def _merged(steps: list[Step]) -> tuple[Step, ...]:
         same = bool(found) and found[-1][2] == radius
         found.append((found.pop()[0] if same else begin, end, radius))
     return tuple(found)
-
-
-def sub_info(scene: Scene, sub: Sub) -> MarkInfo:
-    """Section of a sub, as a mark on the centre line."""
-    return _info(scene, sub.name, sub.distance_from_bit, "centre")
 
 
 def mark_infos(scene: Scene) -> list[MarkInfo]:
@@ -164,4 +158,5 @@ def sub_analyzer(scene: Scene, sub: str) -> SubAnalyzer:
     if found is None:
         raise AnalysisError(f"expected a sub that the scene lists, one of {', '.join(listed) or 'none'}, found {sub!r}")
     noise = ToolNoise(found.accelerometer.noise, found.gyroscope.noise)
-    return SubAnalyzer(sub_info(scene, found), found.radius, noise)
+    section = _info(scene, found.name, found.distance_from_bit, "centre")
+    return SubAnalyzer(section, found.radius, noise)

@@ -21,12 +21,13 @@ from drill_twin.io.samples import (
     UNKNOWN_RIG,
     WAITING,
     AnySample,
-    MarkReader,
     RigSample,
     Sample,
     SampleOrder,
     SamplePairing,
     SampleRows,
+    marks_in,
+    read_marks,
     rig_of,
 )
 from drill_twin.io.scene_geometry import SceneTexts, mark_infos, readings_topic, select_marks, sub_analyzer
@@ -91,7 +92,7 @@ class WhirlPipeline:
         self._texts = SceneTexts()
         self._analyzer: Analyzer | SubAnalyzer | None = None
         self.encoder: FindingsEncoder | None = None
-        self._mark_reader = MarkReader(())
+        self._names: tuple[str, ...] = ()
         self._pairing = SamplePairing()
         self.marks: tuple[MarkInfo, ...] = ()
         self._has_spin: bool | None = None  # of the first sample of the stream
@@ -164,7 +165,7 @@ class WhirlPipeline:
                 return self._on_bit(self.bit_only, rig.stamps, found)
             if self._analyzer is None or self._without_rig or marks is None or marks.stamps != rig.stamps:
                 return None
-            return self.analyse_samples(self._mark_reader.read(marks, found), summary=False)
+            return self.analyse_samples(read_marks(marks, self._names, found), summary=False)
         except MessageError:
             return None
 
@@ -237,7 +238,7 @@ class WhirlPipeline:
             self.bit_only = BitOnlyAnalyzer() if self._without_marks or not self.marks else None
             self._analyzer = None if self.bit_only is not None else Analyzer(self.marks)
         self.encoder = FindingsEncoder(self.marks, scene.severity_bounds if scene else None)
-        self._mark_reader = MarkReader(tuple(mark.name for mark in self.marks))
+        self._names = tuple(mark.name for mark in self.marks)
         self._order = SampleOrder()
         self.scene, self.findings, self.trouble = scene, None, ""
         self.runs += 1
@@ -254,7 +255,7 @@ class WhirlPipeline:
         if self.bit_only is not None:
             return []
         if self._analyzer is not None:
-            self._mark_reader.check(states)  # before the rig's state, its partner, comes
+            marks_in(states, self._names)  # before the rig's state, its partner, comes
         (stamp,) = states.stamps
         sample = Sample(stamp, states) if self._without_rig else self._pairing.add(MARKS_STATE, stamp, states)
         return [] if sample is None else list(self._analyse_sample(sample))
@@ -285,7 +286,7 @@ class WhirlPipeline:
         if self.over or (0 < self._run == self.runs and sample.stamp < self._order.latest):  # or of the next run
             pass
         elif isinstance(sample, Sample) and isinstance(analyzer, Analyzer):
-            yield from self._find(analyzer, self._mark_reader.read(sample.marks, sample.rig), summary=True)[0]
+            yield from self._find(analyzer, read_marks(sample.marks, self._names, sample.rig), summary=True)[0]
         elif isinstance(sample, ImuReading) and isinstance(analyzer, SubAnalyzer):
             self.findings = analyzer.push(sample.stamp, sample.values)
             prefix = sample.frame_id.rpartition(self._sub.rpartition("/")[2])[0]

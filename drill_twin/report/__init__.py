@@ -12,8 +12,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from drill_twin.core.errors import BagError
-from drill_twin.core.files.output import write_whole
+from drill_twin.core.files.output import write_whole, writing
 from drill_twin.core.files.plain_json import json_text
 from drill_twin.report.figures import FIGURES, drawing, left_out
 
@@ -75,7 +74,7 @@ def build_report(
         verdict(summary, str(recording.path)),
         list(answers(summary)),
     )
-    try:
+    with writing(folder, "the report", "choose another folder"):
         folder.mkdir(parents=True, exist_ok=True)
         write_whole(files.summary, json_text(summary))
         from drill_twin.report.charts import CHARTS, chart
@@ -90,10 +89,6 @@ def build_report(
                 charts[name] = chart(figure)
         progress("page")
         write_whole(files.page, build_page(recording, summary, files.figures, charts))
-    except OSError as error:
-        raise BagError(
-            f"{folder}: expected a place to write the report, found {error.strerror or error}; choose another folder"
-        ) from error
     return files
 
 

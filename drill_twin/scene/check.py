@@ -13,7 +13,7 @@ from functools import partial
 from itertools import permutations
 from typing import TYPE_CHECKING, Any, get_args
 
-from drill_twin.physics.effects.config import BitReaction, EffectConfig, Incompatibility
+from drill_twin.physics.effects.config import BitReaction, EffectConfig, Incompatibility, too_large
 from drill_twin.scene.blocks.part import Problem
 from drill_twin.scene.blocks.sensors import Sub, Surface
 from drill_twin.scene.blocks.string import places_off_string
@@ -112,14 +112,12 @@ def _string_fits_the_hole(scene: Scene) -> Iterator[Problem]:
         }  # fmt: skip
         narrow = 2.0 * scene.hole.least_radius(top, bottom)
         for key, diameter in diameters.items():
-            if diameter >= narrow:
-                text = f"expected less than the diameter of the hole ({narrow:.6g} m), found {diameter:.6g} m"
-                yield ("string", "sections", index, *key), text
+            place: tuple[str | int, ...] = ("string", "sections", index, *key)
+            yield from too_large(place, diameter, narrow, "diameter of the hole", below=True)
     for index, disc in enumerate(scene.string.discs):
         hole = 2.0 * scene.hole.radius_at(max(scene.string.length - disc.distance_from_bit, 0.0))
-        if disc.outer_diameter is not None and disc.outer_diameter >= hole:
-            text = f"expected less than the diameter of the hole ({hole:.6g} m), found {disc.outer_diameter:.6g} m"
-            yield ("string", "discs", index, "outer_diameter"), text
+        place = ("string", "discs", index, "outer_diameter")
+        yield from too_large(place, disc.outer_diameter or 0.0, hole, "diameter of the hole", below=True)
 
 
 def _hole_holds_the_string(scene: Scene) -> Iterator[Problem]:
@@ -166,11 +164,12 @@ def _one_law_at_the_bit(scene: Scene) -> Iterator[Problem]:
 
 
 def _bit_is_held(scene: Scene) -> Iterator[Problem]:
-    if scene.string.bit_end == "stabilised" and scene.effects.bit_stabiliser is None:
+    end, lacks = scene.string.bit_end, scene.effects.bit_stabiliser is None
+    if (end == "stabilised") is lacks:
         yield Incompatibility(
-            ("string", "bit_end"),
+            ("string", "bit_end") if lacks else ("effects", "bit_stabiliser"),
             "expected `string.bit_end: stabilised` and `effects.bit_stabiliser` together, "
-            "found bit_end stabilised without a bit_stabiliser",
+            f"found bit_end {end} {'without' if lacks else 'with'} a bit_stabiliser",
         )
 
 

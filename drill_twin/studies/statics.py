@@ -12,6 +12,7 @@ from matplotlib.ticker import MaxNLocator
 
 from drill_twin.core.arrays import Array, number_or_none
 from drill_twin.core.table import Column, Table
+from drill_twin.dynamics.discretisation.discretise import sections_at
 from drill_twin.dynamics.torque_drag.analysis import OperationLoads, Statics
 from drill_twin.dynamics.torque_drag.soft_string import CHEN, BucklingState
 from drill_twin.report.figures.style import BLUE, GREEN, GREY, ORANGE, PURPLE, VERMILION, blank, styled
@@ -78,7 +79,7 @@ side force of the wall on all of it, share of its length on the wall, largest be
 
 def parts_of(scene: Scene, loads: OperationLoads) -> list[tuple[str, Array]]:
     """Name of each section from the bit up, and its loads as in `PART`, SI."""
-    along, number, found = loads.along, _section(scene, loads), list[tuple[str, Array]]()
+    along, number, found = loads.along, sections_at(scene, loads.length - loads.along.depth), list[tuple[str, Array]]()
     for k, section in enumerate(scene.string.sections):
         own = number == k
         length, side = along.length[own], along.side_force[own]
@@ -88,13 +89,6 @@ def parts_of(scene: Scene, loads: OperationLoads) -> list[tuple[str, Array]]:
             along.bending_moment[own].max(), along.stress[own].max(),
         ])))  # fmt: skip
     return found
-
-
-def _section(scene: Scene, loads: OperationLoads) -> Array:
-    """Index of the section of each element."""
-    tops = np.cumsum([section.length for section in scene.string.sections])
-    middle = loads.length - loads.along.depth
-    return np.minimum(np.searchsorted(tops, middle), tops.size - 1)
 
 
 def depth_table(found: Statics) -> Table:
@@ -112,7 +106,9 @@ def depth_table(found: Statics) -> Table:
             0.5 * (soft.torque[1:] + soft.torque[:-1]), along.side_force, along.bending_moment, along.stress,
             loads.buckling.sinusoidal, loads.buckling.helical,
         ])  # fmt: skip
-        parts = [found.scene.string.sections[k].name for k in _section(found.scene, loads).tolist()]
+        parts = [
+            found.scene.string.sections[k].name for k in sections_at(found.scene, loads.length - along.depth).tolist()
+        ]
         for row, state, part in zip(values[::-1], loads.states[::-1], parts[::-1], strict=True):
             state_of = BucklingState(int(state)).label
             rows.append([loads.operation.name, *(f"{value:.6g}" for value in row), state_of, part])

@@ -73,14 +73,7 @@ def bins_in(history: Columns, revolutions: float) -> int:
     end = end_of(history)
     bins = min(history.length[0], int(4 * BINS * revolutions))
     least = history.revolutions[end - 1] - revolutions + 0.5 / BINS
-    low, high = end - bins, end
-    while low < high:
-        middle = (low + high) // 2
-        if history.revolutions[middle] < least:
-            low = middle + 1
-        else:
-            high = middle
-    return int(end - low)
+    return int(bins - np.searchsorted(history.revolutions[end - bins : end], least))
 
 
 @strict_kernel

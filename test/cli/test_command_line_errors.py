@@ -93,7 +93,7 @@ def field(inside, bench_run):
         (["analyze", "no_bag", "--sub", ""], "--sub: expected a downhole sub, found no name; without --sub"),
         (["modes", "pa6_bench", "--out", "text.mcap"], "text.mcap: expected a place to write the result"),
         (["scene", "schema", "--out", "taken"], "expected a new file, found an existing file"),
-        (["scene", "schema", "--out", "text.mcap/x"], "cannot be written"),
+        (["scene", "schema", "--out", "text.mcap/x"], "expected a place to write the file"),
     ],
 )
 def test_one_line_and_exit_code_2(call, field, arguments, words):

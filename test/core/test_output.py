@@ -41,7 +41,10 @@ def test_a_full_disk_leaves_the_file_of_before(small_disk):
 def test_a_figure_on_a_full_disk_is_refused_in_a_sentence(small_disk):
     disk = small_disk(4 * 1024)  # a page of memory
     (disk / "full").write_bytes(b"x" * 4096)
-    with pytest.raises(BagError, match=r"a\.png: cannot be written: No space left on device; choose another place$"):
+    with pytest.raises(
+        BagError,
+        match=r"a\.png: expected a place to write the figure, found No space left on device; choose another place$",
+    ):
         save(blank(5.0), disk / "a.png")
     assert list(disk.iterdir()) == [disk / "full"]
 
@@ -52,7 +55,8 @@ def test_a_result_on_a_full_disk_is_refused_by_the_command_in_a_sentence(small_d
     said = subprocess.run(command, capture_output=True, text=True, check=False)
     assert (said.returncode, said.stdout) == (2, "")
     assert said.stderr.strip() == (
-        f"drill-twin: error: {disk}/scene.schema.json: cannot be written: No space left on device; choose another place"
+        f"drill-twin: error: {disk}/scene.schema.json: expected a place to write the file, found No space left on "
+        "device; choose another place"
     )
     assert not list(disk.iterdir())
 

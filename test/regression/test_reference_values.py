@@ -7,10 +7,10 @@ import tempfile
 from pathlib import Path
 
 import pytest
+from one_frame import frames_of
 from reference_values import DURATION, FILE, cases, differences, tolerances
 
 from drill_twin.dynamics.twin.checkpoint import Checkpoint
-from drill_twin.dynamics.twin.frame import Frames
 from drill_twin.dynamics.twin.twin import Twin
 from drill_twin.io.bag.reader import Bag
 from drill_twin.io.messages.encode import TwinEncoder
@@ -68,7 +68,7 @@ def _hashes_with_checkpoint(scene):
         command = schedule.at(seconds(stamp))
         frame = twin.advance(command, seconds(period))
         for topic, encode in encoders.items():
-            digests[topic].update(stamp.to_bytes(8, "little") + encode(Frames.of(frame))[0])
+            digests[topic].update(stamp.to_bytes(8, "little") + encode(frames_of(frame))[0])
         if number == frames // 2:
             with tempfile.TemporaryDirectory() as folder:
                 path = Path(folder) / "checkpoint.npz"

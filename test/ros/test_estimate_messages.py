@@ -25,7 +25,7 @@ def estimate(unexplained, spans):
         time=70.0, numbers={"load_factor": Band(1.0, 0.1, 0.9, 1.1)}, untold={},
         sensors={"bit_speed": Band(2.5, low, low, low)}, withheld={}, whirls=0.0, chance=math.nan,
         unexplained=unexplained, jumps={},
-        misfit={"torque": 0.1}, goodness={}, absurd=0, unmeasured=0.0, frames=(), spans=spans,
+        misfit={"torque": 0.1}, goodness={}, absurd=0, unmeasured=0.0, frames=None, spans=spans,
     )  # fmt: skip
 
 

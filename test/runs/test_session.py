@@ -9,12 +9,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 import yaml
+from one_frame import frames_of
 from rosbags.rosbag2 import Reader
 
 from drill_twin import __version__
 from drill_twin.core.arrays import Array
 from drill_twin.core.errors import BagError, MessageError, RunError
-from drill_twin.dynamics.twin.frame import Frames
 from drill_twin.dynamics.twin.frame_record import Record
 from drill_twin.dynamics.twin.twin import Twin
 from drill_twin.io.bag.reader import Bag
@@ -64,7 +64,7 @@ def test_bytes_are_those_of_the_twin_stepped_by_hand(bench_run, bench_scene):
     )
     for k in range(120):
         frame = twin.advance(schedule.at((k + 1) / 100), 0.01)
-        one = Frames.of(frame)
+        one = frames_of(frame)
         assert encoder.marks(one) + encoder.poses(one) + encoder.rig_state(one) == [marks[k], poses[k], rig[k]]
 
 

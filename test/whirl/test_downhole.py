@@ -9,7 +9,7 @@ from variants import one_of
 
 from drill_twin.dynamics.sensors.motion import instantaneous
 from drill_twin.whirl import AnalysisError, MarkInfo
-from drill_twin.whirl.downhole import SubAnalyzer, ToolNoise, analyse_sub
+from drill_twin.whirl.downhole import SubAnalyzer, ToolNoise
 from drill_twin.whirl.downhole.high_pass import corner_for
 from drill_twin.whirl.downhole.motion import SubMotion
 
@@ -48,6 +48,14 @@ def places(stamp, values, noise=NOISE):
     return motion, np.array([place.position for place in found]), np.array([place.spin for place in found])
 
 
+def analysed(stamp, values, noise=NOISE):
+    """Findings of the whirl analysis for the section of the sub."""
+    analyzer = SubAnalyzer(MARK, RADIUS, noise)
+    for at, row in zip(stamp.tolist(), values, strict=True):
+        analyzer.push(at, row)
+    return analyzer.checked_summary()
+
+
 RATIOS = (-1.2, -0.4, 0.3, 0.7, 1.4)
 TILTS = ((0.0, 0.0), (0.2, 0.0), (0.0, 0.6))
 
@@ -55,7 +63,7 @@ TILTS = ((0.0, 0.0), (0.2, 0.0), (0.0, 0.6))
 @pytest.mark.parametrize(("slope", "lean", "ratio"), one_of(3, ((*tilt, ratio) for tilt in TILTS for ratio in RATIOS)))
 def test_sense_ratio_radius_and_onset_are_found(slope, lean, ratio):
     begin = 14.0
-    found = analyse_sub(*read(30.0, ratio, begin, slope=slope, lean=lean), MARK, RADIUS, NOISE)
+    found = analysed(*read(30.0, ratio, begin, slope=slope, lean=lean))
     assert found.mean_ratio == pytest.approx(ratio, abs=0.02)
     crossing = begin - math.log(9.0) / (2.0 * TURN / math.tau)  # of 5 % on the way to 50 %
     assert found.onset_s == pytest.approx(crossing, abs=math.tau / TURN)
@@ -71,7 +79,7 @@ def test_a_slow_whirl_of_a_tilted_section_is_not_taken_for_a_larger_one():
 
 @pytest.mark.slow
 def test_steady_rotation_with_noise_has_no_onset():
-    found = analyse_sub(*read(600.0, 0.5, 1e6, seed=3), MARK, RADIUS, NOISE)
+    found = analysed(*read(600.0, 0.5, 1e6, seed=3))
     assert found.onset is None
 
 
@@ -98,7 +106,7 @@ def corner_noise(corner):
 
 
 def test_a_whirl_slower_than_the_corner_is_not_found_and_the_corner_is_told():
-    found = analyse_sub(*read(30.0, 0.04, 14.0, level=0.1, growth=0.5), MARK, RADIUS, NOISE)
+    found = analysed(*read(30.0, 0.04, 14.0, level=0.1, growth=0.5))
     assert found.onset is None
     assert found.sub.slowest_hz >= 0.06 * TURN / math.tau
 
@@ -113,7 +121,7 @@ def test_readings_that_cannot_be_used_are_refused(what):
     else:
         stamp += np.arange(stamp.size) // 100 * 500_000_000
     with pytest.raises(AnalysisError, match="over 4 revolutions of a sub without a gap, of 4 readings or more"):
-        analyse_sub(stamp, values, MARK, RADIUS, NOISE)
+        analysed(stamp, values)
 
 
 @pytest.mark.slow
@@ -124,23 +132,23 @@ def test_readings_that_are_lost_repeated_or_absurd_are_survived():
     kept = np.ones(stamp.size, bool)
     kept[[900, 1200]] = False
     order = np.insert(np.flatnonzero(kept), 1300, [1000, 800])
-    found = analyse_sub(stamp[order], values[order], MARK, RADIUS, NOISE)
+    found = analysed(stamp[order], values[order])
     assert (found.quality.incomplete, found.quality.late) == (2, 2)
     assert found.mean_ratio == pytest.approx(0.5, abs=0.02)
-    whole = analyse_sub(*read(30.0, 0.5, 14.0), MARK, RADIUS, NOISE)
+    whole = analysed(*read(30.0, 0.5, 14.0))
     assert found.onset_s == pytest.approx(whole.onset_s, abs=0.1)
 
 
 def test_after_a_long_gap_the_analysis_begins_again():
     stamp, values = read(40.0, 0.5, 25.0)
     kept = (stamp < 8e9) | (stamp > 12e9)
-    found = analyse_sub(stamp[kept], values[kept], MARK, RADIUS, NOISE)
+    found = analysed(stamp[kept], values[kept])
     assert found.mean_ratio == pytest.approx(0.5, abs=0.02)
     assert found.onset_s == pytest.approx(25.0 - math.log(9.0) / 4.0, abs=0.5)
 
 
 def test_a_whirl_that_is_there_at_the_start_is_found_and_said_to_be():
-    found = analyse_sub(*read(20.0, 0.6, -5.0), MARK, RADIUS, NOISE)
+    found = analysed(*read(20.0, 0.6, -5.0))
     assert found.onset.at_start
     assert "from the start" in found.onset.criterion
     assert found.mean_ratio == pytest.approx(0.6, abs=0.03)
@@ -151,14 +159,14 @@ def test_a_whirl_that_is_there_at_the_start_is_found_and_said_to_be():
 @pytest.mark.slow
 def test_the_onset_has_an_uncertainty_and_that_of_a_creeping_orbit_is_not_dated():
     quiet = ToolNoise(0.00125, 0.00025)
-    known = analyse_sub(*read(30.0, 0.5, 14.0, noise=quiet), MARK, RADIUS, quiet).onset
+    known = analysed(*read(30.0, 0.5, 14.0, noise=quiet), noise=quiet).onset
     assert known.dated
     assert known.uncertainty_s < 0.5
-    usual = analyse_sub(*read(30.0, 0.5, 14.0), MARK, RADIUS, NOISE).onset
+    usual = analysed(*read(30.0, 0.5, 14.0)).onset
     assert usual.uncertainty_s > 2.0 * known.uncertainty_s
     assert abs(usual.time_s - (14.0 - math.log(9.0) / 4.0)) < usual.uncertainty_s
     noise = ToolNoise(0.02, 0.004)
-    unknown = analyse_sub(*read(50.0, 0.3, 30.0, noise=noise, growth=0.07), MARK, RADIUS, noise).onset
+    unknown = analysed(*read(50.0, 0.3, 30.0, noise=noise, growth=0.07), noise=noise).onset
     assert not unknown.dated
     assert "not dated" in unknown.criterion
 

@@ -13,11 +13,13 @@ from typing import Any, Generic, TypeVar
 from pydantic import TypeAdapter
 
 from drill_twin.core.errors import ArgumentError, BagError, DrillTwinError
+from drill_twin.core.files.output import writing
 
 LARGEST_TEXT = 1_000_000
 """Bytes or characters of a text."""
 ODD_DATA = (LookupError, TypeError, ValueError, AttributeError, OverflowError)
 """Errors of a reader whose data are JSON, but not what the reader expects."""
+_RESULTS = "results", "choose another"
 _LONGEST_INTEGER = 300  # digits; a longer integer becomes an infinite float
 
 
@@ -76,7 +78,7 @@ class JsonLines(Generic[T]):
         self.file, self.results, self.bad = file, list[T](), 0
         self._type, self._remedy = TypeAdapter(of), remedy
         head = (json.dumps({study: setup}) + "\n").encode()
-        try:
+        with writing(file, *_RESULTS):
             file.parent.mkdir(parents=True, exist_ok=True)
             with os.fdopen(os.open(file, _OPEN, 0o666), "r+b", buffering=0) as stream:
                 if not stat.S_ISREG(os.fstat(stream.fileno()).st_mode):
@@ -91,8 +93,6 @@ class JsonLines(Generic[T]):
             if self.bad:
                 lines = "1 line that is no result is" if self.bad == 1 else f"{self.bad} lines that are no results are"
                 _LOG.warning("%s: %s left out; what it was of is computed again", file, lines)
-        except OSError as error:
-            raise self._unusable(error) from error
 
     def add(self, result: T) -> None:
         """Append a result: plain types, dataclasses and what has a method `to_dict`.
@@ -101,17 +101,14 @@ class JsonLines(Generic[T]):
             BagError: The file cannot be written.
         """
         line = (json.dumps(result, separators=(",", ":"), default=_plain) + "\n").encode()
-        try:
-            with self.file.open("ab", buffering=0) as stream:
-                end = stream.tell()
-                try:
-                    while line:
-                        line = line[stream.write(line) :]
-                except OSError:
-                    stream.truncate(end)  # no half of a line stays on a full disk
-                    raise
-        except OSError as error:
-            raise self._unusable(error) from error
+        with writing(self.file, *_RESULTS), self.file.open("ab", buffering=0) as stream:
+            end = stream.tell()
+            try:
+                while line:
+                    line = line[stream.write(line) :]
+            except OSError:
+                stream.truncate(end)  # no half of a line stays on a full disk
+                raise
         self.results.append(result)
 
     def _read_lines(self, text: bytes) -> int:
@@ -140,11 +137,6 @@ class JsonLines(Generic[T]):
             raise ArgumentError(
                 f"{self.file}: expected results of this `{study}`, found results of another {names}; {self._remedy}"
             )
-
-    def _unusable(self, error: OSError) -> BagError:
-        return BagError(
-            f"{self.file}: expected a place to keep results, found {error.strerror or error}; choose another"
-        )
 
 
 def _plain(result: Any) -> Any:

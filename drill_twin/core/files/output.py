@@ -10,10 +10,31 @@ from itertools import count
 from pathlib import Path
 from typing import BinaryIO
 
-from drill_twin.core.errors import BagError
+from drill_twin.core.errors import BagError, DrillTwinError
 
 PRIVATE = 0o600
 """Mode of a file that only its owner reads and writes."""
+
+
+@contextmanager
+def writing(
+    place: object, what: str = "the result", remedy: str = "choose another with --out",
+    error_type: type[DrillTwinError] = BagError,
+) -> Iterator[None]:  # fmt: skip
+    """Turn the OSError of a file or folder that cannot be written into one of ours, which says what to do.
+
+    Args:
+        place: Path that is written.
+        what: Content that is written, in the message.
+        remedy: End of the message.
+        error_type: Raised for the OSError.
+    """
+    try:
+        yield
+    except OSError as error:
+        raise error_type(
+            f"{place}: expected a place to write {what}, found {error.strerror or error}; {remedy}"
+        ) from error
 
 
 def write_whole(path: Path, content: bytes | str, mode: int = 0o666) -> None:
@@ -69,11 +90,9 @@ def new_folder(folder: Path, *, replace: bool, results: Collection[str] = RESULT
         BagError: The folder is not empty, or cannot be made.
     """
     moved = None
-    try:
+    with writing(folder):
         if check_folder(folder, replace=replace):
             moved = _move_aside(folder, results)
-    except OSError as error:
-        raise _not_writable(folder, error) from error
     make_folder(folder)
     return moved
 
@@ -99,16 +118,8 @@ def make_folder(folder: Path) -> None:
     Raises:
         BagError: The folder cannot be made.
     """
-    try:
+    with writing(folder):
         folder.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise _not_writable(folder, error) from error
-
-
-def _not_writable(folder: Path, error: OSError) -> BagError:
-    return BagError(
-        f"{folder}: expected a place to write the result, found {error.strerror or error}; choose another with --out"
-    )
 
 
 def _move_aside(folder: Path, results: Collection[str]) -> Path:

@@ -143,3 +143,26 @@ class Within:
         """Range as text: `above 0 m and at most 5 m`."""
         text = " and ".join(f"{name.replace('_', ' ')} {bound}" for name, bound in self._bounds().items())
         return f"{text} ({self.reason})" if self.reason else text
+
+
+@dataclass(frozen=True)
+class Whole:
+    """Annotation of a whole number in a range, both bounds included."""
+
+    at_least: int
+    at_most: int
+    what: str = "a whole number"
+    """Expected value in messages."""
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> core_schema.CoreSchema:
+        return core_schema.no_info_plain_validator_function(self._read)
+
+    def __get_pydantic_json_schema__(
+        self, schema: core_schema.CoreSchema, handler: GetJsonSchemaHandler
+    ) -> JsonSchemaValue:
+        return {"type": "integer", "minimum": self.at_least, "maximum": self.at_most}
+
+    def _read(self, value: Any) -> int:
+        if not isinstance(value, int) or isinstance(value, bool) or not self.at_least <= value <= self.at_most:
+            raise refuse(f"expected {self.what} from {self.at_least} to {self.at_most}, found {show(value)}")
+        return value

@@ -6,12 +6,11 @@ from typing import NamedTuple
 import numpy as np
 
 from drill_twin.core.arrays import Array
-from drill_twin.core.compile.jit import as_python
 from drill_twin.dynamics.solver.joined.linear_solver import Workspace
 from drill_twin.physics.effects.wall import Parameters as Wall
 from drill_twin.physics.model.discrete_model import DiscreteModel
 from drill_twin.physics.model.mesh import SPIN, Rod, locate, part_of
-from drill_twin.physics.model.wellbore import axis_offset, offsets
+from drill_twin.physics.model.wellbore import offsets
 
 
 class Energy(NamedTuple):
@@ -106,17 +105,16 @@ def joined_energy(rod: Rod, work: Workspace, u: Array, v: Array) -> Energy:
 
 
 def wall_energy(model: DiscreteModel, wall: Wall, u: Array) -> float:
-    """Energy in the wall's spring [J]: K d^(p + 1) / (p + 1) per length at the Gauss points."""
-    rod, bore = model.rod, model.wellbore
-    places = gauss_positions(rod, u)
-    if bore.axis is None:
-        off = np.hypot(places[:, 0], places[:, 1])
-    else:
-        offset = as_python(axis_offset)
-        off = np.array([np.linalg.norm(offset(bore.axis, k, *place)[:3]) for k, place in enumerate(places)])
-    depth = np.maximum(off - bore.clearance, 0.0)
-    power = 1.0 if wall.linear else 1.5
-    return float(np.sum(0.5 * model.at_places(rod.length) * wall.stiffness * depth ** (power + 1.0) / (power + 1.0)))
+    """Energy in the wall's spring [J]: K d^q / q per length at the Gauss points, q = 5/2 or 2."""
+    depth = np.maximum(np.linalg.norm(off_axis(model, u), axis=1) - model.wellbore.clearance, 0.0)
+    power, length = 2.0 if wall.linear else 2.5, model.at_places(model.rod.length)
+    return float(np.sum(0.5 * length * wall.stiffness * depth**power / power))
+
+
+def off_axis(model: DiscreteModel, u: Array) -> Array:
+    """Vectors from the axis of the hole, across it, to the centre line at the Gauss points [m], shape (2 n, 3)."""
+    places, axis = gauss_positions(model.rod, u), model.wellbore.axis
+    return places * [1.0, 1.0, 0.0] if axis is None else offsets(axis, places).off
 
 
 def gauss_positions(rod: Rod, u: Array) -> Array:

@@ -47,10 +47,9 @@ OUTSIDE_ITERATION = -5.0  # number of an iteration that no effect remembers as t
 @kernel
 def start_step(entries: Array) -> None:
     """Clear the powers of the step."""
-    for k in range(entries.shape[1]):
-        entries[POWER, k] = 0.0
-        entries[HEAT, k] = 0.0
-        entries[ENDS, k] = 0.0
+    entries[POWER, :] = 0.0
+    entries[HEAT, :] = 0.0
+    entries[ENDS, :] = 0.0
     entries[NOW, SAMPLE] = 0.0
 
 

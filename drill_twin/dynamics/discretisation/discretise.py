@@ -91,17 +91,19 @@ def discretise(scene: Scene, rod: Rod) -> DiscreteModel:
     """Make the discrete model of a meshed string in its hole."""
     at = places(rod)
     mud = getattr(scene.effects, "mud", None)
-    numbers = _section_numbers(scene, rod)
+    numbers = sections_at(scene, 0.5 * (rod.arc[1:] + rod.arc[:-1]))
     sections = scene.string.sections
     joints = np.array([0.0 if s.adjusted_mass is None else s.adjusted_mass / s.density - s.area for s in sections])
-    fluid = (mud.density, mud.viscosity, mud.inside == "mud", joints[numbers]) if mud is not None else ()
     model = DiscreteModel(
         rod, scene.hole.radius, scene.hole.top_inclination, bore_at(scene, at), contact_radius(scene, at), numbers,
         scene.numerics.seed, bit_frame(axis_at(scene, np.array([scene.length]))),
-        tuple(section.yield_strength for section in sections), getattr(scene.effects, "bow", None), *fluid,
+        tuple(section.yield_strength for section in sections), getattr(scene.effects, "bow", None),
     )  # fmt: skip
     if mud is not None:
-        model = model._replace(fluid=mud, fastest_rotation=extremes(scene).rotation)
+        model = model._replace(
+            fluid_density=mud.density, fluid_inside=mud.inside == "mud", joint_area=joints[numbers], fluid=mud,
+            fastest_rotation=extremes(scene).rotation,
+        )  # fmt: skip
     if not scene.string.discs and not scene.string.supports:
         return model
     model = model._replace(nodes=axis_at(scene, scene.length - rod.arc))
@@ -116,10 +118,10 @@ def _bodies(scene: Scene, model: DiscreteModel) -> Bodies:
     return Bodies(node, mass, polar, diametral, weight)
 
 
-def _section_numbers(scene: Scene, rod: Rod) -> NDArray[np.int64]:
+def sections_at(scene: Scene, distance_from_bit: Array) -> NDArray[np.int64]:
+    """Index of the section at points of the string [m], shape (p,)."""
     tops = np.cumsum([section.length for section in scene.string.sections])
-    middle = 0.5 * (rod.arc[1:] + rod.arc[:-1])
-    return np.minimum(np.searchsorted(tops, middle), tops.size - 1).astype(np.int64)
+    return np.minimum(np.searchsorted(tops, distance_from_bit), tops.size - 1).astype(np.int64)
 
 
 def bore_at(scene: Scene, distance_from_bit: Array) -> Wellbore:

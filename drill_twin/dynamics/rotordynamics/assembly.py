@@ -19,7 +19,7 @@ import numpy as np
 from scipy.sparse import csc_array
 
 from drill_twin.core.arrays import Array, ComplexArray
-from drill_twin.dynamics.audit.energy import gauss_positions, rows_at
+from drill_twin.dynamics.audit.energy import off_axis, rows_at
 from drill_twin.dynamics.discretisation.discretise import tubes_of
 from drill_twin.dynamics.discretisation.joint import collars_of
 from drill_twin.dynamics.discretisation.resolution import LONGEST_ELEMENT
@@ -29,7 +29,6 @@ from drill_twin.dynamics.rotordynamics.equations import EquationsOfMotion, Linea
 from drill_twin.dynamics.rotordynamics.turning_frame import HoleFrame
 from drill_twin.dynamics.solver.linearisation import DAMPING, MASS
 from drill_twin.physics.model import SPIN, Rod, rod_of, tube_constants
-from drill_twin.physics.model.wellbore import offsets
 from drill_twin.scene import Scene
 from drill_twin.scene.set_points.command import Command
 
@@ -107,9 +106,8 @@ class Assembly:
     @cached_property
     def lying(self) -> Array:
         """1 for the nodes of elements that are on the wall in balance, else 0; shape (n + 1,)."""
-        bore, places = self.equations.model.wellbore, gauss_positions(self.equations.model.rod, self.u)
-        off = places[:, :2] if bore.axis is None else offsets(bore.axis, places).off
-        on = (np.linalg.norm(off, axis=1) > bore.clearance).reshape(-1, 2).any(axis=1)
+        model = self.equations.model
+        on = (np.linalg.norm(off_axis(model, self.u), axis=1) > model.wellbore.clearance).reshape(-1, 2).any(axis=1)
         return np.asarray(np.maximum(np.append(on, 0.0), np.append(0.0, on)), float)
 
     @cached_property

@@ -21,7 +21,6 @@ from drill_twin.dynamics.rotordynamics.block_rows import BlockRows
 from drill_twin.dynamics.rotordynamics.eigenvalues import Delay
 from drill_twin.dynamics.solver.boundary import LAG
 from drill_twin.dynamics.solver.kernel_codegen import build_linearisation
-from drill_twin.dynamics.solver.linearisation import DAMPING, MASS, STIFFNESS
 from drill_twin.physics.effects.bit_regenerative import READY, Regeneration, regeneration
 from drill_twin.physics.model import SPIN, Rod
 from drill_twin.physics.model.bit import INITIAL, WEIGHT
@@ -52,29 +51,16 @@ class Linearised:
     """Operations on them."""
 
     @cached_property
-    def mass(self) -> Array:
-        """Shape (m, m), as the others."""
-        return self.rows.dense(self.tangents[MASS])
-
-    @cached_property
-    def damping(self) -> Array:
-        """Derivative by the velocity."""
-        return self.rows.dense(self.tangents[DAMPING])
-
-    @cached_property
-    def stiffness(self) -> Array:
-        """Derivative by the position."""
-        return self.rows.dense(self.tangents[STIFFNESS])
-
-    @property
     def matrices(self) -> tuple[Array, Array, Array]:
-        """Mass, damping and stiffness."""
-        return self.mass, self.damping, self.stiffness
+        """Mass, damping (derivative by the velocity) and stiffness (by the position), shape (m, m) each."""
+        mass, damping, stiffness = map(self.rows.dense, self.tangents)
+        return mass, damping, stiffness
 
     @property
-    def sparse(self) -> tuple[Any, ...]:
-        """The same as sparse matrices, for a long string."""
-        return tuple(map(self.rows.sparse, self.tangents))
+    def sparse(self) -> tuple[Any, Any, Any]:
+        """Mass, damping and stiffness as sparse matrices, for a long string."""
+        mass, damping, stiffness = map(self.rows.sparse, self.tangents)
+        return mass, damping, stiffness
 
 
 def without(scene: Scene, effects: Sequence[str]) -> Scene:

@@ -15,13 +15,13 @@ from numpy.polynomial.chebyshev import chebvander
 
 from drill_twin.core.arrays import Array, ComplexArray
 from drill_twin.core.errors import SceneError
-from drill_twin.dynamics.audit.energy import element_unknowns, gauss_positions
+from drill_twin.dynamics.audit.energy import element_unknowns, gauss_positions, off_axis
 from drill_twin.dynamics.rotordynamics.assembly import Assembly
 from drill_twin.dynamics.rotordynamics.equations import EquationsOfMotion
 from drill_twin.dynamics.rotordynamics.modes import Mode, balance
 from drill_twin.dynamics.rotordynamics.turning_frame import HoleFrame
 from drill_twin.physics.effects.wall import Parameters as Wall
-from drill_twin.physics.model import SPIN, locate, offsets
+from drill_twin.physics.model import SPIN, locate
 from drill_twin.scene import Scene
 from drill_twin.scene.set_points.command import Command
 
@@ -194,8 +194,7 @@ def _contacts(assembly: Assembly, wall: Wall | None) -> tuple[dict[tuple[float, 
     rod, bore = model.rod, model.wellbore
     if wall is None:
         return {}, np.zeros(0), np.zeros((2 * rod.length.size, 3))
-    places = gauss_positions(rod, assembly.u)
-    off = places * [1.0, 1.0, 0.0] if bore.axis is None else offsets(bore.axis, places).off
+    off = off_axis(model, assembly.u)
     radius = np.linalg.norm(off, axis=1)
     depth, power = np.maximum(radius - bore.clearance, 0.0), 1.0 if wall.linear else 1.5
     weight = 0.5 * np.repeat(rod.length, 2) * wall.stiffness

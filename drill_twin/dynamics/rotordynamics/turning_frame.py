@@ -27,7 +27,7 @@ def quarter_turn(rows: Array) -> Array:
 
 
 class TurningFrame:
-    """Products of matrices of the free unknowns with J.
+    """Free unknowns across the axis and along it, and matrices of the free unknowns on x + i y.
 
     Attributes:
         x: Numbers of the free unknowns x and x', by node.
@@ -53,18 +53,6 @@ class TurningFrame:
     def values(self, rows: Array) -> Array:
         """Values of the free unknowns in rows of seven, shape (m,)."""
         return np.asarray(rows[:, self._columns][self._free])
-
-    def times_j(self, matrix: Array) -> Array:
-        """Matrix times J."""
-        result = np.zeros_like(matrix)
-        result[:, self.x], result[:, self.y] = matrix[:, self.y], -matrix[:, self.x]
-        return result
-
-    def across(self, matrix: Array) -> Array:
-        """Matrix times -J J: its columns across the axis."""
-        result = np.zeros_like(matrix)
-        result[:, self.x], result[:, self.y] = matrix[:, self.x], matrix[:, self.y]
-        return result
 
     def farthest(self, values: Array) -> int:
         """Number of the unknown y of the node that is farthest from the axis."""

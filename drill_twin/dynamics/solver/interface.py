@@ -41,17 +41,14 @@ class Formulation(NamedTuple):
     order: int  # of Newton's convergence: 2, or 1 where the tangent may be an older one
 
 
-class Unknowns(NamedTuple):
-    """Compiled functions over the unknowns of all nodes."""
+def bind_unknowns(count: int, column: Any) -> tuple[Any, Any, Any, Any]:
+    """Four compiled functions over the unknowns of all nodes, of which each node has `count`.
 
-    extrapolate: Any  # (state, half_step): mid-step velocity `trial` from the last ones
-    clear_constrained: Any  # (constrained, trial): zero velocity of the constrained unknowns of bit and top
-    move_to_middle: Any  # (state, half_step): configuration `place` at mid-step, u_n + half_step v
-    take_step: Any  # (state, half_step): u_n+1 = u_n + dt v, v_n+1 = 2 v - v_n
-
-
-def bind_unknowns(count: int, column: Any) -> Unknowns:
-    """The operations for nodes of `count` unknowns; `column(k)` is the column of the k-th in a node's row."""
+    In order: (state, half_step), mid-step velocity `trial` from the last ones; (constrained, trial), zero velocity of
+    the constrained unknowns of bit and top; (state, half_step), configuration `place` at mid-step, u_n + half_step v;
+    (state, half_step), a step, u_n+1 = u_n + dt v, v_n+1 = 2 v - v_n. `column(k)`: column of the k-th unknown in the
+    row of a node.
+    """
 
     @kernel
     def extrapolate(state: State, half_step: float) -> None:
@@ -90,4 +87,4 @@ def bind_unknowns(count: int, column: Any) -> Unknowns:
                 state.earlier[i, c] = state.middle[i, c]
                 state.middle[i, c] = v
 
-    return Unknowns(extrapolate, clear_constrained, move_to_middle, take_step)
+    return extrapolate, clear_constrained, move_to_middle, take_step

@@ -7,13 +7,12 @@ from typing import NamedTuple
 import numpy as np
 
 from drill_twin.core.arrays import Array
-from drill_twin.dynamics.audit.energy import element_unknowns, gauss_positions
+from drill_twin.dynamics.audit.energy import element_unknowns, off_axis
 from drill_twin.dynamics.discretisation.discretise import axis_at, contact_radius
 from drill_twin.dynamics.torque_drag.soft_string import HoleAndString, Operation, soft_string
 from drill_twin.physics.effects.gravity import line_weight
 from drill_twin.physics.effects.wall import Parameters as Wall
 from drill_twin.physics.model.discrete_model import DiscreteModel
-from drill_twin.physics.model.wellbore import offsets
 from drill_twin.scene import Scene
 
 BEND_PLACES = 32
@@ -78,9 +77,7 @@ def side_force(model: DiscreteModel, wall: Wall | None, u: Array) -> Array:
     """Force of the wall per length, mean over each element [N/m], shape (n,)."""
     if wall is None:
         return np.zeros(model.rod.length.size)
-    places, bore = gauss_positions(model.rod, u), model.wellbore
-    off = places[:, :2] if bore.axis is None else offsets(bore.axis, places).off
-    depth = np.maximum(np.linalg.norm(off, axis=1) - bore.clearance, 0.0)
+    depth = np.maximum(np.linalg.norm(off_axis(model, u), axis=1) - model.wellbore.clearance, 0.0)
     force = wall.stiffness * depth ** (1.0 if wall.linear else 1.5)
     return np.asarray(force.reshape(-1, 2).mean(axis=1))
 

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, NamedTuple, Self
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -189,18 +189,6 @@ class Frames(NamedTuple):
     """Node rows (r, r', psi), shape (F, n + 1, 7), for the sensors of a scene."""
     v: Array | None = None
     """Their velocities."""
-
-    @classmethod
-    def of(cls, frame: Frame) -> Self:
-        """A single frame."""
-        return cls(
-            time=np.array([frame.time]), positions=frame.positions[None], tangents=frame.tangents[None],
-            spin=frame.spin[None], wall_force=frame.wall_force[None], wall_depth=np.array([frame.wall_depth]),
-            wall_depth_at=np.array([frame.wall_depth_at]), marks=MarkStates(*(array[None] for array in frame.marks)),
-            rig=np.array([frame.rig]), stats=frame.stats,
-            interventions=() if frame.intervention is None else (frame.intervention,), energy=frame.energy,
-            stress=None if frame.stress is None else frame.stress[None],
-        )  # fmt: skip
 
     def part(self, rows: slice | Sequence[int]) -> Frames:
         """Select some of the frames; numerical effort and interventions stay the sums over all frames."""

@@ -19,7 +19,6 @@ from drill_twin.dynamics.twin.frame_kernel import GOOD, HALVED_TOO_OFTEN, IMPLAU
 from drill_twin.dynamics.twin.frame_record import Record, frame_of, frames_of, make_record
 from drill_twin.dynamics.twin.step_guard import FrameLoop, StepGuard, Violation
 from drill_twin.physics.model import DiscreteModel, Rod
-from drill_twin.physics.model.bit import DRILLED
 from drill_twin.scene import Scene
 from drill_twin.scene.set_points.command import Command
 
@@ -64,29 +63,14 @@ class Twin:
         return self.dynamics.time
 
     @property
-    def elements(self) -> int:
-        """Number of elements."""
-        return self.rod.length.size
-
-    @property
     def step_size(self) -> float:
         """Nominal time step [s]."""
         return self.dynamics.step
 
     @property
-    def effects(self) -> list[str]:
-        """Keys of the scene's effects."""
-        return self.scene.effect_names
-
-    @property
-    def form(self) -> str:
-        """Formulation: "spatial", "joined" or "lateral", as `Dynamics.form`."""
-        return self.dynamics.form
-
-    @property
-    def drilled(self) -> float:
-        """Depth drilled since the start [m]; 0 without a bit that cuts."""
-        return float(self.dynamics.parameters.drive.bit.impulse[DRILLED])
+    def elements(self) -> int:
+        """Number of elements."""
+        return self.rod.length.size
 
     @property
     def model(self) -> DiscreteModel:

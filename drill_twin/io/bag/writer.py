@@ -15,7 +15,7 @@ from typing import Any, Self
 
 from drill_twin.core import __version__
 from drill_twin.core.errors import BagError
-from drill_twin.core.files.output import write_whole
+from drill_twin.core.files.output import write_whole, writing
 from drill_twin.io.bag.file_writer import FileWriter
 from drill_twin.io.bag.metadata import RecordedTopic, bag_information, contract_topic, to_yaml
 from drill_twin.io.messages.topics import TOPICS
@@ -244,14 +244,11 @@ class BagWriter:
 
 def _first_file(folder: Path, topics: Iterable[RecordedTopic]) -> FileWriter:
     name = folder.name if re.search(r"_\d+$", folder.name) else f"{folder.name}_0"
-    try:
-        folder.mkdir(parents=True)
+    with writing(folder, "the bag", "choose another folder"):
+        try:
+            folder.mkdir(parents=True)
+        except FileExistsError as error:
+            raise BagError(
+                f"{folder}: expected a new folder for the bag, found a folder that exists; choose another or remove it"
+            ) from error
         return FileWriter(folder / f"{name}.mcap", topics)
-    except FileExistsError as error:
-        raise BagError(
-            f"{folder}: expected a new folder for the bag, found a folder that exists; choose another or remove it"
-        ) from error
-    except OSError as error:
-        raise BagError(
-            f"{folder}: expected a place to write the bag, found {error.strerror or error}; choose another folder"
-        ) from error

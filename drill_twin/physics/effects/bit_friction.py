@@ -10,7 +10,7 @@ from drill_twin.core.arrays import Array
 from drill_twin.core.compile.jit import kernel
 from drill_twin.core.units import Dimensionless, Length, Within
 from drill_twin.physics.effects.bit_torque_stribeck import dual_of_step, sign_missed
-from drill_twin.physics.effects.config import EffectConfig, Incompatibility
+from drill_twin.physics.effects.config import EffectConfig, Incompatibility, too_large
 from drill_twin.physics.effects.friction_dual import no_iterate
 from drill_twin.physics.model import SPIN, DiscreteModel, Rod
 from drill_twin.physics.model.bit import BIT_TORQUE, contact_weight
@@ -39,11 +39,7 @@ class BitFriction(EffectConfig):
                 f"expected `string.bit_end` to be {' or '.join(SLIDING)}, found {scene.string.bit_end}: "
                 "a bit held on the axis does not slide",
             )
-        if self.radius > scene.hole.radius:
-            yield Incompatibility(
-                ("radius",),
-                f"expected at most the radius of the hole ({scene.hole.radius:.6g} m), found {self.radius:.6g} m",
-            )
+        yield from too_large(("radius",), self.radius, scene.hole.radius, "radius of the hole")
 
 
 class Parameters(NamedTuple):

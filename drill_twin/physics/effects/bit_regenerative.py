@@ -10,11 +10,10 @@ from collections.abc import Iterator
 from typing import Annotated, Any, ClassVar, NamedTuple
 
 import numpy as np
-from pydantic import BeforeValidator, Field
 
 from drill_twin.core.arrays import Array, Triple
 from drill_twin.core.compile.jit import kernel
-from drill_twin.core.units import AngularSpeed, Dimensionless, Length, Pressure, Speed, Within, refuse, show
+from drill_twin.core.units import AngularSpeed, Dimensionless, Length, Pressure, Speed, Whole, Within
 from drill_twin.physics.effects.bit_torque_stribeck import dual_of_step, sign_missed
 from drill_twin.physics.effects.config import EffectConfig, Flag, Incompatibility
 from drill_twin.physics.effects.friction_dual import no_iterate
@@ -27,12 +26,6 @@ CELLS = 512
 READY, NEWEST, ORIGIN, FARTHEST, DEEPEST = range(5)
 """Indices into the memory: 1 once the surface is set, number of its newest cell, angle of cell 0 and farthest angle of
 the bit [rad], lowest place of the surface [m]."""
-
-
-def _blades(value: Any) -> int:
-    if not isinstance(value, int) or isinstance(value, bool) or not 1 <= value <= MOST_BLADES:
-        raise refuse(f"expected a whole number from 1 to {MOST_BLADES}, found {show(value)}")
-    return value
 
 
 class BitRegenerative(EffectConfig):
@@ -48,7 +41,7 @@ class BitRegenerative(EffectConfig):
 
     radius: Annotated[Length, Within(above="0 m", at_most="2 m")]
     """Radius of the bit, a [m]."""
-    blades: Annotated[int, BeforeValidator(_blades), Field(ge=1, le=MOST_BLADES)] = 4
+    blades: Annotated[int, Whole(1, MOST_BLADES)] = 4
     """Blades, evenly spaced, n; without regeneration their number changes nothing."""
     specific_energy: Annotated[Pressure, Within(above="0 Pa", at_most="1e11 Pa")]
     """Intrinsic specific energy of the rock, eps [Pa]."""

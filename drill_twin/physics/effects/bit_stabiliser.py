@@ -9,7 +9,7 @@ import numpy as np
 from drill_twin.core.arrays import Array
 from drill_twin.core.compile.jit import kernel
 from drill_twin.core.units import Damping, Dimensionless, Length, RotationalStiffness, Stiffness, Within
-from drill_twin.physics.effects.config import EffectConfig, Incompatibility
+from drill_twin.physics.effects.config import EffectConfig, Incompatibility, too_large
 from drill_twin.physics.effects.friction_dual import dual_variable, no_iterate
 from drill_twin.physics.effects.wall import SMALLEST, mean_force
 from drill_twin.physics.model import DiscreteModel, Rod
@@ -35,19 +35,10 @@ class BitStabiliser(EffectConfig):
     """Slip below which friction is proportional to it (regularisation) [m/s]."""
 
     def check_against(self, scene: Any) -> Iterator[Incompatibility]:
-        """Yield another constraint of the bit, or a gauge above the diameter of the hole."""
-        end, length = scene.string.bit_end, scene.length
+        """Yield a gauge above the diameter of the hole."""
+        length = scene.length
         diameter = 2.0 * min(scene.hole.radius, scene.hole.least_radius(length * (1.0 - AT_THE_BIT), length))
-        if end != "stabilised":
-            yield Incompatibility(
-                (),
-                "expected `string.bit_end: stabilised` and `effects.bit_stabiliser` together, "
-                f"found bit_end {end} with a bit_stabiliser",
-            )
-        if self.gauge > diameter:
-            yield Incompatibility(
-                ("gauge",), f"expected at most the diameter of the hole ({diameter:.6g} m), found {self.gauge:.6g} m"
-            )
+        yield from too_large(("gauge",), self.gauge, diameter, "diameter of the hole")
 
 
 class Parameters(NamedTuple):

@@ -10,7 +10,7 @@ from pydantic import model_validator
 from drill_twin.core.arrays import Array
 from drill_twin.core.compile.jit import kernel
 from drill_twin.core.units import Angle, Length, Within, refuse
-from drill_twin.physics.effects.config import EffectConfig, Incompatibility, Seed
+from drill_twin.physics.effects.config import EffectConfig, Incompatibility, Seed, too_large
 from drill_twin.physics.effects.random_draws import generator, random_line
 from drill_twin.physics.model import DiscreteModel, Rod, Strain, rotate_to_tangent
 from drill_twin.physics.model.section import COUPLE, MX, MY, MZ
@@ -47,9 +47,8 @@ class Bow(EffectConfig):
 
     def check_against(self, scene: Any) -> Iterator[Incompatibility]:
         """Yield an amplitude above the clearance."""
-        if self.amplitude >= scene.least_clearance:
-            expected = f"expected less than the clearance in the hole ({scene.least_clearance:.6g} m)"
-            yield Incompatibility(("amplitude",), f"{expected}, found {self.amplitude:.6g} m")
+        clearance = scene.least_clearance
+        yield from too_large(("amplitude",), self.amplitude, clearance, "clearance in the hole", below=True)
 
 
 class Parameters(NamedTuple):

@@ -7,11 +7,10 @@ from collections.abc import Iterable, Iterator
 from types import ModuleType
 from typing import Annotated, Any, ClassVar, Literal, NamedTuple, Self
 
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, model_validator
+from pydantic import BaseModel, BeforeValidator, ConfigDict, model_validator
 
-from drill_twin.core.units import refuse, show
+from drill_twin.core.units import Whole, refuse, show
 
-LARGEST_SEED = 2**63 - 1
 HOOKS = {
     "axial_damping": "parameters, element, axial, rate",
     "section_stress": "parameters, rod, strain, half_step, resultants",
@@ -28,19 +27,13 @@ NEAR = 0.85
 """Likeness (`difflib`) from which a name is a misspelling: a letter of `end_load` too many or too few has 0.93."""
 
 
-def _seed(value: Any) -> int:
-    if not isinstance(value, int) or isinstance(value, bool) or not 0 <= value <= LARGEST_SEED:
-        raise refuse(f"expected a whole number from 0 to {LARGEST_SEED}, found {show(value)}")
-    return value
-
-
 def _flag(value: Any) -> bool:
     if not isinstance(value, bool):
         raise refuse(f"expected true or false, found {show(value)}")
     return value
 
 
-Seed = Annotated[int, BeforeValidator(_seed), Field(ge=0, le=LARGEST_SEED)]
+Seed = Annotated[int, Whole(0, 2**63 - 1)]
 """Seed of the random numbers of an effect; the same seed gives the same run."""
 Flag = Annotated[bool, BeforeValidator(_flag)]
 """True or false."""
@@ -60,6 +53,23 @@ class Incompatibility(NamedTuple):
     """Keys of its place in the block; () for the whole block."""
     text: str
     """Message: expected and found."""
+
+
+def too_large(
+    place: tuple[str | int, ...], found: float, bound: float, name: str, *, below: bool = False
+) -> Iterator[Incompatibility]:
+    """Yield a length [m] above a bound of the scene, or with `below` also a length at the bound.
+
+    Args:
+        place: Keys of the length in its block.
+        found: The length.
+        bound: The bound.
+        name: Words for the bound, such as `radius of the hole`.
+        below: True if the length must be less than the bound.
+    """
+    if found > bound or (below and found == bound):
+        expected = "less than" if below else "at most"
+        yield Incompatibility(place, f"expected {expected} the {name} ({bound:.6g} m), found {found:.6g} m")
 
 
 class EffectConfig(BaseModel):

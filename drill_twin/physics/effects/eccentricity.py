@@ -10,7 +10,7 @@ from pydantic import Field, model_validator
 from drill_twin.core.arrays import Array
 from drill_twin.core.compile.jit import kernel
 from drill_twin.core.units import Angle, Length, Within, refuse
-from drill_twin.physics.effects.config import EffectConfig, Incompatibility, Seed
+from drill_twin.physics.effects.config import EffectConfig, Incompatibility, Seed, too_large
 from drill_twin.physics.effects.random_draws import generator, random_line
 from drill_twin.physics.model import DiscreteModel, Point, Rod, transverse_axes
 
@@ -75,12 +75,8 @@ class Eccentricity(EffectConfig):
             return
         for index, section in enumerate(sections):
             offset = self.sections[index].offset if self.sections else self.offset or 0.0
-            radius, found = section.outer_diameter / 2.0, offset + self.rms
-            if found >= radius:
-                place = ("sections", index, "offset") if self.sections else ("offset" if offset else "rms",)
-                yield Incompatibility(
-                    place, f"expected less than the outer radius ({radius:.6g} m), found {found:.6g} m"
-                )
+            place = ("sections", index, "offset") if self.sections else ("offset" if offset else "rms",)
+            yield from too_large(place, offset + self.rms, section.outer_diameter / 2.0, "outer radius", below=True)
 
 
 class Parameters(NamedTuple):

@@ -31,7 +31,7 @@ from drill_twin.physics.model.section_stress import (
     material_strain,
     strain_samples,
 )
-from drill_twin.physics.model.steel import CURVES, GRADES, Steel, law_of, steel_of
+from drill_twin.physics.model.steel import CURVES, GRADES, Steel, steel_of
 
 Grade = Literal["E75", "X95", "G105", "S135"]
 
@@ -176,7 +176,7 @@ def parameters(block: Fatigue, model: DiscreteModel) -> Parameters:
         bow=_bow(model, places),
         strength=np.array([(s.stress_concentration, t) for s, t in zip(block.sections, tensile, strict=True)]),
         circle=np.stack([np.cos(angle), np.sin(angle)], -1), frame=model.bit_frame,
-        law=law_of(curve, block.smallest_range or SMALLEST * curve[0]),
+        law=Law(*curve, block.smallest_range or SMALLEST * curve[0]),
         memory=memory, points=np.zeros((count, FIBRES, DEPTH)), halves=np.zeros((count, FIBRES, DEPTH)),
         seen=np.zeros((count, len(SCALARS))),
     )  # fmt: skip

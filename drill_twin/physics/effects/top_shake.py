@@ -10,7 +10,7 @@ import numpy as np
 from drill_twin.core.arrays import Array
 from drill_twin.core.compile.jit import kernel
 from drill_twin.core.units import Angle, Frequency, Length, Within
-from drill_twin.physics.effects.config import EffectConfig, Incompatibility, Seed
+from drill_twin.physics.effects.config import EffectConfig, Incompatibility, Seed, too_large
 from drill_twin.physics.effects.random_draws import generator, normal_strata, phases
 from drill_twin.physics.model import DiscreteModel, Rod
 
@@ -36,9 +36,8 @@ class TopShake(EffectConfig):
 
     def check_against(self, scene: Any) -> Iterator[Incompatibility]:
         """Yield an amplitude above the clearance."""
-        if self.amplitude >= scene.least_clearance:
-            expected = f"expected less than the clearance in the hole ({scene.least_clearance:.6g} m)"
-            yield Incompatibility(("amplitude",), f"{expected}, found {self.amplitude:.6g} m")
+        clearance = scene.least_clearance
+        yield from too_large(("amplitude",), self.amplitude, clearance, "clearance in the hole", below=True)
 
 
 class Parameters(NamedTuple):

@@ -25,7 +25,6 @@ class DiscreteModel(NamedTuple):
     yield_strength: tuple[float | None, ...]  # of the scene's sections, where known [Pa]
     bow: Any  # block of the effect `bow`, if the scene lists it
     fluid_density: float = 0.0  # of the mud around the string [kg/m3]; 0 = none
-    fluid_viscosity: float = 0.0  # [Pa s]
     fluid_inside: bool = True  # whether the pipe is filled with it
     joint_area: Array | float = 0.0  # area of upsets and tool joints spread along the pipe [m2], shape (n,)
     bodies: Any = None  # the discs of the string (drill_twin.physics.effects.discs.Bodies); None: none

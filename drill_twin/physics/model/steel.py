@@ -3,8 +3,6 @@
 
 from typing import NamedTuple
 
-from drill_twin.physics.model.rainflow import Law
-
 KSI, MPA = 6.894757e6, 1e6
 
 
@@ -71,8 +69,3 @@ CURVES = {
     **{f"dnv_{name}": _straight(*numbers, SLOPE_BEYOND) for name, numbers in DNV_AIR.items()},
 }
 """Curves by name: stress range [Pa] and cycles at the knee, slope above it, and below it (0: no damage)."""
-
-
-def law_of(curve: tuple[float, float, float, float], smallest: float) -> Law:
-    """The law of a curve, with the smallest range that is counted [Pa]."""
-    return Law(*curve, smallest)

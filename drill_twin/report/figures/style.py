@@ -19,8 +19,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from drill_twin.core.arrays import Array
-from drill_twin.core.errors import BagError
-from drill_twin.core.files.output import whole_file
+from drill_twin.core.files.output import whole_file, writing
 from drill_twin.core.units.system import UnitSystem
 
 if TYPE_CHECKING:
@@ -203,11 +202,8 @@ def save(figure: Figure, path: Path) -> None:
     Raises:
         BagError: The file cannot be written.
     """
-    try:
-        with styled(), whole_file(path) as stream:
-            if (layout := figure.get_layout_engine()) is not None:  # else savefig draws all twice, to lay it out first
-                layout.execute(figure)
-                figure.set_layout_engine("none")
-            figure.savefig(stream, format="png", dpi=DPI, facecolor="white", metadata={"Software": None})
-    except OSError as error:
-        raise BagError(f"{path}: cannot be written: {error.strerror or error}; choose another place") from error
+    with writing(path, "the figure", "choose another place"), styled(), whole_file(path) as stream:
+        if (layout := figure.get_layout_engine()) is not None:  # else savefig draws all twice, to lay it out first
+            layout.execute(figure)
+            figure.set_layout_engine("none")
+        figure.savefig(stream, format="png", dpi=DPI, facecolor="white", metadata={"Software": None})

@@ -96,17 +96,14 @@ def limits_for(scene: Scene, *, max_weight_on_bit: float, max_speed: float, nega
     rig = scene.rig
     weight = max_weight_on_bit or _largest(rig.weight_on_bit, _LEAST_WEIGHT, _strained(scene))
     speed = max_speed or _largest(rig.rotation, _LEAST_SPEED, FASTEST)
+    not_followed = "the scene has no `rig.block`"
+    if rig.block is not None:
+        not_followed = "the auto-driller moves it" if rig.block.auto_driller else ""
     return CommandLimits(
         weight_on_bit=_range(rig.weight_on_bit, weight, negative=negative),
         rotation=_range(rig.rotation, speed, negative=negative),
-        block_not_followed=_block_not_followed(scene),
+        block_not_followed=not_followed,
     )
-
-
-def _block_not_followed(scene: Scene) -> str:
-    if scene.rig.block is None:
-        return "the scene has no `rig.block`"
-    return "the auto-driller moves it" if scene.rig.block.auto_driller else ""
 
 
 def _largest(planned: SetPoint, least: float, recorded: float) -> float:

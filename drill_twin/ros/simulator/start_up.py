@@ -6,6 +6,7 @@ from pathlib import Path
 from types import SimpleNamespace
 
 from drill_twin.core.errors import CheckpointError, DrillTwinError, RunError
+from drill_twin.core.files.output import writing
 from drill_twin.io.messages.topics import STRING_POSES
 from drill_twin.ros.core.node import TwinNode
 from drill_twin.ros.core.pacing import Tick
@@ -35,10 +36,8 @@ class CheckpointPlaces:
         self._folders = {Path(path).resolve().parent for path in given}
         for path in given:
             self.file(path)
-            try:
+            with writing(path, "the checkpoint", "choose another", CheckpointError):
                 Path(path).resolve().parent.mkdir(parents=True, exist_ok=True)
-            except OSError as error:
-                raise CheckpointError(f"{path}: expected a folder for it, found {error.strerror}") from error
 
     def file(self, path: str) -> Path:
         """File of a path, where links lead to.

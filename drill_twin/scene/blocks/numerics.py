@@ -2,15 +2,11 @@
 """The `numerics:` part of a scene: resolution, tolerance, frame rate, seed, audit."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass
-from typing import Annotated, Any, Literal
+from typing import Annotated, Literal
 
-from pydantic import GetCoreSchemaHandler, GetJsonSchemaHandler
-from pydantic.json_schema import JsonSchemaValue
-from pydantic_core import core_schema
-
-from drill_twin.core.units import Dimensionless, Frequency, Quantity, Within, refuse, show
+from drill_twin.core.units import Dimensionless, Frequency, Quantity, Whole, Within
 from drill_twin.core.units.dimension import DIMENSIONLESS, LENGTH, TIME
+from drill_twin.physics.effects.config import Seed
 from drill_twin.scene.blocks.part import OrAuto, Part, Problem
 
 _NANOSECONDS = 1_000_000_000
@@ -29,33 +25,11 @@ def frame_period(rate: float) -> float:
 FEWEST_ELEMENTS, MOST_ELEMENTS = 4, 4000
 
 
-@dataclass(frozen=True)
-class _Whole:
-    """Annotation of a whole number in a range."""
-
-    at_least: int
-    at_most: int
-    what: str
-
-    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> core_schema.CoreSchema:
-        return core_schema.no_info_plain_validator_function(self._read)
-
-    def __get_pydantic_json_schema__(
-        self, schema: core_schema.CoreSchema, handler: GetJsonSchemaHandler
-    ) -> JsonSchemaValue:
-        return {"type": "integer", "minimum": self.at_least, "maximum": self.at_most}
-
-    def _read(self, value: Any) -> int:
-        if not isinstance(value, int) or isinstance(value, bool) or not self.at_least <= value <= self.at_most:
-            raise refuse(f"expected {self.what} from {self.at_least} to {self.at_most}, found {show(value)}")
-        return value
-
-
 class Numerics(Part):
     """Resolution in space and time; `auto` is chosen by the twin."""
 
     elements: Annotated[
-        int | Literal["auto"], _Whole(FEWEST_ELEMENTS, MOST_ELEMENTS, 'a number of elements, or "auto",'), OrAuto()
+        int | Literal["auto"], Whole(FEWEST_ELEMENTS, MOST_ELEMENTS, 'a number of elements, or "auto",'), OrAuto()
     ] = "auto"
     """Number of elements of the string."""
     step: Annotated[float | Literal["auto"], Quantity(TIME), Within(at_least="1 ns", at_most="0.1 s"), OrAuto()] = (
@@ -72,7 +46,7 @@ class Numerics(Part):
     [-], as "1 %"; `drill-twin run` and the simulator choose both from a cost curve (docs/accuracy.md)."""
     frame_rate: Annotated[Frequency, Within(at_least="1 Hz", at_most="2000 Hz")] = 100.0
     """Frames published per second of simulated time [Hz]."""
-    seed: Annotated[int, _Whole(0, 2**63 - 1, "a whole number")] = 1
+    seed: Seed = 1
     """Seed of everything random."""
     processor_time: Annotated[float, Quantity(TIME), Within(at_least="1 ms", at_most="1e6 s")] | None = None
     """Most processor time of a frame, after which the run ends with the reason [s]; 60 s unless given."""

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Whirl from the readings of one downhole sub."""
 
-from drill_twin.whirl.downhole.analyzer import WAITING, SubAnalyzer, analyse_sub
+from drill_twin.whirl.downhole.analyzer import WAITING, SubAnalyzer
 from drill_twin.whirl.downhole.high_pass import ToolNoise
 
-__all__ = ["WAITING", "SubAnalyzer", "ToolNoise", "analyse_sub"]
+__all__ = ["WAITING", "SubAnalyzer", "ToolNoise"]

@@ -5,7 +5,6 @@ import math
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from drill_twin.core.arrays import Array
 from drill_twin.whirl import criteria
@@ -148,22 +147,3 @@ class SubAnalyzer:
             at_start=date.first and record.whole,
         )
         self._analyzer.date_onset(dated)
-
-
-def analyse_sub(stamp: NDArray[np.int64], readings: Array, mark: MarkInfo, radius: float, noise: ToolNoise) -> Summary:
-    """Findings of the whirl analysis for the section of a sub.
-
-    Args:
-        stamp: Stamps of the readings, the middle of what each covers [ns], shape (n,).
-        readings: Specific force [m/s^2] and rates [rad/s] in the axes of the sub, shape (n, 6).
-        mark: The section, as a mark on the centre.
-        radius: Distance of the sensor from the axis of the collar [m].
-        noise: Noise of the instruments.
-
-    Raises:
-        AnalysisError: The readings hold too few revolutions without a gap.
-    """
-    analyzer = SubAnalyzer(mark, radius, noise)
-    for at, values in zip(stamp.tolist(), readings, strict=True):
-        analyzer.push(at, values)
-    return analyzer.checked_summary()

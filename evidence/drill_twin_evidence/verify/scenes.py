@@ -7,6 +7,8 @@ from collections.abc import Sequence
 from math import pi, sqrt
 from typing import Any
 
+from drill_twin.dynamics.twin.twin import Twin
+from drill_twin.physics.model.bit import DRILLED
 from drill_twin.scene import Scene
 
 LENGTH, DIAMETER = 5.0, 0.0165
@@ -158,3 +160,8 @@ def steel(effects: dict[str, Any], *, at: str = "bit", weight_on_bit: float = 0.
         },
         "numerics": {"elements": 8, "step": step},
     })  # fmt: skip
+
+
+def drilled(twin: Twin) -> float:
+    """Depth drilled since the start [m]; 0 without a bit that cuts."""
+    return float(twin.dynamics.parameters.drive.bit.impulse[DRILLED])

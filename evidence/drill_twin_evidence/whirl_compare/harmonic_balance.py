@@ -23,6 +23,7 @@ from drill_twin.core.arrays import Array, ComplexArray
 from drill_twin.dynamics.rotordynamics.block_rows import solve_banded
 from drill_twin.dynamics.rotordynamics.equations import EquationsOfMotion, Linearised
 from drill_twin.dynamics.rotordynamics.steady.steady_whirl import TurningEquations
+from drill_twin.dynamics.rotordynamics.turning_frame import TurningFrame
 from drill_twin.dynamics.solver.linearisation import DAMPING, MASS
 from drill_twin.physics.model.mesh import SPIN
 from drill_twin.scene.set_points.command import Command
@@ -40,6 +41,18 @@ FARTHEST = 0.3
 """Distance from the first guess, over the clearance, at which the iteration is given up."""
 LEAST_CHANGE = 0.02
 """Least first harmonic over the clearance; less is a steady whirl."""
+
+
+def times_j(frame: TurningFrame, values: Array) -> Array:
+    """Rows of values of the free unknowns, shape (T, m), times J, which is minus J applied to each row."""
+    result = np.zeros_like(values)
+    result[:, frame.x], result[:, frame.y] = values[:, frame.y], -values[:, frame.x]
+    return result
+
+
+def across(frame: TurningFrame, values: Array) -> Array:
+    """Rows of values of the free unknowns, shape (T, m), times -J J: their part across the axis."""
+    return -times_j(frame, times_j(frame, values))
 
 
 class Series:
@@ -112,8 +125,8 @@ class TwoFrequencyEquations:
         rate = whirl.sigma * series.first @ whirl.coefficients
         change = whirl.sigma**2 * series.second @ whirl.coefficients
         # rows of values, so that J x is minus x J
-        speed = rate - omega * frame.times_j(place)
-        acceleration = change - 2.0 * omega * frame.times_j(rate) - omega**2 * frame.across(place)
+        speed = rate - omega * times_j(frame, place)
+        acceleration = change - 2.0 * omega * times_j(frame, rate) - omega**2 * across(frame, place)
         axis, turn = equations.on_axis(whirl.command)
         fixed = axis - equations.rows(frame.values(axis))
         spin = np.zeros_like(turn)
@@ -174,8 +187,8 @@ class TwoFrequencyEquations:
         for j, system in enumerate(instants):
             stiffness, gyroscopic, mass = self.tangents(whirl, system)
             entries.append([rows.entries(blocks) for blocks in (stiffness, gyroscopic, mass)])
-            turned = -frame.times_j(place[j : j + 1])[0]
-            moved = -frame.times_j(rate[j : j + 1])[0] - omega * frame.across(place[j : j + 1])[0]
+            turned = -times_j(frame, place[j : j + 1])[0]
+            moved = -times_j(frame, rate[j : j + 1])[0] - omega * across(frame, place[j : j + 1])[0]
             by_omega[j] = rows.times(system.tangents[DAMPING], turned) + 2.0 * rows.times(mass, moved)
             by_sigma[j] = (rows.times(gyroscopic, rate[j]) + 2.0 * rows.times(mass, change[j])) / sigma
         parts = (series.value, sigma * series.first, sigma**2 * series.second)

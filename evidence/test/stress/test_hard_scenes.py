@@ -7,10 +7,11 @@ from dataclasses import replace
 import day
 import numpy as np
 import pytest
+from one_frame import frames_of
 from typer.testing import CliRunner
 
 from drill_twin.cli.app import app
-from drill_twin.dynamics.twin.frame import EnergyBalance, Frames
+from drill_twin.dynamics.twin.frame import EnergyBalance
 from drill_twin.dynamics.twin.twin import Twin
 from drill_twin.runs.monitor import RunTiming
 from drill_twin.scene import added_scenes, load_scene
@@ -36,7 +37,7 @@ def alone(frame):
     """A frame as those of a run, with its node rows."""
     u = np.column_stack((frame.positions, frame.tangents, frame.spin))
     v = np.column_stack((frame.velocities, 0.0 * frame.tangents, frame.spin_rate))
-    return Frames.of(frame)._replace(u=u[None], v=v[None])
+    return frames_of(frame)._replace(u=u[None], v=v[None])
 
 
 def test_every_scene_says_why_it_is_hard():

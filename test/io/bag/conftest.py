@@ -6,8 +6,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from one_frame import frames_of
 
-from drill_twin.dynamics.twin.frame import Frames
 from drill_twin.io.bag.writer import BagWriter
 from drill_twin.io.messages import topics
 from drill_twin.io.messages.diagnostics import Level, Status, encode_diagnostics
@@ -59,7 +59,7 @@ def messages(frames, make_geometry) -> list[Message]:
     rows = [(topics.TWIN_SCENE, 0, encode_string(SCENE)), (topics.WHIRL_ONSET, 0, encode_onset(0, None))]
     rows.append((topics.COMMANDER, 0, encode_string("/rig_driver")))
     for frame in frames:
-        stamp, one = stamp_ns(frame.time), Frames.of(frame)
+        stamp, one = stamp_ns(frame.time), frames_of(frame)
         rows += [
             (topics.RIG_COMMAND, stamp, rig.command(stamp, command)),
             (topics.STRING_POSES, stamp, twin.poses(one)[0]),
@@ -72,7 +72,7 @@ def messages(frames, make_geometry) -> list[Message]:
     rows += [
         (topics.WOB_COMMAND, stamp, rig.wob_command(command)),
         (topics.RPS_COMMAND, stamp, rig.rps_command(command)),
-        (topics.STRING_MARKERS, stamp, twin.markers(Frames.of(frames[-1]))[0]),
+        (topics.STRING_MARKERS, stamp, twin.markers(frames_of(frames[-1]))[0]),
         (topics.WHIRL_MOTION, stamp, encode_motion(stamp, [MOTION])),
         (topics.WHIRL_ONSET, stamp, encode_onset(stamp, ONSET)),
         (topics.DIAGNOSTICS, stamp, encode_diagnostics(stamp, [Status("simulator", Level.OK, "fine")])),

@@ -3,9 +3,9 @@
 
 import numpy as np
 import pytest
+from one_frame import frames_of
 
 from drill_twin.core.errors import MessageError
-from drill_twin.dynamics.twin.frame import Frames
 from drill_twin.io.bag.series import CommandSeries, MarkSeries, PoseSeries, RigSeries, WhirlSeries
 from drill_twin.io.messages.cdr import JointStateTemplate, PoseArrayTemplate
 from drill_twin.io.messages.encode import MARK_AXES, TwinEncoder
@@ -50,7 +50,7 @@ def test_spin_is_unwrapped(make_frame, make_geometry):
     encoder, poses = TwinEncoder(make_geometry(11)), PoseSeries()
     for k in range(200):
         frame = make_frame(11, time=0.01 * k)
-        poses.add_message(encoder.poses(Frames.of(frame._replace(spin=np.full(11, 1.5 * np.pi * k))))[0])
+        poses.add_message(encoder.poses(frames_of(frame._replace(spin=np.full(11, 1.5 * np.pi * k))))[0])
     np.testing.assert_allclose(poses.spin[-1] - poses.spin[0], 1.5 * np.pi * 199)
 
 

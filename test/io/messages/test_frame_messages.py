@@ -6,9 +6,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from one_frame import frames_of
 
 from drill_twin.core.errors import MessageError
-from drill_twin.dynamics.twin.frame import Frames, RigState
+from drill_twin.dynamics.twin.frame import RigState
 from drill_twin.io.messages.cdr import JointStateTemplate
 from drill_twin.io.messages.decode import read_clock, read_float64, read_joint_state, read_pose_array
 from drill_twin.io.messages.drawing.geometry import default_exaggeration
@@ -27,7 +28,7 @@ def encoder(make_geometry):
 
 def test_poses(encoder, make_frame):
     frame = make_frame()
-    poses = read_pose_array(encoder.poses(Frames.of(frame))[0])
+    poses = read_pose_array(encoder.poses(frames_of(frame))[0])
     assert poses.stamp == 1_500_000_000
     np.testing.assert_array_equal(poses.position, frame.positions)
     np.testing.assert_allclose(np.linalg.norm(poses.orientation, axis=1), 1.0, rtol=1e-14)
@@ -35,7 +36,7 @@ def test_poses(encoder, make_frame):
 
 def test_marks(encoder, make_frame):
     frame = make_frame()
-    marks, state = frame.marks, read_joint_state(encoder.marks(Frames.of(frame))[0])
+    marks, state = frame.marks, read_joint_state(encoder.marks(frames_of(frame))[0])
     assert state.names[:5] == ("mark_1/x", "mark_1/y", "mark_1/z", "mark_1/spin", "mark_2/x")
     position, velocity, effort = (v.reshape(4, 4) for v in (state.position, state.velocity, state.effort))
     np.testing.assert_array_equal(position, np.column_stack((marks.position, marks.spin)))
@@ -48,13 +49,13 @@ def test_marks(encoder, make_frame):
 def test_a_mark_on_the_axis_has_no_force(encoder, make_frame):
     frame = make_frame()
     on_axis = frame.marks._replace(centre=np.zeros((4, 3)), wall_force=np.zeros(4))
-    state = read_joint_state(encoder.marks(Frames.of(frame._replace(marks=on_axis)))[0])
+    state = read_joint_state(encoder.marks(frames_of(frame._replace(marks=on_axis)))[0])
     np.testing.assert_array_equal(state.effort, 0.0)
 
 
 def test_rig_state(encoder, make_frame):
     frame = make_frame()
-    state = read_joint_state(encoder.rig_state(Frames.of(frame))[0])
+    state = read_joint_state(encoder.rig_state(frames_of(frame))[0])
     assert read_rig_state(state) == frame.rig
     rig = frame.rig
     # Written out: writer and reader share the table that says where a channel is.
@@ -161,20 +162,20 @@ def test_a_number_that_is_none_reaches_no_topic(encoder, make_frame, bad):
         return frame
 
     with pytest.raises(MessageError, match=r"/string/poses: expected finite numbers, found (nan|inf) at place 25"):
-        encoder.poses(Frames.of(with_bad("positions")))[0]
+        encoder.poses(frames_of(with_bad("positions")))[0]
     for name in ("tangents", "spin"):
         with pytest.raises(MessageError, match="/string/poses"), np.errstate(invalid="ignore"):
-            encoder.poses(Frames.of(with_bad(name)))[0]
+            encoder.poses(frames_of(with_bad(name)))[0]
     for name in ("position", "velocity", "spin", "spin_rate", "wall_force", "centre"):
         with pytest.raises(MessageError, match="/marks/state"), np.errstate(invalid="ignore"):
-            encoder.marks(Frames.of(with_bad(name, "marks")))[0]
+            encoder.marks(frames_of(with_bad(name, "marks")))[0]
     for field in RigState._fields:
         frame = make_frame()
         broken = frame._replace(rig=frame.rig._replace(**{field: bad}))
         with pytest.raises(MessageError, match="/rig/state"):
-            encoder.rig_state(Frames.of(broken))[0]
+            encoder.rig_state(frames_of(broken))[0]
     with pytest.raises(MessageError, match="/string/markers"):
-        encoder.markers(Frames.of(with_bad("wall_force")))[0]
+        encoder.markers(frames_of(with_bad("wall_force")))[0]
     for command in (Command(bad, 1.0), Command(1.0, bad)):
         with pytest.raises(MessageError, match=r"/rig/command: expected a finite (weight on bit|rotation)"):
             CommandEncoder().command(0, command)
@@ -182,7 +183,7 @@ def test_a_number_that_is_none_reaches_no_topic(encoder, make_frame, bad):
         CommandEncoder().wob_command(Command(bad, 1.0))
     with pytest.raises(MessageError, match="/rig/rps_command"):
         CommandEncoder().rps_command(Command(1.0, bad))
-    assert encoder.poses(Frames.of(make_frame()))[0]
+    assert encoder.poses(frames_of(make_frame()))[0]
 
 
 def test_what_is_not_known_of_whirl_may_be_nan_but_nothing_is_infinite():

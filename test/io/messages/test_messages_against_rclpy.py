@@ -7,8 +7,8 @@ import time
 
 import numpy as np
 import pytest
+from one_frame import frames_of
 
-from drill_twin.dynamics.twin.frame import Frames
 from drill_twin.io.messages.cdr import ClockTemplate, JointStateTemplate, PoseArrayTemplate
 from drill_twin.io.messages.diagnostics import Level, Status, decode_diagnostics, encode_diagnostics
 from drill_twin.io.messages.drawing.markers import MarkerArrayTemplate
@@ -168,7 +168,7 @@ def test_exaggeration_changes_while_running(make_frame, make_geometry):
 
     encoder, frame = TwinEncoder(make_geometry()), make_frame()
     for factor in (None, 3.0, 7.5, None):
-        markers = decoded(encoder.markers(Frames.of(frame), factor)[0], MarkerArray).markers
+        markers = decoded(encoder.markers(frames_of(frame), factor)[0], MarkerArray).markers
         text = next(m.text for m in markers if m.ns == "text")
         used = float(text.removeprefix("lateral motion x "))
         assert factor is None or used == factor

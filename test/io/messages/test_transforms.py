@@ -5,10 +5,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from one_frame import frames_of
 
 from drill_twin.dynamics.sensors.motion import sub_motion
 from drill_twin.dynamics.sensors.subs import places_of, subs_of
-from drill_twin.dynamics.twin.frame import Frames
 from drill_twin.dynamics.twin.twin import Twin
 from drill_twin.io.messages.decode import read_joint_state, read_pose_array
 from drill_twin.io.messages.drawing.transforms import TF_TYPE, StringTransforms, TransformsTemplate, hole_transform
@@ -35,7 +35,7 @@ def test_bit_and_marks_are_where_the_topics_say(make_frame, make_geometry):
     transforms = StringTransforms(geometry).at(frame)
     assert [one.child for one in transforms] == ["bit", *geometry.mark_names]
     assert {one.parent for one in transforms} == {"hole"}
-    poses = read_pose_array(TwinEncoder(geometry).poses(Frames.of(frame))[0])
+    poses = read_pose_array(TwinEncoder(geometry).poses(frames_of(frame))[0])
     np.testing.assert_array_equal(transforms[0].translation, poses.position[0])
     np.testing.assert_allclose(transforms[0].rotation, poses.orientation[0], atol=1e-12)
     np.testing.assert_array_equal([one.translation for one in transforms[1:]], frame.marks.position)
@@ -99,9 +99,9 @@ def test_frames_of_a_prefix_are_those_of_the_messages(make_geometry, make_frame)
     """Two twins can then share a tf tree: every frame and every header has the prefix."""
     geometry, frame = replace(make_geometry(11), frame_prefix="rig2/"), make_frame(nodes=11)
     encoder = TwinEncoder(geometry)
-    for raw in (encoder.marks(Frames.of(frame))[0], encoder.rig_state(Frames.of(frame))[0]):
+    for raw in (encoder.marks(frames_of(frame))[0], encoder.rig_state(frames_of(frame))[0]):
         assert read_joint_state(raw).frame_id == "rig2/hole"
-    markers = deserialize(encoder.markers(Frames.of(frame))[0], MARKER_ARRAY).markers
+    markers = deserialize(encoder.markers(frames_of(frame))[0], MARKER_ARRAY).markers
     assert {marker.header.frame_id for marker in markers} == {"rig2/hole"}
     transforms = [hole_transform(0.3, geometry.frame_prefix), *StringTransforms(geometry).at(frame)]
     assert {one.parent for one in transforms} == {"rig2/rig", "rig2/hole"}

@@ -14,6 +14,7 @@ from drill_twin.physics.effects.bit_regenerative import CELLS, NEWEST
 from drill_twin.scene import Scene
 from drill_twin.scene.set_points.command import Command
 from drill_twin_evidence.verify.contact.regenerative import AXIAL, BLADES, DEPTH, drilling, scene
+from drill_twin_evidence.verify.scenes import drilled
 
 SPEED, STEP = 20.0, 1e-3
 
@@ -23,15 +24,15 @@ def test_a_bit_that_is_lifted_meets_the_surface_it_left():
     twin, command = drilling(0.0, SPEED, STEP, 0.0)
     for _ in range(5):
         twin.advance(command, 0.1)
-    depth = twin.drilled
+    depth = drilled(twin)
     lift = Command(-command.weight_on_bit, SPEED)
     twin.advance(lift, 0.1)
     up = [twin.advance(lift, 0.1).rig for _ in range(5)]
     assert all(rig.bit_force == 0.0 and rig.bit_torque == 0.0 for rig in up)
-    assert twin.drilled == pytest.approx(depth, abs=0.5 * DEPTH)
+    assert drilled(twin) == pytest.approx(depth, abs=0.5 * DEPTH)
     down = [twin.advance(command, 0.1).rig for _ in range(40)]
     assert max(rig.bit_force for rig in down) > 0.0
-    assert twin.drilled > depth
+    assert drilled(twin) > depth
     surface = twin.dynamics.parameters.bit_regenerative.surface
     assert np.ptp(surface) < 10.0 * DEPTH
 
@@ -42,7 +43,7 @@ def test_a_standing_bit_is_carried_by_the_rock_and_writes_nothing():
     twin.dynamics.begin(twin.unknowns[0].copy(), np.zeros_like(twin.unknowns[1]), stop)
     frames = [twin.advance(stop, 0.1) for _ in range(30)]
     assert frames[-1].rig.bit_force == pytest.approx(command.weight_on_bit, rel=0.05)
-    assert twin.drilled < DEPTH / BLADES
+    assert drilled(twin) < DEPTH / BLADES
     assert sum(frame.stats.cut_steps for frame in frames) == 0
 
 
@@ -54,12 +55,12 @@ def test_turning_back_does_not_cut():
     back = Command(command.weight_on_bit, -SPEED)
     twin.advance(back, 2.0)
     twin.advance(back, 0.5)
-    newest, drilled = memory[NEWEST], twin.drilled
+    newest, depth = memory[NEWEST], drilled(twin)
     for _ in range(5):
         rig = twin.advance(back, 0.1).rig
     assert rig.bit_speed < 0.0
     assert rig.bit_torque > 0.0
-    assert (memory[NEWEST], twin.drilled) == (newest, drilled)
+    assert (memory[NEWEST], drilled(twin)) == (newest, depth)
 
 
 def test_the_rock_is_part_of_a_checkpoint(tmp_path):
@@ -85,9 +86,9 @@ def test_a_step_may_turn_the_bit_by_more_than_a_blade(step):
     command = Command(AXIAL * DEPTH, SPEED)
     twin.dynamics.begin(u, v, command)
     twin.advance(command, 5.0)
-    before = twin.drilled
+    before = drilled(twin)
     twin.advance(command, 5.0)
-    assert twin.drilled - before == pytest.approx(5.0 * SPEED * DEPTH / math.tau, rel=0.01)
+    assert drilled(twin) - before == pytest.approx(5.0 * SPEED * DEPTH / math.tau, rel=0.01)
 
 
 def test_statics_have_the_torque_of_the_law():

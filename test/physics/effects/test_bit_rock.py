@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Bit on rock: rate of penetration and torque, weight at the bit or at the top, lifting off, and the random law."""
 
-from functools import partial
-
 import numpy as np
 import pytest
 from end_scenes import steel
@@ -15,6 +13,7 @@ from drill_twin.physics.effects.random_draws import MOST_SCATTER, random_matrix
 from drill_twin.physics.model import SPIN
 from drill_twin.scene import load_scene
 from drill_twin.scene.set_points.command import Command
+from drill_twin_evidence.verify.scenes import drilled
 
 SPEED = 100.0 * np.pi / 30.0
 A1, A2, A3, A4, A5, E = 3.429e-3, 5.672e-8, 1.374e-4, 9.537e6, 1.475e3, 2.0  # Ritto, Soize and Sampaio 2009
@@ -42,7 +41,7 @@ def mean_law(rate: float) -> tuple[float, float]:
 def test_below_its_threshold_the_bit_rubs_and_does_not_drill():
     """No depth below a1/a2 - a3 sqrt(w^2 + e^2) / a2 = 34.7 kN; the rubbing torque falls with the weight."""
     twin, rig = drill(20e3, at="top")
-    assert twin.drilled == 0.0
+    assert drilled(twin) == 0.0
     assert rig.bit_torque == pytest.approx(-A5 * Z * 20e3 / mean_law(0.0)[0], rel=1e-3)
     assert rig.bit_force == pytest.approx(20e3, rel=1e-3)
 
@@ -52,7 +51,7 @@ def test_below_its_threshold_the_bit_rubs_and_does_not_drill():
 def test_a_bit_that_turns_backwards_rubs_and_does_not_cut(at, weight):
     """a5 Z against the turning, for 20 kN the share of it below the threshold; the weight is carried all the same."""
     twin, rig = drill(weight, at=at, speed=-SPEED)
-    assert twin.drilled == 0.0
+    assert drilled(twin) == 0.0
     assert rig.bit_torque == pytest.approx(A5 * Z * min(weight / mean_law(0.0)[0], 1.0), rel=1e-3)
     assert rig.bit_force == pytest.approx(weight, rel=1e-3)
 
@@ -63,12 +62,12 @@ def test_a_bit_turns_back_and_forth_without_a_step_that_is_cut(at, law):
     """Through rest the torque goes smoothly, and forwards alone it drills; a random matrix mixes nothing where the law
     has no torque."""
     twin, _ = drill(100e3, at=at, seconds=0.3, **law)
-    depths = [twin.drilled]
+    depths = [drilled(twin)]
     for speed in (-SPEED, -SPEED, SPEED):
         frames = [twin.advance(Command(100e3, speed), 0.05) for _ in range(8)]
         assert sum(frame.stats.cut_steps for frame in frames) == 0
         assert frames[-1].rig.bit_torque * speed <= 0.0
-        depths.append(twin.drilled)
+        depths.append(drilled(twin))
     assert depths[0] > 0.0
     assert depths[2] == depths[1]
     assert depths[3] > depths[2]
@@ -77,12 +76,12 @@ def test_a_bit_turns_back_and_forth_without_a_step_that_is_cut(at, law):
 def test_the_bit_lifts_off_and_comes_down_again():
     """Pulled at the top the bit leaves the rock: no weight, no torque; the rock has no hands."""
     twin, _ = drill(60e3, at="top", seconds=0.2)
-    depth = twin.drilled
+    depth = drilled(twin)
     lifted = [twin.advance(Command(-20e3, SPEED), 0.02).rig for _ in range(10)]
     assert lifted[-1].bit_force == 0.0
     assert lifted[-1].bit_torque == 0.0
     assert twin.unknowns[0][0, 2] > twin.dynamics.parameters.bit_cutting.memory[0] + 1e-3
-    high = twin.drilled
+    high = drilled(twin)
     twin.advance(Command(60e3, SPEED), 0.02)
 
     def momentum() -> float:
@@ -91,7 +90,7 @@ def test_the_bit_lifts_off_and_comes_down_again():
 
     began = momentum()
     back = [twin.advance(Command(60e3, SPEED), 0.02).rig.bit_force for _ in range(100)]
-    assert high - depth < 1e-4 < twin.drilled - high
+    assert high - depth < 1e-4 < drilled(twin) - high
     assert min(back) == 0.0
     # it comes down, cuts and bounces: what the rock gave is what the momentum took
     assert np.sum(back) * 0.02 - 60e3 * 2.0 == pytest.approx(momentum() - began, abs=0.01 * 60e3 * 2.0)
@@ -99,10 +98,10 @@ def test_the_bit_lifts_off_and_comes_down_again():
 
 def test_the_rig_tells_depth_and_rate_of_penetration():
     twin, _ = drill(60e3, at="top", seconds=0.2)
-    before = twin.drilled
+    before = drilled(twin)
     rig = twin.advance(Command(60e3, SPEED), 0.5).rig
-    assert rig.drilled == twin.drilled > before
-    assert rig.rate_of_penetration == pytest.approx((twin.drilled - before) / 0.5, rel=1e-9)
+    assert rig.drilled == drilled(twin) > before
+    assert rig.rate_of_penetration == pytest.approx((drilled(twin) - before) / 0.5, rel=1e-9)
     other = Twin(load_scene("pa6_bench")).advance(Command(10.0, SPEED), 0.1).rig
     assert (other.drilled, other.rate_of_penetration) == (0.0, 0.0)
 
@@ -124,9 +123,9 @@ def test_one_draw_of_the_random_law(seed, at):
     law = twin.dynamics.parameters.bit_cutting
     drawn = np.array([[law.axial, law.mixed], [law.mixed, law.turning]])
     assert not np.allclose(drawn, np.eye(2), atol=1e-3)
-    before = twin.drilled
+    before = drilled(twin)
     twin.advance(Command(100e3, SPEED), 0.1)
-    rate = (twin.drilled - before) / 0.1
+    rate = (drilled(twin) - before) / 0.1
     exact = random_rate(drawn, 100e3)
     assert rate == pytest.approx(exact, rel=1e-3, abs=1e-12)
     force, torque = mean_law(exact)
@@ -137,12 +136,15 @@ def test_one_draw_of_the_random_law(seed, at):
 
 def test_without_dispersion_the_random_law_is_the_mean_law():
     """delta -> 0 recovers the deterministic run; equal seeds give equal runs, others differ."""
-    run = partial(drill, 100e3, seconds=0.3)
-    still, faint = run()[0].drilled, run(dispersion=1e-5, seed=3)[0].drilled
+
+    def depth(**law):
+        return drilled(drill(100e3, seconds=0.3, **law)[0])
+
+    still, faint = depth(), depth(dispersion=1e-5, seed=3)
     assert faint != still
     assert faint == pytest.approx(still, rel=1e-3)
-    assert run(dispersion=0.05, seed=5)[0].drilled == run(dispersion=0.05, seed=5)[0].drilled
-    assert run(dispersion=0.05, seed=5)[0].drilled != run(dispersion=0.05, seed=6)[0].drilled
+    assert depth(dispersion=0.05, seed=5) == depth(dispersion=0.05, seed=5)
+    assert depth(dispersion=0.05, seed=5) != depth(dispersion=0.05, seed=6)
 
 
 @pytest.mark.parametrize("dispersion", [0.1, 0.4])

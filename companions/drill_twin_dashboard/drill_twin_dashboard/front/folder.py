@@ -10,7 +10,8 @@ from itertools import count
 from pathlib import Path
 from typing import Any
 
-from drill_twin.core.errors import ArgumentError, BagError
+from drill_twin.core.errors import ArgumentError
+from drill_twin.core.files.output import writing
 from drill_twin.scene import presets, well_scenes
 
 TYPES = {".html": "text/html", ".png": "image/png", **dict.fromkeys((".json", ".csv", ".yaml", ".yml"), "text/plain")}
@@ -71,7 +72,7 @@ class Folder:
         Raises:
             BagError: It cannot be written.
         """
-        try:
+        with writing(f"{name}{suffix}", "a file", "choose another folder"):
             for number in count(1):
                 path = self.inside(new := f"{name}{f'_{number}' if number > 1 else ''}{suffix}")
                 if content and path.is_file() and path.read_bytes() == content:
@@ -80,8 +81,6 @@ class Folder:
                     break
             if content:
                 path.write_bytes(content)
-        except OSError as error:
-            raise BagError(f"{name}{suffix}: cannot be written: {error.strerror or error}") from error
         return new
 
     def content(self, name: str) -> tuple[str, bytes] | None:

@@ -66,7 +66,7 @@ def test_new_names_and_content(tmp_path):
     assert folder.fresh("a", ".csv", content=b"newer") == "a_3.csv"
     assert folder.fresh("a", ".csv", content=b"new") == "a_2.csv"
     assert [(tmp_path / name).read_bytes() for name in ("a.csv", "a_2.csv", "a_3.csv")] == [b"old", b"new", b"newer"]
-    with pytest.raises(BagError, match=r"none/a\.csv: cannot be written: "):
+    with pytest.raises(BagError, match=r"none/a\.csv: expected a place to write a file, found "):
         folder.fresh("none/a", ".csv", content=b"x")
 
 

@@ -6,10 +6,10 @@ import math
 
 import numpy as np
 import pytest
+from one_frame import frames_of
 
 from drill_twin.core.errors import DrillTwinError
 from drill_twin.core.severity import Grade, Severity
-from drill_twin.dynamics.twin.frame import Frames
 from drill_twin.io.findings_encoder import Motion, TwinSummary
 from drill_twin.io.messages.cdr import JointStateTemplate
 from drill_twin.io.messages.diagnostics import Level, Status, encode_diagnostics
@@ -179,7 +179,7 @@ def test_rate_of_penetration_is_that_of_the_rig_and_none_for_a_bit_that_has_not_
     page, encoder, frame = PageState(), TwinEncoder(make_geometry()), make_frame()
     for drilled, shown in ((0.0, None), (0.5, 0.01)):
         rig = frame.rig._replace(drilled=drilled, rate_of_penetration=0.01)
-        page.update(RIG_STATE, encoder.rig_state(Frames.of(frame._replace(rig=rig)))[0])
+        page.update(RIG_STATE, encoder.rig_state(frames_of(frame._replace(rig=rig)))[0])
         assert page.snapshot()["rig"]["rop"] == shown
 
 

@@ -34,13 +34,6 @@ SEED = "numerics.seed"
 MOST_DRAWS = 1000
 """Largest number of draws."""
 
-IN_BALANCE = {
-    start: f'"from rest" is here at speed and in balance (rig.start: {start}): motion that only a push begins is not '
-    "found; --set rig.start=axis begins at rest"
-    for start in ("rotating", "equilibrium")
-}
-"""Note on a map whose runs begin in balance, by `rig.start`."""
-
 
 def draws_of(scene: Scene, seeds: int, vary: Mapping[str, tuple[float, float]]) -> tuple[Mapping[str, float], ...]:
     """Values by key of each draw that the scene takes; empty where one draw is asked for and nothing varies.
@@ -187,8 +180,11 @@ def operating_map(
         search = BoundarySearch(runner, journal, runs, progress or (lambda _, __, ___: None), lateral)
         if lost := len(draws) and seeds - len(draws):
             search.notes.append(f"{lost} of {seeds} draws left out: the scene does not take their numbers together")
-        if own.rig.start in IN_BALANCE:
-            search.notes.append(IN_BALANCE[own.rig.start])
+        if own.rig.start in {"rotating", "equilibrium"}:
+            search.notes.append(
+                f'"from rest" is here at speed and in balance (rig.start: {own.rig.start}): motion that only a push '
+                "begins is not found; --set rig.start=axis begins at rest"
+            )
         search.calm()
         search.onset()
         search.regimes()

@@ -12,7 +12,7 @@ from scipy import special
 
 from drill_twin.core.arrays import Array, Mask
 from drill_twin.core.units.system import UnitSystem
-from drill_twin.dynamics.twin.frame import Frame
+from drill_twin.dynamics.twin.frame import Frames
 from drill_twin.io.messages.topic_words import SENSORS
 from drill_twin_studies.estimation.doubts import Span, told_of_jumps, told_of_spans
 from drill_twin_studies.fitting.posterior import UNDETERMINED
@@ -231,7 +231,7 @@ class Estimate:
         goodness: How well the members explain each channel over the last windows, against the stated errors, by name.
         absurd: Samples left out so far.
         unmeasured: Time for which nothing sound has been measured [s]: the ensemble runs alone.
-        frames: Frames of the member that was nearest to the rig before the window; none unless asked for.
+        frames: Frames of the member that was nearest to the rig before the window; None unless asked for.
         spans: Windows with an alarm so far.
     """
 
@@ -248,7 +248,7 @@ class Estimate:
     goodness: Mapping[str, Goodness]
     absurd: int
     unmeasured: float
-    frames: Sequence[Frame]
+    frames: Frames | None
     spans: Sequence[Span] = ()
 
     @property

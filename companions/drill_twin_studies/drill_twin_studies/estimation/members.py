@@ -12,7 +12,7 @@ from drill_twin.core.errors import ArgumentError, DrillTwinError, RunError
 from drill_twin.dynamics.discretisation.discretise import tubes_of
 from drill_twin.dynamics.discretisation.kernel_arguments import LATERAL
 from drill_twin.dynamics.twin.dynamics import kernel_of
-from drill_twin.dynamics.twin.frame import Frame
+from drill_twin.dynamics.twin.frame import Frames
 from drill_twin.dynamics.twin.frame_record import RigSeries
 from drill_twin.dynamics.twin.twin import Twin
 from drill_twin.io.messages.topic_words import SENSORS
@@ -21,7 +21,6 @@ from drill_twin.runs.ensemble.outputs import Channels, Instants, Request
 from drill_twin.scene import Scene
 from drill_twin.scene.load import override
 from drill_twin.scene.overrides import full_key
-from drill_twin.scene.set_points import Command
 from drill_twin.whirl import criteria
 from drill_twin_studies.estimation.estimate import FilterWindow, Prediction, WindowTiming
 from drill_twin_studies.estimation.square_root_filter import Correction, applied
@@ -96,7 +95,7 @@ class EstimatorMembers:
         """Free numbers [SI], shape (N, d)."""
         return in_ranges(special.ndtr(self.normal), self.ranges)
 
-    def advance(self, window: FilterWindow, shown: int = -1) -> tuple[list[Frame], Prediction]:
+    def advance(self, window: FilterWindow, shown: int = -1) -> tuple[Frames | None, Prediction]:
         """Advance by a window; a member that fails becomes a copy of a member that runs on.
 
         Args:
@@ -107,7 +106,7 @@ class EstimatorMembers:
             RunError: No member could be followed.
         """
         found, failed, reason = {}, [], ""
-        frames = self._frames(shown, window.commands) if shown >= 0 else []
+        frames = self._frames(shown, window.commands) if shown >= 0 else None
         for number in range(len(self)):
             try:
                 found[number] = self._advance(number, window.commands)
@@ -205,17 +204,15 @@ class EstimatorMembers:
             f"{name}/{axis}": part for name, places in named for axis, part in (("x", places.real), ("y", places.imag))
         }
 
-    def _frames(self, number: int, commands: Array) -> list[Frame]:
-        """Frames of a member over a window, which it has still before it afterwards."""
-        twin, load = self.twins[number], self._load(number)
-        before, frames = twin.checkpoint(), []
-        try:
-            for weight, *others in commands.tolist():
-                frames.append(twin.advance(Command(load * weight, *others), self.pace.period))
-        except DrillTwinError:
-            frames.clear()
+    def _frames(self, number: int, commands: Array) -> Frames | None:
+        """Frames of a member over a window, which it has still before it afterwards; None if it cannot be followed."""
+        twin, scale = self.twins[number], np.array([self._load(number), 1.0, 1.0])
+        before = twin.checkpoint()
+        frames, error = twin.fill(twin.record(len(commands)), commands * scale, self.pace.period)
         twin.restore(before)
-        return frames
+        if error is not None and not isinstance(error, DrillTwinError):
+            raise error
+        return frames if error is None else None
 
     def _load(self, number: int) -> float:
         """Weight on bit of a member over the commanded weight."""

@@ -80,7 +80,7 @@ class ShapeSearch:
         self.axis, _ = turning.equations.on_axis(command)
         system = turning.at(SteadyWhirl(command, self.axis, 0.0))
         x = np.ix_(turning.frame.x, turning.frame.x)
-        pencil = Pencil(system.mass[x], system.damping[x], system.stiffness[x])
+        pencil = Pencil(*(matrix[x] for matrix in system.matrices))
         self._modes = undamped_basis(pencil, 4)
         self._lowest = float(np.einsum("ik,ij,jk->k", self._modes, pencil.stiffness, self._modes).min())
 

@@ -94,8 +94,9 @@ class TurningEquations:
 
     def pencil(self, system: Linearised, omega: float) -> Pencil:
         """Mass, damping and stiffness of small motions in the frame of a whirl."""
-        gyroscopic = system.damping + 2.0 * omega * self.frame.times_j(system.mass)
-        return Pencil(system.mass, gyroscopic, system.rows.dense(self.stiffness(system, omega)))
+        rows, (mass, damping, _) = system.rows, system.tangents
+        gyroscopic = damping + 2.0 * omega * rows.times_j(mass)
+        return Pencil(*map(rows.dense, (mass, gyroscopic, self.stiffness(system, omega))))
 
     def by_omega(self, system: Linearised, whirl: SteadyWhirl) -> Array:
         """Derivative of the residual by the whirl speed, C J u - 2 omega M u across the axis."""
@@ -114,7 +115,7 @@ class TurningEquations:
 
         Args:
             start: First guess.
-            away: Factor on each step, such as `Deflation.factor` away from the whirls that are known.
+            away: Factor on each step, such as `deflation` away from the whirls that are known.
             iterations: Most steps.
         """
         whirl, fastest = start, max(abs(start.command.rotation), 1e-3)
@@ -219,34 +220,27 @@ LARGEST_FACTOR = 4.0
 """Largest factor on a step; deflated steps may be of any length and sign."""
 
 
-class Deflation:
-    """Factor on Newton's step, by the distance from known whirls.
+def deflation(
+    turning: TurningEquations, known: Sequence[SteadyWhirl], whirl: SteadyWhirl, step: Array, change: float
+) -> float:
+    """Factor on Newton's step of the free unknowns, shape (m,), and of omega, by the distance from known whirls.
 
-    A whirl turned about the axis is the same whirl: the distance is the least over all turns, shapes over the clearance
-    (root mean square) and whirl speeds over the rotation together.
+    From m F with step d of F: 1 / (1 - m' d / m) (Sherman and Morrison). A whirl turned about the axis is the same
+    whirl: the distance is the least over all turns, shapes over the clearance (root mean square) and whirl speeds over
+    the rotation together.
     """
-
-    def __init__(self, turning: TurningEquations, known: Sequence[SteadyWhirl]) -> None:
-        """Take the known whirls of the same equations."""
-        self._turning, self._known = turning, known
-
-    def factor(self, whirl: SteadyWhirl, step: Array, change: float) -> float:
-        """Factor on a Newton step of the free unknowns, shape (m,), and of omega.
-
-        From m F with step d of F: 1 / (1 - m' d / m) (Sherman and Morrison).
-        """
-        speed, clearance = max(abs(whirl.command.rotation), 1e-3), self._turning.clearance
-        z, moved, slope = _line(whirl.u), _line(self._turning.equations.rows(step)), 0.0
-        for other in self._known:
-            own = _line(other.u)
-            overlap = complex(np.vdot(own, z))
-            away = (z - own * (overlap / max(abs(overlap), 1e-300))) / clearance
-            ahead = (whirl.omega - other.omega) / speed
-            square = max(float(np.mean(np.abs(away) ** 2)) + ahead**2, 1e-24)
-            along = 2.0 * (float(np.mean((away.conj() * moved).real)) / clearance + ahead * change / speed)
-            slope -= along / (square * (1.0 + square))
-        factor = 1.0 / (1.0 - slope) if abs(1.0 - slope) > 1e-12 else LARGEST_FACTOR
-        return float(np.clip(factor, -LARGEST_FACTOR, LARGEST_FACTOR))
+    speed, clearance = max(abs(whirl.command.rotation), 1e-3), turning.clearance
+    z, moved, slope = _line(whirl.u), _line(turning.equations.rows(step)), 0.0
+    for other in known:
+        own = _line(other.u)
+        overlap = complex(np.vdot(own, z))
+        away = (z - own * (overlap / max(abs(overlap), 1e-300))) / clearance
+        ahead = (whirl.omega - other.omega) / speed
+        square = max(float(np.mean(np.abs(away) ** 2)) + ahead**2, 1e-24)
+        along = 2.0 * (float(np.mean((away.conj() * moved).real)) / clearance + ahead * change / speed)
+        slope -= along / (square * (1.0 + square))
+    factor = 1.0 / (1.0 - slope) if abs(1.0 - slope) > 1e-12 else LARGEST_FACTOR
+    return float(np.clip(factor, -LARGEST_FACTOR, LARGEST_FACTOR))
 
 
 def _line(u: Array) -> ComplexArray:

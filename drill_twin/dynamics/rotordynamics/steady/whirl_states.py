@@ -8,6 +8,7 @@ import math
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
@@ -24,7 +25,7 @@ from drill_twin.dynamics.rotordynamics.steady.shape_search import (
     slow_whirls,
     stiffen_friction,
 )
-from drill_twin.dynamics.rotordynamics.steady.steady_whirl import Deflation, SteadyWhirl, TurningEquations
+from drill_twin.dynamics.rotordynamics.steady.steady_whirl import SteadyWhirl, TurningEquations, deflation
 from drill_twin.dynamics.rotordynamics.steady.whirl_state import WhirlState, state_of
 from drill_twin.physics.model import DiscreteModel
 from drill_twin.scene import Scene
@@ -195,7 +196,7 @@ def _add_near(turning: TurningEquations, guess: SteadyWhirl, found: list[SteadyW
         if whirl is None or not is_new(whirl, found, turning.clearance):
             break
         found.append(whirl)
-        whirl = turning.newton(guess, Deflation(turning, found).factor)
+        whirl = turning.newton(guess, partial(deflation, turning, found))
 
 
 def is_new(whirl: SteadyWhirl, others: Sequence[SteadyWhirl], clearance: float) -> bool:

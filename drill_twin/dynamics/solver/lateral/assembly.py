@@ -32,30 +32,20 @@ def blend(weights: Array, nodal: Array) -> Pair:
 @kernel
 def gather(scratch: Workspace, e: int, u: Array, v: Array, v_old: Array) -> None:
     """Gather the unknowns of element e."""
-    for c in range(2):
-        scratch.ue[c, 0], scratch.ue[c, 1], scratch.ue[c, 2], scratch.ue[c, 3] = (
-            u[e, c],
-            u[e, 3 + c],
-            u[e + 1, c],
-            u[e + 1, 3 + c],
-        )
-        v0, v1, v2, v3 = v[e, c], v[e, 3 + c], v[e + 1, c], v[e + 1, 3 + c]
-        scratch.ve[c, 0], scratch.ve[c, 1], scratch.ve[c, 2], scratch.ve[c, 3] = v0, v1, v2, v3
-        scratch.dv[c, 0], scratch.dv[c, 1] = v0 - v_old[e, c], v1 - v_old[e, 3 + c]
-        scratch.dv[c, 2], scratch.dv[c, 3] = v2 - v_old[e + 1, c], v3 - v_old[e + 1, 3 + c]
+    for k in range(4):
+        node, first = e + k // 2, 3 * (k % 2)
+        for c in range(2):
+            scratch.ue[c, k], scratch.ve[c, k] = u[node, first + c], v[node, first + c]
+            scratch.dv[c, k] = v[node, first + c] - v_old[node, first + c]
 
 
 @kernel
 def start_tangent(rod: Rod, scratch: Workspace, e: int, rate: float) -> None:
     """Set the element's tangent to its mass over half the step."""
     mass, ke = rod.mass[e], scratch.ke
-    for i in range(4):
-        for j in range(4):
-            weighed = rate * mass[i, j]
-            ke[0, 4 * i + j] = weighed
-            ke[1, 4 * i + j] = 0.0
-            ke[2, 4 * i + j] = 0.0
-            ke[3, 4 * i + j] = weighed
+    ke[:] = 0.0
+    for x in range(16):
+        ke[0, x] = ke[3, x] = rate * mass[x // 4, x % 4]
 
 
 @kernel

@@ -118,10 +118,8 @@ def correct(scratch: Workspace, state: State, control: StepControl, half_step: f
     position, angle, total, torque = 0.0, 0.0, 0.0, 0.0
     for i in range(state.u.shape[0]):
         right, row = scratch.right[i], state.trial[i]
-        row[X] -= right[0]
-        row[Y] -= right[1]
-        row[SLOPE_X] -= right[2]
-        row[SLOPE_Y] -= right[3]
+        for c in range(4):
+            row[column(c)] -= right[c]
         position = max(position, abs(right[0]), abs(right[1]))
         angle = max(angle, abs(right[2]), abs(right[3]))
         lever = scratch.lever[i]

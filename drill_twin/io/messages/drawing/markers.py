@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from drill_twin.core.arrays import Array
 from drill_twin.io.messages.cdr import Template, sentinel_header, sentinels
 from drill_twin.io.messages.drawing.geometry import ExaggeratedGeometry, StringGeometry
+from drill_twin.io.messages.stamps import header
 from drill_twin.io.messages.topic_row import MARKER_ARRAY
 from drill_twin.io.messages.type_store import message
 
@@ -156,7 +157,7 @@ def _marker(
     """visualization_msgs/Marker; points and colours are flat arrays of x y z and r g b a."""
     place = np.zeros(3) if position is None else position
     no_time = message("builtin_interfaces/msg/Duration", sec=0, nanosec=0)
-    empty = message("sensor_msgs/msg/CompressedImage", header=_plain_header(), format="", data=np.zeros(0, np.uint8))
+    empty = message("sensor_msgs/msg/CompressedImage", header=header(0, ""), format="", data=np.zeros(0, np.uint8))
     return message(
         "visualization_msgs/msg/Marker",
         header=sentinel_header(frame_id),
@@ -183,11 +184,6 @@ def _marker(
         mesh_file=message("visualization_msgs/msg/MeshFile", filename="", data=np.zeros(0, np.uint8)),
         mesh_use_embedded_materials=False,
     )
-
-
-def _plain_header() -> Any:
-    time = message("builtin_interfaces/msg/Time", sec=0, nanosec=0)
-    return message("std_msgs/msg/Header", stamp=time, frame_id="")
 
 
 def _point(xyz: Array) -> Any:

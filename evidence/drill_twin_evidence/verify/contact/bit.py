@@ -13,7 +13,7 @@ from drill_twin.physics.effects import bit_torque_tanh
 from drill_twin.scene.set_points.command import Command
 from drill_twin_evidence.verify.case import case
 from drill_twin_evidence.verify.row import Row
-from drill_twin_evidence.verify.scenes import rod_scene, steel
+from drill_twin_evidence.verify.scenes import drilled, rod_scene, steel
 from drill_twin_evidence.verify.signals import run_for
 
 RPM_100 = 100.0 * np.pi / 30.0
@@ -32,12 +32,12 @@ def rate_of_penetration(at: str) -> Iterator[Row]:
     command = Command(100e3, RPM_100)
     for seconds in (0.2, 1.0):
         twin.advance(command, seconds)
-    before = twin.drilled
+    before = drilled(twin)
     rig = twin.advance(command, 0.5).rig
     z = RPM_100 / np.hypot(RPM_100, E)
     rate = z**2 * (A2 * 100e3 - A1) + z * A3 * RPM_100
     yield Row("rate of penetration [m/s]", "Z^2 (a2 W - a1) + Z a3 w, Z = w / sqrt(w^2 + e^2)", RITTO, float(rate),
-              (twin.drilled - before) / 0.5, 1e-4)  # fmt: skip
+              (drilled(twin) - before) / 0.5, 1e-4)  # fmt: skip
     yield Row("torque on the bit [N m]", "a4 Z^2 x / w + a5 Z", RITTO, float(rate * A4 * z**2 / RPM_100 + A5 * z),
               -rig.bit_torque, 1e-4)  # fmt: skip
     yield Row("weight on the bit [N]", "W", "balance", 100e3, rig.bit_force, 1e-4)

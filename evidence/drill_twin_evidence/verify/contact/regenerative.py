@@ -17,6 +17,7 @@ from drill_twin.scene import Scene
 from drill_twin.scene.set_points.command import Command
 from drill_twin_evidence.verify.case import case
 from drill_twin_evidence.verify.row import Row
+from drill_twin_evidence.verify.scenes import drilled
 from drill_twin_evidence.verify.signals import rates
 
 RICHARD = "Richard, Germay and Detournay 2007"
@@ -145,14 +146,14 @@ def steady_drilling(regeneration: bool) -> Iterator[Row]:
     twin, command = drilling(worn, speed, 1e-3, 0.0, regeneration=regeneration)
     for _ in range(10):
         twin.advance(command, 1.0)
-    begun = twin.drilled
+    begun = drilled(twin)
     rig = twin.advance(command, 1.0).rig
     source = "Detournay and Defourny 1992"
     yield Row("weight on bit [N]", "zeta eps a d + Wf", source, AXIAL * DEPTH + worn, rig.bit_force, 1e-5)
     yield Row("torque of the rock [N m]", "a / 2 (eps a d + mu gamma Wf)", source,
               -(TURNING * DEPTH + 0.5 * FRICTION * RADIUS * worn), rig.bit_torque, 1e-4)  # fmt: skip
     yield Row("rate of penetration [m/s]", "Omega d / (2 pi)", source, speed * DEPTH / math.tau,
-              twin.drilled - begun, 1e-3)  # fmt: skip
+              drilled(twin) - begun, 1e-3)  # fmt: skip
 
 
 def switched(worn: float, speed: float, seconds: float, step: float) -> Array:

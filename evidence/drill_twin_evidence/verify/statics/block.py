@@ -15,7 +15,7 @@ from drill_twin.scene.set_points import Schedule
 from drill_twin.scene.set_points.command import Command
 from drill_twin_evidence.verify.case import case
 from drill_twin_evidence.verify.row import TWIN, Row
-from drill_twin_evidence.verify.scenes import DIAMETER, WALLED, quiet_scene
+from drill_twin_evidence.verify.scenes import DIAMETER, WALLED, drilled, quiet_scene
 
 GRAVITY = 9.81
 PIPE, AREA, YOUNG, DENSITY = 1000.0, math.pi / 4.0 * (0.127**2 - 0.1086**2), 206e9, 7850.0
@@ -127,9 +127,9 @@ def auto_driller(holds: str) -> Iterator[Row]:
     twin, planned = Twin(own), Schedule.from_scene(own)
     for frame in range(1, 201):
         twin.advance(planned.at(0.5 * frame), 0.5)
-    begun = twin.drilled
+    begun = drilled(twin)
     state = twin.advance(planned.at(150.0), 50.0).rig
-    found = {"weight": state.bit_force, "rate": (twin.drilled - begun) / 50.0, "torque": state.top_drive_torque}[holds]
+    found = {"weight": state.bit_force, "rate": (drilled(twin) - begun) / 50.0, "torque": state.top_drive_torque}[holds]
     expected = {"weight": weight, "rate": driller["rate"], "torque": driller.get("torque", 0.0)}[holds]
     unit = {"weight": "N", "rate": "m/s", "torque": "N m"}[holds]
     yield Row(f"{holds} held [{unit}]", "set-point", "no steady error", expected, found, 2e-3)

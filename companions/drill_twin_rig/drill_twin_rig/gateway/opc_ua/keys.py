@@ -25,7 +25,7 @@ from cryptography.x509.oid import ExtendedKeyUsageOID
 
 from drill_twin.core.errors import DrillTwinError
 from drill_twin.core.files.foreign_file import ForeignFile
-from drill_twin.core.files.output import PRIVATE, write_whole
+from drill_twin.core.files.output import PRIVATE, write_whole, writing
 from drill_twin.core.files.yaml_reader import LARGEST_TEXT, plain_yaml
 
 LEAST_LENGTH: Final = 8
@@ -221,13 +221,11 @@ def make_keys(folder: Path, application: str, host: str, users: Mapping[str, str
     Raises:
         KeysError: The folder cannot be written, or a name or password is of no use.
     """
-    try:
+    with writing(folder, "the keys", "choose another folder", KeysError):
         (folder / TRUSTED).mkdir(parents=True, exist_ok=True)
         if not (folder / CERTIFICATE).exists():
             _make_certificate(folder, application, host)
         return [name for name, password in users.items() if set_password(folder / USERS, name, password)]
-    except OSError as error:
-        raise KeysError(f"{folder}: expected a folder that can be written, found {error.strerror}") from error
 
 
 def _make_certificate(folder: Path, application: str, host: str) -> None:

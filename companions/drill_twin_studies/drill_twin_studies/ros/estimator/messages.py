@@ -12,8 +12,6 @@ from drill_twin.io.messages.diagnostics import Level, exact
 from drill_twin.io.messages.encode import TwinEncoder
 from drill_twin.io.messages.good_samples import GONE
 from drill_twin.io.messages.topics import MARKS_STATE, RIG_STATE, STRING_POSES
-from drill_twin.io.scene_geometry import string_geometry
-from drill_twin_studies.api.estimator import Estimator
 from drill_twin_studies.estimation import Estimate
 
 _LIKELY = 0.5
@@ -82,16 +80,14 @@ def trust_in(found: Estimate) -> tuple[Level, str]:
     return (Level.WARN, found.alarm) if found.alarm else (Level.OK, "")
 
 
-class NearestTwin:
-    """Encodes the frames of the nearest member."""
+def nearest_twin(encoder: TwinEncoder, frames: Frames, origin: float) -> Iterator[tuple[str, bytes]]:
+    """Topics and bytes of the frames of the nearest member, stamped by the rig's clock.
 
-    def __init__(self, estimator: Estimator) -> None:
-        self._encoder = TwinEncoder(string_geometry(estimator.filter.members.twins[0]))
-
-    def messages(self, found: Estimate, origin: float) -> Iterator[tuple[str, bytes]]:
-        """Topics and bytes of the frames of a window, stamped by the rig's clock, whose time zero is `origin` [s]."""
-        for frame in found.frames:
-            stamped = Frames.of(frame._replace(time=origin + frame.time))
-            yield RIG_STATE, self._encoder.rig_state(stamped)[0]
-            yield MARKS_STATE, self._encoder.marks(stamped)[0]
-            yield STRING_POSES, self._encoder.poses(stamped)[0]
+    Args:
+        encoder: Encoder for its string.
+        frames: Frames of a window.
+        origin: Time of the rig's clock at which the estimate begins [s].
+    """
+    stamped = frames._replace(time=origin + frames.time)
+    for raws in zip(encoder.rig_state(stamped), encoder.marks(stamped), encoder.poses(stamped), strict=True):
+        yield from zip((RIG_STATE, MARKS_STATE, STRING_POSES), raws, strict=True)

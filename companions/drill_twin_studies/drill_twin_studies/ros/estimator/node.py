@@ -14,7 +14,7 @@ from drill_twin.core.errors import ParameterError, RunError, RunStopped
 from drill_twin.dynamics.solver.slices import checked
 from drill_twin.io.messages.decode import JointState
 from drill_twin.io.messages.diagnostics import Level, Status
-from drill_twin.io.messages.encode import encode_string
+from drill_twin.io.messages.encode import TwinEncoder, encode_string
 from drill_twin.io.messages.good_samples import GoodSamples
 from drill_twin.io.messages.rig_messages import read_command
 from drill_twin.io.messages.sensor_messages import ImuReading
@@ -29,7 +29,7 @@ from drill_twin.io.messages.topics import (
     RIG_STATE,
     TWIN_SCENE,
 )
-from drill_twin.io.scene_geometry import readings_topic
+from drill_twin.io.scene_geometry import readings_topic, string_geometry
 from drill_twin.ros.core.node import AUTOSTART, TwinNode
 from drill_twin.ros.core.parameters import Parameter
 from drill_twin.ros.core.policy import Rights
@@ -39,7 +39,7 @@ from drill_twin_studies.api.estimator import Estimator as Following
 from drill_twin_studies.estimation import Estimate, EstimatorOptions
 from drill_twin_studies.ros.estimator.messages import (
     EstimateEncoder,
-    NearestTwin,
+    nearest_twin,
     trust_in,
     values_for_diagnostics,
     values_of,
@@ -122,7 +122,7 @@ class Estimator(TwinNode):
         """
         self._set_points: dict[str, float] = {}
         self._following: Following | None = None
-        self._nearest: NearestTwin | None = None
+        self._nearest: TwinEncoder | None = None
         self._found: Estimate | None = None
         self._heard: tuple[float, float] | None = None  # stamp of the last sample, and when it came [s]
         self._alone = 0.0  # s since then, for which the ensemble has run alone
@@ -195,7 +195,7 @@ class Estimator(TwinNode):
     def _begin(self, following: Following) -> None:
         self._following = following
         if self.settings.show:
-            self._nearest = NearestTwin(following)
+            self._nearest = TwinEncoder(string_geometry(following.filter.members.twins[0]))
             self.topics.publish(TWIN_SCENE, encode_string(following.scene.to_yaml()))
         self.samples.expect(MEASURED_RIG_STATE)  # from now on
         self.get_logger().info(f"{len(following.filter.members)} members of {following.scene.name} follow the rig")
@@ -252,8 +252,8 @@ class Estimator(TwinNode):
         stamp = stamp_ns(max(origin + found.time, 0.0))
         self.topics.publish(ESTIMATE_STATE, self._encoder.encode(stamp, found))
         self.publish_diagnostics()  # the sentence on it
-        if self._nearest is not None:
-            for topic, raw in self._nearest.messages(found, origin):
+        if self._nearest is not None and found.frames is not None:
+            for topic, raw in nearest_twin(self._nearest, found.frames, origin):
                 self.topics.publish(topic, raw)
 
     def health(self) -> Status:
