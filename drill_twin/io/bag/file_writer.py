@@ -175,7 +175,7 @@ class FileWriter:
         since = "" if self._open_since is None else f" from {self._open_since / 1e9:.3f} s on"
         return BagError(
             f"{self.path}: expected to go on writing the bag, found {error.strerror or error}; messages{since} are "
-            f"lost, {self.lost} so far; {self._kept} messages before can be read; make room, or choose another folder"
+            f"lost, {self.lost} so far; {self._kept} earlier messages can be read; make room, or choose another folder"
         )
 
 
