@@ -53,8 +53,10 @@ def config_file(name: str) -> Path:
 
 
 WORKER = int(os.environ.get("PYTEST_XDIST_WORKER", "gw0")[2:])
-# Each bench another domain, also of the benches that another worker had: who was killed stays in the graph for a while.
-_DOMAINS = itertools.count(os.getpid() + 50 * WORKER)
+WORKERS = int(os.environ.get("PYTEST_XDIST_WORKER_COUNT", "1"))
+# Each bench another domain, and each worker its share: nodes of a bench that has ended stay in the graph for a while.
+_SHARE = discovery.HIGHEST_DOMAIN // WORKERS
+_DOMAINS = (os.getppid() + _SHARE * WORKER + number % _SHARE for number in itertools.count())
 LONG = 180.0  # s; longest wait for anything: a kernel may have to be compiled, a busy machine may stall a process
 
 
