@@ -28,7 +28,7 @@ def test_marks(change, words):
 
 
 def test_no_marks_or_two_of_one_name():
-    with pytest.raises(AnalysisError, match="at least one mark"):
+    with pytest.raises(AnalysisError, match="expected a mark to analyse"):
         Analyzer([])
     with pytest.raises(AnalysisError, match="mark_3 more than once"):
         Analyzer([BENCH, BENCH])

@@ -77,5 +77,5 @@ class Numerics(Part):
             if self.accuracy is not None and getattr(self, key) != "auto":
                 yield (key,), f'expected "auto" with an `accuracy`, which chooses it, found {getattr(self, key)}'
         if self.step != "auto" and self.step * self.frame_rate > 1.0 + 1e-9:
-            text = f"expected at most the frame time ({1.0 / self.frame_rate:.6g} s), found {self.step:.6g} s"
+            text = f"expected at most the time between frames ({1.0 / self.frame_rate:.6g} s), found {self.step:.6g} s"
             yield ("step",), text
