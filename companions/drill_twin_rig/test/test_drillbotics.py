@@ -86,7 +86,7 @@ def test_a_broken_rule_is_found(files, old, new, rule):
 
 def test_what_is_no_such_file_or_rate_is_refused(bench_run, call, files, tmp_path):
     (files / "x_logs.las").write_text("nothing")
-    with pytest.raises(TableError, match="expected a LAS"):
+    with pytest.raises(TableError, match="expected LAS"):
         list(check_log(files / "x_logs.las"))
     renamed = (files / TIMESERIES).rename(tmp_path / "series.csv")
     assert not next(check_timeseries(renamed)).passed
