@@ -19,7 +19,7 @@ LARGEST_TEXT = 1_000_000
 """Bytes or characters of a text."""
 ODD_DATA = (LookupError, TypeError, ValueError, AttributeError, OverflowError)
 """Errors of a reader whose data are JSON, but not what the reader expects."""
-_RESULTS = "results", "choose another"
+_RESULTS = "the results", "make room, or choose another folder"
 _LONGEST_INTEGER = 300  # digits; a longer integer becomes an infinite float
 
 

@@ -36,7 +36,7 @@ class CheckpointPlaces:
         self._folders = {Path(path).resolve().parent for path in given}
         for path in given:
             self.file(path)
-            with writing(path, "the checkpoint", "choose another", CheckpointError):
+            with writing(path, "the checkpoint", "choose another place", CheckpointError):
                 Path(path).resolve().parent.mkdir(parents=True, exist_ok=True)
 
     def file(self, path: str) -> Path:

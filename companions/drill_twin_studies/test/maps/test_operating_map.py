@@ -152,7 +152,7 @@ def test_a_full_disk_is_told_and_the_map_goes_on(tmp_path):
     limits = resource.getrlimit(resource.RLIMIT_FSIZE)
     resource.setrlimit(resource.RLIMIT_FSIZE, (8192, limits[1]))
     try:
-        with pytest.raises(BagError, match=r"runs\.jsonl: expected a place to keep results, found File too large"):
+        with pytest.raises(BagError, match=r"runs\.jsonl: expected a place to write the results, found File too large"):
             dt.operating_map("pa6_bench", COARSE, folder=tmp_path, **asked)
     finally:
         resource.setrlimit(resource.RLIMIT_FSIZE, limits)
