@@ -181,6 +181,19 @@ def test_a_run_imports_no_scipy_and_seldom_seeks_garbage():
     assert done.stdout.splitlines()[1] == "set() 100000 0"
 
 
+def test_a_run_imports_no_statistics(tmp_path):
+    """Half a second of each run went to `scipy.signal`, which imports `scipy.stats`, for one spectrum."""
+    code = "import sys, drill_twin.cli as cli\n"
+    code += "found = {'scipy.stats', 'scipy.signal', 'scipy.interpolate'}\n"
+    code += "cli.end_process = lambda code: print(found & {*sys.modules}, code)\n"
+    code += "cli.main(['run', 'pa6_bench', '--duration', '1', '--out', 'out'])"
+    done = subprocess.run(
+        [sys.executable, "-c", code], cwd=tmp_path, capture_output=True, text=True, check=True,
+        env=dict(os.environ, PYTHONPATH=SOURCE),
+    )  # fmt: skip
+    assert done.stdout.splitlines()[-1] == "set() 0"
+
+
 @pytest.mark.parametrize("number", one_of(2, [signal.SIGINT, signal.SIGTERM]))
 def test_interrupted_run_keeps_a_whole_bag_and_says_so(start, inside, number):
     child = start("run", "pa6_bench", *QUICK, "--duration", "500", "--out", "long")
