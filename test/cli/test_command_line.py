@@ -150,18 +150,19 @@ def test_every_command_explains_itself(call, command):
     assert ("--json" in said.out) is (command != "scene schema")
 
 
+def printed(code, folder=None):
+    """Output of a new interpreter that runs a code in a folder."""
+    environment = dict(os.environ, PYTHONPATH=SOURCE)
+    return subprocess.run(
+        [sys.executable, "-c", code], cwd=folder, capture_output=True, text=True, check=True, env=environment
+    ).stdout
+
+
 def test_help_loads_nothing_heavy(call):
     """So that it comes at once; 0.3 s were measured."""
     heavy = ("numpy", "numba", "pydantic", "matplotlib", "scipy", "rosbags", "plotly", "drill_twin.scene")
     code = f"import drill_twin.cli.app, sys; print([name for name in {heavy!r} if name in sys.modules])"
-    done = subprocess.run(
-        [sys.executable, "-c", code],
-        capture_output=True,
-        text=True,
-        check=True,
-        env=dict(os.environ, PYTHONPATH=SOURCE),
-    )
-    assert done.stdout.strip() == "[]"
+    assert printed(code).strip() == "[]"
     assert "run" in call().out  # no command at all shows the help
 
 
@@ -171,14 +172,7 @@ def test_a_run_imports_no_scipy_and_seldom_seeks_garbage():
     code += "found = {'scipy.special', 'scipy.linalg'}\n"
     code += "cli.end_process = lambda code: print(found & {*sys.modules}, gc.get_threshold()[0], code)\n"
     code += "cli.main(['--version'])"
-    done = subprocess.run(
-        [sys.executable, "-c", code],
-        capture_output=True,
-        text=True,
-        check=True,
-        env=dict(os.environ, PYTHONPATH=SOURCE),
-    )
-    assert done.stdout.splitlines()[1] == "set() 100000 0"
+    assert printed(code).splitlines()[1] == "set() 100000 0"
 
 
 def test_a_run_imports_no_statistics(tmp_path):
@@ -187,11 +181,7 @@ def test_a_run_imports_no_statistics(tmp_path):
     code += "found = {'scipy.stats', 'scipy.signal', 'scipy.interpolate'}\n"
     code += "cli.end_process = lambda code: print(found & {*sys.modules}, code)\n"
     code += "cli.main(['run', 'pa6_bench', '--duration', '1', '--out', 'out'])"
-    done = subprocess.run(
-        [sys.executable, "-c", code], cwd=tmp_path, capture_output=True, text=True, check=True,
-        env=dict(os.environ, PYTHONPATH=SOURCE),
-    )  # fmt: skip
-    assert done.stdout.splitlines()[-1] == "set() 0"
+    assert printed(code, tmp_path).splitlines()[-1] == "set() 0"
 
 
 @pytest.mark.parametrize("number", one_of(2, [signal.SIGINT, signal.SIGTERM]))
