@@ -103,7 +103,7 @@ def two_sided_spectrum(time: Array, z: ComplexArray, *, segment: float | None = 
     length = time.size if segment is None else min(time.size, max(FEWEST, round(segment * rate)))
     padded = 2 ** math.ceil(math.log2(2 * length))
     # As scipy.signal.welch, whose import takes 0.5 s of each run.
-    window = 0.5 - 0.5 * np.cos(math.tau * np.arange(length) / length)
+    window = 0.5 - 0.5 * np.cos(math.tau * np.arange(length) / length)  # formula of Hann's window
     parts = np.lib.stride_tricks.sliding_window_view(even, length)[:: length - length // 2]
     lines = np.fft.fft(window * (parts - parts.mean(axis=1, keepdims=True)), padded) / window.sum()
     frequency, power = np.fft.fftfreq(padded, 1.0 / rate), (np.abs(lines) ** 2).mean(axis=0)
