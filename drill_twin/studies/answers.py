@@ -121,8 +121,8 @@ def _sentences(table: ModeTable) -> Iterator[str]:
     if math.isfinite(table.reach):
         kinds = "torsional and axial " if table.assembly else ""
         yield (
-            f"of this large string {kinds}eigenvalues up to {table.reach:.3g} rad/s are computed: faster growth is not "
-            "known"
+            f"of this large string {kinds}modes up to {table.reach / math.tau:.3g} Hz are computed: whether a faster "
+            "motion grows is not known"
         )
     if any(cmath.isnan(mode.change) for mode in table.modes):
         yield "+- ?: not compared with another mesh"
