@@ -89,9 +89,10 @@ def scene_path(scene: str | Path) -> Path:
         if path.name and path.suffix not in _SUFFIXES and path.with_name(path.name + suffix).is_file():
             return path.with_name(path.name + suffix)
     beside = [str(path.with_name(file.name)) for suffix in _SUFFIXES for file in sorted(path.parent.glob(f"*{suffix}"))]
+    names = [*known, *well_scenes()]
     raise SceneError(
-        f"{str(scene)[:200]}: no such scene file{nearest(str(scene)[:200], [*known, *beside])}; "
-        f"expected a path or one of the installed scenes: {', '.join((*known, *well_scenes()))}"
+        f"{str(scene)[:200]}: no such scene file{nearest(str(scene)[:200], [*names, *beside])}; "
+        f"expected a path or one of the installed scenes: {', '.join(names)}"
     )
 
 

@@ -94,10 +94,11 @@ def test_a_file_is_found_with_and_without_its_ending(tmp_path: Path):
 
 
 def test_an_unknown_scene_names_the_installed_ones():
-    with pytest.raises(SceneError, match="no such scene file") as caught:
-        load_scene("pa6_bensh")
-    assert 'did you mean "pa6_bench"?' in str(caught.value)
-    assert ", ".join(NAMES) in str(caught.value)
+    for given, meant in (("pa6_bensh", "pa6_bench"), ("s_shaped", "wells/s_shaped")):
+        with pytest.raises(SceneError, match="no such scene file") as caught:
+            load_scene(given)
+        assert f'did you mean "{meant}"?' in str(caught.value)
+        assert ", ".join(NAMES) in str(caught.value)
 
 
 def test_a_package_without_its_data_says_where_it_looked(monkeypatch: pytest.MonkeyPatch, tmp_path: Path):
