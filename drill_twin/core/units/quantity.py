@@ -145,6 +145,21 @@ class Within:
         return f"{text} ({self.reason})" if self.reason else text
 
 
+class OrAuto:
+    """Annotation of a field whose value may be the word `auto`."""
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> core_schema.CoreSchema:
+        def check(value: Any, inner: core_schema.ValidatorFunctionWrapHandler) -> Any:
+            return value if value == "auto" else inner(value)
+
+        return core_schema.no_info_wrap_validator_function(check, handler(source))
+
+    def __get_pydantic_json_schema__(
+        self, schema: core_schema.CoreSchema, handler: GetJsonSchemaHandler
+    ) -> JsonSchemaValue:
+        return {"anyOf": [{"const": "auto"}, handler(schema)]}
+
+
 @dataclass(frozen=True)
 class Whole:
     """Annotation of a whole number in a range, both bounds included."""

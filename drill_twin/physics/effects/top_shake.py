@@ -10,7 +10,7 @@ import numpy as np
 from drill_twin.core.arrays import Array
 from drill_twin.core.compile.jit import kernel
 from drill_twin.core.units import Angle, Frequency, Length, Within
-from drill_twin.physics.effects.config import EffectConfig, Incompatibility, Seed, too_large
+from drill_twin.physics.effects.config import EffectConfig, Problem, Seed, too_large
 from drill_twin.physics.effects.random_draws import generator, normal_strata, phases
 from drill_twin.physics.model import DiscreteModel, Rod
 
@@ -34,7 +34,7 @@ class TopShake(EffectConfig):
     seed: Seed = 1
     """Random motion: seed."""
 
-    def check_against(self, scene: Any) -> Iterator[Incompatibility]:
+    def check_against(self, scene: Any) -> Iterator[Problem]:
         """Yield an amplitude above the clearance."""
         clearance = scene.least_clearance
         yield from too_large(("amplitude",), self.amplitude, clearance, "clearance in the hole", below=True)
