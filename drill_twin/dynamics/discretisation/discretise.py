@@ -139,13 +139,9 @@ def contact_radius(scene: Scene, distance_from_bit: Array) -> Array:
     return np.array([0.5 * piece.contact_diameter for piece in pieces])[number]
 
 
-def survey_of(scene: Scene) -> Survey | None:
-    """Surveyed centre line; None for a straight hole."""
-    return _survey_of(scene.hole)
-
-
 @kept
-def _survey_of(hole: Hole) -> Survey | None:
+def survey_of(hole: Hole) -> Survey | None:
+    """Surveyed centre line; None for a straight hole."""
     if not hole.survey:
         return None
     line = survey(*hole.stations)
@@ -154,7 +150,7 @@ def _survey_of(hole: Hole) -> Survey | None:
 
 def axis_at(scene: Scene, depth: Array) -> Axis | None:
     """Centre line of the hole at measured depths [m], shape (p,); None for a straight hole."""
-    line = survey_of(scene)
+    line = survey_of(scene.hole)
     return None if line is None else line.at(depth)
 
 

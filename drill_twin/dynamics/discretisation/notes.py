@@ -15,9 +15,9 @@ from drill_twin.dynamics.discretisation.discretise import (
 )
 from drill_twin.dynamics.discretisation.joint import buckled_up_to, joint_of
 from drill_twin.dynamics.discretisation.resolution import (
-    ELEMENTS_PER_PITCH,
     IN_TORSION,
     LONG,
+    PER_PITCH,
     PER_WAVE,
     most_elements,
     resolution_of,
@@ -113,12 +113,12 @@ def frequency_error(elements: float) -> float:
 def _coarse_mesh(scene: Scene) -> Iterator[str]:
     if scene.numerics.elements != "auto" or scene.numerics.accuracy is not None:
         return
-    wanted, most = wanted_elements(scene, max(extremes(scene).weight_on_bit, 1.0)), most_elements(scene)
+    wanted, most = wanted_elements(scene), most_elements(scene)
     if wanted > most:
         per_wave, of = (
             (PER_WAVE, "a bending wave at the frequency of rotation, locally")
             if scene.length >= LONG
-            else (ELEMENTS_PER_PITCH, "a pitch of the buckling helix")
+            else (PER_PITCH, "a pitch of the buckling helix")
         )
         each = per_wave * most / wanted
         yield (
