@@ -231,7 +231,7 @@ def _gyroscopic(scene: Scene) -> Iterator[str]:
         return
     speed = abs(extremes(scene).rotation)
     if any(sum(scene.string.body_of(disc)[1:3]) > 0.0 for disc in scene.string.discs):
-        yield "`effects.gyroscopic` is not listed: rotary inertia and gyroscopic moments of the discs are left out; list it"
+        yield "`effects.gyroscopic` is not listed: rotary inertia and gyroscopic moments of discs are left out; list it"
         return
     # of a bending wave at the rotation, (k r)^2 / 2 and twice as much of its gyroscopic split
     radius = max(math.sqrt(tube_constants(tube)[1] / tube_constants(tube)[0]) for tube in sections_of(scene))
