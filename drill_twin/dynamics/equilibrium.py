@@ -21,11 +21,11 @@ import numpy as np
 
 from drill_twin.core.arrays import Array
 from drill_twin.core.errors import RunError
-from drill_twin.dynamics.audit.energy import element_unknowns
 from drill_twin.dynamics.discretisation.discretise import axial_weight, sections_of
 from drill_twin.dynamics.discretisation.resolution import growth_time
 from drill_twin.dynamics.solver.boundary import LAG
 from drill_twin.dynamics.solver.spatial.assembly import FAR, NEAR
+from drill_twin.physics.model import element_unknowns
 from drill_twin.physics.model.mesh import SPIN, Rod
 from drill_twin.scene import Scene
 from drill_twin.scene.set_points.command import Command

@@ -14,12 +14,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drill_twin.core.arrays import Array, Mask
-from drill_twin.dynamics.audit.energy import element_unknowns
 from drill_twin.dynamics.solver.boundary import bit_frame
 from drill_twin.dynamics.solver.state import State
 from drill_twin.physics.effects.discs import Bodies
 from drill_twin.physics.effects.gravity import line_weight
-from drill_twin.physics.model import SPIN, Axis, DiscreteModel, Rod, Tube, Wellbore, places
+from drill_twin.physics.model import SPIN, Axis, DiscreteModel, Rod, Tube, Wellbore, element_unknowns, places
 from drill_twin.physics.model.survey import Survey, survey
 from drill_twin.scene import Scene
 from drill_twin.scene.blocks.hole import Hole

@@ -17,7 +17,7 @@ from drill_twin.core.compile.jit import kernel
 from drill_twin.core.units import Dimensionless, Length, Pressure, Within
 from drill_twin.physics.effects import bow
 from drill_twin.physics.effects.config import EffectConfig, Problem, repeated_names
-from drill_twin.physics.model import DiscreteModel, Rod, locate
+from drill_twin.physics.model import DiscreteModel, Rod, locate, youngs_modulus
 from drill_twin.physics.model.rainflow import DEPTH, EXTREME, MEMORY, Law, add_stress, total_cycles, total_damage
 from drill_twin.physics.model.section_stress import (
     AXIAL_FORCE,
@@ -157,7 +157,7 @@ def parameters(block: Fatigue, model: DiscreteModel) -> Parameters:
     places = np.clip([section.distance(model.string_length) for section in block.sections], 0.0, model.string_length)
     element, share, shapes = locate(rod, places)
     radius, axial, bending = rod.outer_radius[element], rod.axial[element], rod.bending[element]
-    modulus = model.youngs_modulus[element]
+    modulus = youngs_modulus(rod)[element]
     yields = (model.yield_strength[model.section[e]] for e in element)
     steels = [section.steel(strength) for section, strength in zip(block.sections, yields, strict=True)]
     tensile = [steel.tensile_strength if block.mean_stress == "goodman" else np.inf for steel in steels]

@@ -10,7 +10,7 @@ from drill_twin.core.arrays import Array
 from drill_twin.core.errors import RunError
 from drill_twin.core.units import Length, Speed, Within
 from drill_twin.physics.effects.config import EffectConfig, Problem
-from drill_twin.physics.model import DiscreteModel, locate
+from drill_twin.physics.model import DiscreteModel, element_unknowns, locate
 
 STEEPEST = 0.5
 """Largest initial slope [-]."""
@@ -59,8 +59,7 @@ def initial_state(block: LateralKick, model: DiscreteModel, u: Array, v: Array) 
         return
     fine = np.linspace(0.0, model.string_length, 10_001)
     element, _, shapes = locate(model.rod, fine)
-    ends = u[:, :6].reshape(-1, 2, 3)
-    tangents = np.einsum("pi,pic->pc", shapes[:, 1], np.concatenate([ends[:-1], ends[1:]], axis=1)[element])
+    tangents = np.einsum("pi,pic->pc", shapes[:, 1], element_unknowns(u)[element])
     along = _bent(tangents, block.offset * wave(block, model, fine)[1])
     u[:, 5] = _bent(u[:, 3:6], block.offset * slope)
     u[:, 0] += block.offset * height

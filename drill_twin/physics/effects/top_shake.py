@@ -11,10 +11,8 @@ from drill_twin.core.arrays import Array
 from drill_twin.core.compile.jit import kernel
 from drill_twin.core.units import Angle, Frequency, Length, Within
 from drill_twin.physics.effects.config import EffectConfig, Problem, Seed, too_large
-from drill_twin.physics.effects.random_draws import generator, normal_strata, phases
+from drill_twin.physics.effects.random_draws import HARMONICS, generator, normal_strata
 from drill_twin.physics.model import DiscreteModel, Rod
-
-HARMONICS = 64
 
 
 class TopShake(EffectConfig):
@@ -56,7 +54,7 @@ def parameters(block: TopShake, model: DiscreteModel) -> Parameters:
     if block.bandwidth > 0.0:
         random = generator(model, block.seed, "top_shake")
         hertz = block.frequency + block.bandwidth * normal_strata(random, HARMONICS)
-        phase, amplitude = phases(random, HARMONICS), block.amplitude / np.sqrt(HARMONICS)
+        phase, amplitude = random.uniform(0.0, math.tau, HARMONICS), block.amplitude / np.sqrt(HARMONICS)
     omega = math.tau * hertz
     return Parameters(amplitude * omega, omega, phase, float(np.cos(block.direction)), float(np.sin(block.direction)))
 
