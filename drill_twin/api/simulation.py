@@ -170,15 +170,11 @@ class Simulation:
         """
         if duration is None:
             length = self.schedule.duration - self.time
-            if length < 0.5 * self.frame_time and self.time == 0.0:
-                raise ArgumentError(
-                    f"rig.duration: expected at least half a frame ({0.5 * self.frame_time:g} s), found "
-                    f"{self.schedule.duration:g} s; run for longer (--duration, or rig.duration of the scene)"
-                )
             if length < 0.5 * self.frame_time:
                 raise ArgumentError(
-                    f"duration: expected a time to run on for, found none with the scene at its end "
-                    f"({self.schedule.duration:g} s); give one, such as duration=10"
+                    f"rig.duration: expected at least half a frame ({0.5 * self.frame_time:g} s) after {self.time:g} "
+                    f"s, found the scene at its end ({self.schedule.duration:g} s); run for longer (--duration, "
+                    "duration=10, or rig.duration of the scene)"
                 )
         else:
             length = in_si("duration", duration, TIME)

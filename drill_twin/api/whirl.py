@@ -152,14 +152,9 @@ def _times(time: ArrayLike) -> Array:
     wrong[1:] |= ~(np.diff(times) > 0.0)
     if wrong.any():
         place = int(np.argmax(wrong))
-        if abs(times[place]) > LATEST and np.isfinite(times[place]):
-            raise AnalysisError(
-                f"time: expected times [s] within {LATEST:.3g} s of zero, found {times[place]:g} at index {place}; "
-                "divide times in milliseconds by 1000"
-            )
         raise AnalysisError(
-            f"time: expected finite times [s], each above the one before, found {times[place]:g} at index {place}; "
-            "sort the record and drop repeated samples"
+            f"time: expected finite times [s] within {LATEST:.3g} s of zero, each above the one before, found "
+            f"{times[place]:g} at index {place}; sort the record, drop repeated samples, divide milliseconds by 1000"
         )
     return times
 

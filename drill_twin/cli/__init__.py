@@ -13,7 +13,7 @@ from collections.abc import Sequence
 from itertools import pairwise
 
 from drill_twin.cli import interrupt
-from drill_twin.core.errors import printable, words_cut
+from drill_twin.core.errors import DrillTwinError, printable, words_cut
 from drill_twin.core.process import (
     end_process,
     error_text,
@@ -53,8 +53,6 @@ def run_command(arguments: Sequence[str]) -> int:
 
 
 def _run_command(arguments: Sequence[str]) -> int:
-    from drill_twin.core.errors import DrillTwinError
-
     try:
         refuse_too_little_memory()
     except DrillTwinError as error:

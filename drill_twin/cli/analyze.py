@@ -132,8 +132,7 @@ def report(
 ) -> None:
     """Draw the report of a bag: report.html, which needs no network, and its figures as PNG."""
     folder = out or default_folder(bag)
-    if (existing := folder / "report.html").exists() and not replace:
-        raise BagError(f"{existing}: expected no report, found a report; choose another --out, or --replace")
+    check_new(folder / "report.html", replace=replace)
     with shown_progress("analysing the bag"):
         recording = _recording(bag, scene, channel, null, namespace, begin=begin, end=end, run=run, units=units)
     files = draw(recording, folder)

@@ -51,8 +51,8 @@ def cost(
         choose_resolutions,
         measure,
         on_meshes,
-        require_marks,
     )
+    from drill_twin.studies.accuracy.motion_run import require_marks
 
     changes = options.overrides(change, duration=duration)
     described = load_scene(scene, overrides=changes)

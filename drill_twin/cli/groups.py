@@ -19,7 +19,7 @@ import typer
 from typer.core import TyperGroup
 from typer.main import get_command
 
-from drill_twin.core.companions import COMPANIONS, entries, entry_of, is_installed, not_installed, package_of
+from drill_twin.core.companions import COMPANIONS, entries, is_installed, not_installed, package_of
 from drill_twin.core.errors import ArgumentError
 
 ENTRY_POINTS = "drill_twin.commands"
@@ -37,15 +37,15 @@ class CommandGroup(TyperGroup):
 
     def list_commands(self, ctx: Any) -> list[str]:
         """Names of the commands: the core's, then other packages'."""
-        return list(dict.fromkeys([*super().list_commands(ctx), *self._of_companions()]))
+        return list(dict.fromkeys([*super().list_commands(ctx), *self._of_others()]))
 
     def get_command(self, ctx: Any, cmd_name: str) -> Any:
         """Command of a name; None if there is none."""
-        if cmd_name not in self.commands and cmd_name in (whole := self._of_companions()):
-            self.commands[cmd_name] = _of_companion(whole[cmd_name])
+        if cmd_name not in self.commands and cmd_name in (whole := self._of_others()):
+            self.commands[cmd_name] = _of_another(whole[cmd_name])
         return super().get_command(ctx, cmd_name)
 
-    def _of_companions(self) -> dict[str, str]:
+    def _of_others(self) -> dict[str, str]:
         """Whole names of the commands of other packages in this group, by their last word."""
         place = "" if self.name == "drill-twin" else f"{self.name} "
         added = [entry.name for entry in entries(ENTRY_POINTS)] if place else []
@@ -82,41 +82,30 @@ class StudyGroup(CommandGroup):
     Where two packages have a command of the same name, the first package's is taken; a line on stderr says so.
     """
 
-    def list_commands(self, ctx: Any) -> list[str]:
-        """Names of all commands."""
-        del ctx
-        return list(dict.fromkeys(entry.name for entry in _studies()))
-
-    def get_command(self, ctx: Any, cmd_name: str) -> Any:
-        """Command of a name; None if there is none."""
-        del ctx
-        found = [entry for entry in _studies() if entry.name == cmd_name]
-        if found and cmd_name not in self.commands:
-            self.commands[cmd_name] = _command(found[0], cmd_name, f"Of the package {package_of(found[0])}")
-            for other in found[1:]:
-                print(
-                    f'drill-twin: the command "{cmd_name}" of the package {package_of(other)} is left out: there is '
-                    f"a command of that name in {package_of(found[0])}",
-                    file=sys.stderr,
-                )
-        return self.commands.get(cmd_name)
+    def _of_others(self) -> dict[str, str]:
+        names = (entry.name for entry in entries(ENTRY_POINTS))
+        return {name: name for name in names if name not in _OF_COMPANIONS and " " not in name}
 
 
-def _studies() -> list[EntryPoint]:
-    return [entry for entry in entries(ENTRY_POINTS) if entry.name not in _OF_COMPANIONS and " " not in entry.name]
-
-
-def _of_companion(whole: str) -> Any:
-    """Command of a companion, or a command that refuses with the name of the package to install."""
+def _of_another(whole: str) -> Any:
+    """Command of another package, or a command that refuses with the name of the companion to install."""
     package, panel = _OF_COMPANIONS.get(whole, ("", ""))
-    name, entry = whole.rpartition(" ")[2], entry_of(ENTRY_POINTS, whole)
-    if entry is None:
+    name, found = whole.rpartition(" ")[2], [entry for entry in entries(ENTRY_POINTS) if entry.name == whole]
+    if not found:
         error = not_installed(f"`drill-twin {whole}`", package)
         there = f"Not registered; install {package} again."
         return _refused(
             name, panel, error, there if is_installed(package) else f"Not installed; it is in the package {package}."
         )
-    return _command(entry, name, panel)
+    first, *others = found
+    for other in others:
+        print(
+            f'drill-twin: the command "{whole}" of the package {package_of(other)} is left out: there is '
+            f"a command of that name in {package_of(first)}",
+            file=sys.stderr,
+        )
+    own = not package and name == whole
+    return _command(first, name, f"Of the package {package_of(first)}" if own else panel)
 
 
 def _refused(name: str, panel: str, error: ArgumentError, help_text: str) -> Any:

@@ -5,6 +5,7 @@ import textwrap
 import time
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
+from datetime import timedelta
 from functools import cache, partial
 from pathlib import Path
 from typing import Any
@@ -117,14 +118,6 @@ def _amount(task: Task) -> str:
     return " ".join([done, *([f"of {most}{task.total:g}"] if task.total else []), *([unit] if unit else [])])
 
 
-def said_time(seconds: float) -> str:
-    """Time that is left, in the unit in which it is told."""
-    for size, unit in ((3600.0, "h"), (60.0, "min")):
-        if seconds >= size:
-            return f"{seconds / size:.{int(seconds < 10.0 * size)}f} {unit} left"
-    return f"{seconds:.0f} s left"
-
-
 class _AmountColumn(ProgressColumn):
     def render(self, task: Task) -> Text:
         return Text(_amount(task))
@@ -145,7 +138,7 @@ class Bar:
             left = self._task.time_remaining
             most = "at most " * self._task.fields["most"]
             told = [text, *([_amount(self._task)] if self._task.total else [])]
-            told += [f"{most}{said_time(left)}"] if left else []
+            told += [f"{most}{timedelta(seconds=round(left))} left"] if left else []
             remark(", ".join(told))
 
     def step(self, text: str) -> None:

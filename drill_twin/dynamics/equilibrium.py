@@ -15,17 +15,17 @@ whirl is part of the run.
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from drill_twin.core.arrays import Array
 from drill_twin.core.errors import RunError
-from drill_twin.dynamics.audit.energy import element_unknowns
 from drill_twin.dynamics.discretisation.discretise import axial_weight, sections_of
 from drill_twin.dynamics.discretisation.resolution import growth_time
 from drill_twin.dynamics.solver.boundary import LAG
 from drill_twin.dynamics.solver.spatial.assembly import FAR, NEAR
+from drill_twin.physics.model import element_unknowns
 from drill_twin.physics.model.mesh import SPIN, Rod
 from drill_twin.scene import Scene
 from drill_twin.scene.set_points.command import Command
@@ -47,15 +47,6 @@ UNSTABLE_GROWTH = 1.5  # growth of the perturbation from which an equilibrium is
 HALF_WAVES = 5  # of a perturbation
 
 
-class Equilibrium(NamedTuple):
-    """Result of the search."""
-
-    force: float
-    """Largest residual force at a node [N]."""
-    steps: int
-    """Number of steps."""
-
-
 def random_shape(arc: Array, random: np.random.Generator) -> tuple[Array, Array]:
     """Smooth random lateral shape of size 1, zero at both ends, and its slope [1/m]; shape (n + 1, 2) each."""
     share = arc / arc[-1]
@@ -70,7 +61,7 @@ def random_shape(arc: Array, random: np.random.Generator) -> tuple[Array, Array]
     return place, slope
 
 
-def find_equilibrium(string: Dynamics, growth: float, load: float, seed: int) -> Equilibrium:
+def find_equilibrium(string: Dynamics, growth: float, load: float, seed: int) -> None:
     """Move a string at rest to a stable equilibrium.
 
     Args:
@@ -89,10 +80,9 @@ def find_equilibrium(string: Dynamics, growth: float, load: float, seed: int) ->
     steps = 0
     _perturb(string, PERTURBATION * radius, random)
     while True:
-        force, used = _converge(string, first, TOLERANCE * load, MAX_STEPS - steps)
-        steps += used
+        steps += _converge(string, first, TOLERANCE * load, MAX_STEPS - steps)
         if _is_stable(string, first, TEST_PERTURBATION * radius, random):
-            return Equilibrium(force, steps)
+            return
         steps += TEST_STEPS
 
 
@@ -103,7 +93,8 @@ def _perturb(string: Dynamics, size: float, random: np.random.Generator) -> None
     u[:, 3:5] += size * slope
 
 
-def _converge(string: Dynamics, first: float, tolerance: float, most: int) -> tuple[float, int]:
+def _converge(string: Dynamics, first: float, tolerance: float, most: int) -> int:
+    """Step until the residual force is below a tolerance [N]; returns the number of steps."""
     u, _ = string.unknowns
     step, last, force, failures = first, np.inf, np.inf, 0
     for count in range(1, most + 1):
@@ -117,7 +108,7 @@ def _converge(string: Dynamics, first: float, tolerance: float, most: int) -> tu
         force = _residual_force(string, u - before, 0.5 * step)
         if force < (2.0 * tolerance if step <= first else tolerance):
             if step <= first:
-                return force, count
+                return count
             step, last = first, np.inf  # confirm with short steps: a long one may go far along a soft direction
             continue
         factor = np.clip(FORCE_GROWTH * last / force, 0.5, LARGEST_GROWTH)

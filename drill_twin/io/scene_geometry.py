@@ -32,7 +32,7 @@ def string_geometry(twin: Twin) -> StringGeometry:
 
 def drawn_geometry(scene: Scene, distances: Array) -> StringGeometry:
     """Geometry of a string that is drawn through points at these distances from the bit [m], shape (k,)."""
-    line = survey_of(scene)
+    line = survey_of(scene.hole)
     marks = scene.string.marks
     return StringGeometry(
         node_count=len(distances),

@@ -30,7 +30,7 @@ def along_hole(scene: Scene, curves: Array) -> Array:
         scene: The scene; curves of a straight hole are returned unchanged.
         curves: Positions in the frame `hole` from the bit up [m], shape (T, k, 3).
     """
-    line = survey_of(scene)
+    line = survey_of(scene.hole)
     if line is None or not curves.size:
         return curves
     up = arc_of(curves[0])
@@ -46,7 +46,7 @@ def low_side(scene: Scene, depth: Array) -> ComplexArray:
     """Direction of gravity across the hole at measured depths [m], x + i y, of the length sin(inclination)."""
     top = scene.hole.top_inclination
     down = np.array([np.sin(top), 0.0, -np.cos(top)])
-    line = survey_of(scene)
+    line = survey_of(scene.hole)
     if line is None:
         return np.full(depth.shape, down[0], complex)
     across = transverse_axes(line.at(np.clip(depth, 0.0, None)).tangent)
@@ -56,7 +56,7 @@ def low_side(scene: Scene, depth: Array) -> ComplexArray:
 def inclination(scene: Scene, depth: Array) -> Array:
     """Angle of the hole from the vertical at measured depths [rad]."""
     top = scene.hole.top_inclination
-    line = survey_of(scene)
+    line = survey_of(scene.hole)
     if line is None:
         return np.full(depth.shape, top)
     down = np.array([np.sin(top), 0.0, -np.cos(top)])

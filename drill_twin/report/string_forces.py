@@ -17,15 +17,14 @@ from drill_twin.dynamics.discretisation.discretise import (
     axial_weight,
     axial_weight_of_discs,
     discretise,
-    tubes_of,
     untwisted,
 )
 from drill_twin.dynamics.discretisation.joint import joint_of
 from drill_twin.dynamics.discretisation.resolution import mesh
 from drill_twin.dynamics.torque_drag.along_string import hole_and_string
 from drill_twin.physics.effects.wall import parameters as wall_parameters
-from drill_twin.physics.model.mesh import SPIN, Rod
-from drill_twin.physics.model.section_stress import curvature, outer_fibre
+from drill_twin.physics.model.mesh import SPIN, Rod, youngs_modulus
+from drill_twin.physics.model.section_stress import curvature
 from drill_twin.physics.model.wellbore import offsets
 from drill_twin.report.recording import Recording
 
@@ -99,7 +98,7 @@ def fibre_stress(recording: Recording, poses: NDArray[np.int64]) -> tuple[float,
     t, spin = tangent[:, ends], recording.poses.spin[poses][:, ends]
     along = about[..., 2] / (1.0 + t[..., 2])  # as in `section_stress.material_strain`
     bent = (about[..., 0] - t[..., 0] * along + 1j * (about[..., 1] - t[..., 1] * along)) * np.exp(-1j * spin)
-    bent *= outer_fibre(rod, tubes_of(recording.scene))[:, None]
+    bent *= (youngs_modulus(rod) * rod.outer_radius)[:, None]
     half = np.stack([0.5 * np.ptp((bent * way).real, axis=0) for way in FIBRES], axis=-1)
     element, end, fibre = np.unravel_index(np.argmax(half), half.shape)
     stress = (bent[:, element, end] * FIBRES[fibre]).real

@@ -4,8 +4,8 @@
 numba and LLVM hold a process for seconds at a time, in which it answers no service and no signal. The child leaves the
 process free; loading the machine code from the cache afterwards takes a tenth of a second.
 
-The time that it takes depends on the machine and on the effects, so the progress names the last compilation of the same
-kind, which is kept with the compiled kernels. No share of the time is told: one function takes up to a hundred times as
+The time that it takes depends on the machine and on the effects, so the progress names the last compilation,
+which is kept with the compiled kernels. No share of the time is told: one function takes up to a hundred times as
 long as another.
 """
 
@@ -22,14 +22,13 @@ from collections.abc import Callable
 from contextlib import suppress
 from pathlib import Path
 
-from drill_twin.core.compile.kernel_cache import NotCachedError, fingerprint, from_cache_only
+from drill_twin.core.compile.kernel_cache import NotCachedError, from_cache_only
 from drill_twin.core.errors import RunStopped
 from drill_twin.core.files.json_files import read_json
 from drill_twin.core.files.kept_files import permanent_folder, read_own
 from drill_twin.core.files.output import PRIVATE, write_whole
 from drill_twin.core.process import child_environment
 from drill_twin.dynamics.solver.slices import checked
-from drill_twin.dynamics.twin import observation
 from drill_twin.dynamics.twin.twin import Twin
 from drill_twin.io.scene_geometry import mark_infos
 from drill_twin.scene import Scene
@@ -38,12 +37,11 @@ from drill_twin.whirl import Analyzer
 
 _LOG = logging.getLogger(__name__)
 
-_EMPTY, _FURTHER = "empty", "further"  # kinds: compiles what all scenes share too; beside machine code of other effects
-_NAME = "last_compilation_{}.json"
+_NAME = "last_compilation.json"
 
 
 class LastCompilation:
-    """Number of functions and wall-clock time of the last compilation of the same kind: what the next may take."""
+    """Number of functions and wall-clock time of the last compilation: what the next may take."""
 
     functions, seconds = 0, 0.0
     """Both 0 where none is known."""
@@ -54,10 +52,7 @@ class LastCompilation:
         Args:
             folder: Folder of compiled kernels.
         """
-        module = observation.__name__
-        shared = f"part_{module}.{observation.observe_nodes.__name__}_{fingerprint(f'import {module}')}.*"
-        self._kind = _FURTHER if next(folder.glob(shared), None) else _EMPTY
-        self._path = folder / _NAME.format(self._kind)
+        self._path = folder / _NAME
         try:
             functions, seconds = read_json(read_own(self._path) or b"[0, 0]")
             self.functions, self.seconds = int(functions), float(seconds)
@@ -68,7 +63,7 @@ class LastCompilation:
         """Time that the compilation is expected to take."""
         if self.seconds > 0.0:
             return f"the last compilation took {self.seconds:.0f} s"
-        return f"{'one' if self._kind == _EMPTY else 'ten seconds'} to two minutes on most machines"
+        return "ten seconds to two minutes on most machines"
 
     def text(self, functions: int, seconds: float) -> str:
         """Progress after a number of functions and a wall-clock time [s]."""

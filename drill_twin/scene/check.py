@@ -13,8 +13,7 @@ from functools import partial
 from itertools import permutations
 from typing import TYPE_CHECKING, Any, get_args
 
-from drill_twin.physics.effects.config import BitReaction, EffectConfig, Incompatibility, too_large
-from drill_twin.scene.blocks.part import Problem
+from drill_twin.physics.effects.config import BitReaction, EffectConfig, Problem, too_large
 from drill_twin.scene.blocks.sensors import Sub, Surface
 from drill_twin.scene.blocks.string import places_off_string
 
@@ -83,16 +82,20 @@ def _may_follow_the_hole(scene: Scene) -> Iterator[Problem]:
     if depth == "auto" or not depth:
         return
     if depth >= scene.string.length:
-        yield Incompatibility(
+        yield (
             ("numerics", "lateral_from"),
-            f"expected a depth above the bit ({scene.unit_system.text(scene.string.length, 'length')}), found "
-            f"{scene.unit_system.text(depth, 'length')}",
+            (
+                f"expected a depth above the bit ({scene.unit_system.text(scene.string.length, 'length')}), found "
+                f"{scene.unit_system.text(depth, 'length')}"
+            ),
         )
     if found := needs_lateral(scene):
-        yield Incompatibility(
+        yield (
             ("numerics", "lateral_from"),
-            f"expected 0 m, the whole string, which needs lateral motion for what the scene lists, found "
-            f"{', '.join(found)}",
+            (
+                f"expected 0 m, the whole string, which needs lateral motion for what the scene lists, found "
+                f"{', '.join(found)}"
+            ),
         )
 
 
@@ -125,27 +128,33 @@ def _hole_holds_the_string(scene: Scene) -> Iterator[Problem]:
     if not hole.survey:
         return
     if hole.survey[-1].depth < string.length * (1.0 - 1e-12):
-        yield Incompatibility(
+        yield (
             ("hole", "survey", len(hole.survey) - 1, "depth"),
-            f"expected the last station at or below the bit ({string.length:.6g} m), "
-            f"found {hole.survey[-1].depth:.6g} m",
+            (
+                f"expected the last station at or below the bit ({string.length:.6g} m), "
+                f"found {hole.survey[-1].depth:.6g} m"
+            ),
         )
     if effects.stretch is None and effects.torsion is None:
-        yield Incompatibility(
+        yield (
             ("hole", "survey"),
-            "expected `stretch` and `torsion` to be listed with a survey, found neither: "
-            "the motion across the hole alone is computed in a straight hole only (`hole.inclination`)",
+            (
+                "expected `stretch` and `torsion` to be listed with a survey, found neither: "
+                "the motion across the hole alone is computed in a straight hole only (`hole.inclination`)"
+            ),
         )
 
 
 def _formulation_is_whole(scene: Scene) -> Iterator[Problem]:
     for listed, missing in permutations(TOGETHER):
         if getattr(scene.effects, listed) is not None and getattr(scene.effects, missing) is None:
-            yield Incompatibility(
+            yield (
                 ("effects", listed),
-                f"expected both or neither of `{TOGETHER[0]}` and `{TOGETHER[1]}`, found no `{missing}`: list it too, "
-                "or take both out for lateral motion only, with the axial force in balance and the spin of the top "
-                "drive",
+                (
+                    f"expected both or neither of `{TOGETHER[0]}` and `{TOGETHER[1]}`, found no `{missing}`: list it "
+                    "too, or take both out for lateral motion only, with the axial force in balance and the spin of "
+                    "the top drive"
+                ),
             )
 
 
@@ -166,10 +175,12 @@ def _one_law_at_the_bit(scene: Scene) -> Iterator[Problem]:
 def _bit_is_held(scene: Scene) -> Iterator[Problem]:
     end, lacks = scene.string.bit_end, scene.effects.bit_stabiliser is None
     if (end == "stabilised") is lacks:
-        yield Incompatibility(
+        yield (
             ("string", "bit_end") if lacks else ("effects", "bit_stabiliser"),
-            "expected `string.bit_end: stabilised` and `effects.bit_stabiliser` together, "
-            f"found bit_end {end} {'without' if lacks else 'with'} a bit_stabiliser",
+            (
+                "expected `string.bit_end: stabilised` and `effects.bit_stabiliser` together, "
+                f"found bit_end {end} {'without' if lacks else 'with'} a bit_stabiliser"
+            ),
         )
 
 
@@ -182,11 +193,13 @@ def _string_carries_the_load(scene: Scene) -> Iterator[Problem]:
     for key in ("value", "initial"):
         load = abs(getattr(scene.rig.weight_on_bit, key))
         if load + weight > LARGEST_STRAIN * stiffness and load > 0.0:
-            yield Incompatibility(
+            yield (
                 ("rig", "weight_on_bit", key),
-                f"expected at most {max(LARGEST_STRAIN * stiffness - weight, 0.0):.4g} N, found {load:.4g} N: with the "
-                f"string's own {weight:.4g} N it strains section {number + 1} (E A = {stiffness:.4g} N) by "
-                f"{100.0 * (load + weight) / stiffness:.3g} %, where nothing that strings are made of stays elastic",
+                (
+                    f"expected at most {max(LARGEST_STRAIN * stiffness - weight, 0.0):.4g} N, found {load:.4g} N: with "
+                    f"the string's own {weight:.4g} N it strains section {number + 1} (E A = {stiffness:.4g} N) by "
+                    f"{100.0 * (load + weight) / stiffness:.3g} %, where nothing that strings are made of stays elastic"
+                ),
             )
 
 
@@ -240,8 +253,10 @@ def _block_can_move(scene: Scene) -> Iterator[Problem]:
     if effects.stretch is None:
         yield ("rig", "block"), "expected `stretch` and `torsion` to be listed, found neither"
     if (block.off_bottom > 0.0 or block.auto_driller is not None) and not effects.providing("weight"):
-        yield Incompatibility(
+        yield (
             ("rig", "block"),
-            "expected rock for the bit to come down on, found none: list `rock_floor`, `bit_cutting` with a "
-            "`rock_stiffness`, or `bit_regenerative`",
+            (
+                "expected rock for the bit to come down on, found none: list `rock_floor`, `bit_cutting` with a "
+                "`rock_stiffness`, or `bit_regenerative`"
+            ),
         )

@@ -13,9 +13,9 @@ from drill_twin.core.files.foreign_file import ForeignFile
 from drill_twin.core.files.yaml_reader import LARGEST_TEXT
 from drill_twin.core.process import error_text
 from drill_twin.core.units.system import typed_in_pounds
+from drill_twin.physics.effects.config import refuse_all
 from drill_twin.scene.blocks.effects import Effects
 from drill_twin.scene.blocks.hole import Hole
-from drill_twin.scene.blocks.part import refuse_all
 from drill_twin.scene.blocks.rig import Rig
 from drill_twin.scene.blocks.string import String
 from drill_twin.scene.check import UnknownPart, contradictions

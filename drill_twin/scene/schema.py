@@ -14,10 +14,10 @@ from drill_twin.core.severity import DEFAULT, Bounds
 from drill_twin.core.table import Shown, Table
 from drill_twin.core.units.dimension import GRAVITY
 from drill_twin.core.units.system import UnitSystem, unit_system
+from drill_twin.physics.effects.config import Label, Part, Problem
 from drill_twin.scene.blocks.effects import Effects
 from drill_twin.scene.blocks.hole import Hole
 from drill_twin.scene.blocks.numerics import Numerics
-from drill_twin.scene.blocks.part import Label, Part, Problem
 from drill_twin.scene.blocks.rig import Rig
 from drill_twin.scene.blocks.sensors import Sensors
 from drill_twin.scene.blocks.severity import SeverityBounds

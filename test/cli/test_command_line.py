@@ -97,7 +97,7 @@ def test_report_goes_beside_the_bag_unless_told_otherwise(call, bench_run, insid
     (inside / "loose.mcap").write_bytes(next(bench_run.bag.glob("*.mcap")).read_bytes())
     (inside / "loose_report").mkdir()
     (inside / "loose_report" / "report.html").write_text("older", "utf-8")
-    assert f"{inside / 'loose_report' / 'report.html'}: expected no report" in call("report", "loose.mcap").err
+    assert f"{inside / 'loose_report' / 'report.html'}: expected a new file" in call("report", "loose.mcap").err
 
 
 def test_scenes_are_listed_and_checked(call):

@@ -189,7 +189,7 @@ def test_report_is_not_overwritten_unasked(call, field):
     page.write_text("edited")
     refused = call("report", "good")
     assert refused.code == 2
-    assert "expected no report, found a report" in refused.err
+    assert "expected a new file, found an existing file" in refused.err
     assert page.read_text() == "edited"
     assert call("report", "good", "--replace").code == 0
     assert page.stat().st_size > 1e6

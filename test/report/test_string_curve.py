@@ -48,5 +48,5 @@ def test_low_side_is_where_gravity_points():
     scene = load_scene("pa6_bench", overrides=built)
     found = low_side(scene, depth)
     assert np.abs(found) == pytest.approx(np.sin(np.radians([0.0, 10.0, 20.0])), abs=1e-9)
-    down = survey_of(scene).down[-1]  # the hole builds towards where it leads, so the low side is opposite
+    down = survey_of(scene.hole).down[-1]  # the hole builds towards where it leads, so the low side is opposite
     assert found[-1] * abs(complex(*down[:2])) == pytest.approx(-abs(found[-1]) * complex(*down[:2]))

@@ -19,7 +19,6 @@ from typing import Any
 from drill_twin.core.errors import RunError
 from drill_twin.core.files.output import PRIVATE, write_whole
 
-Dumps = Callable[[Any], bytes]
 _HASH = hashlib.sha256().digest_size
 _LOG = logging.getLogger(__name__)
 

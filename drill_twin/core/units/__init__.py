@@ -6,10 +6,12 @@ from typing import Annotated
 from drill_twin.core.units import dimension as dim
 from drill_twin.core.units.dimension import Dimension
 from drill_twin.core.units.parse import factor_of, parse, write
-from drill_twin.core.units.quantity import Quantity, Whole, Within, refuse, show
+from drill_twin.core.units.quantity import OrAuto, Quantity, Whole, Within, refuse, show
 from drill_twin.core.units.registry import UnitError
 
-__all__ = ["Dimension", "Quantity", "UnitError", "Whole", "Within", "factor_of", "parse", "refuse", "show", "write"]
+__all__ = [
+    "Dimension", "OrAuto", "Quantity", "UnitError", "Whole", "Within", "factor_of", "parse", "refuse", "show", "write",
+]  # fmt: skip
 
 Length = Annotated[float, Quantity(dim.LENGTH)]
 Mass = Annotated[float, Quantity(dim.MASS)]

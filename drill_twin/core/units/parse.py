@@ -10,7 +10,7 @@ import re
 from functools import cache
 
 from drill_twin.core.numerals import NUMBER
-from drill_twin.core.units.dimension import ACCELERATION, DIMENSIONLESS, DIMENSIONS, GRAVITY, Dimension
+from drill_twin.core.units.dimension import ACCELERATION, DIMENSIONS, GRAVITY, Dimension
 from drill_twin.core.units.registry import (
     UNIT_NAMES,
     Dimensionality,
@@ -30,12 +30,7 @@ _QUANTITY = re.compile(rf"\s*({NUMBER}){_FRACTION}(?:(?<=[\d.])|\s)\s*([^\d\s.+-
 def parse(text: str, dimension: Dimension) -> float:
     """Parse a text such as `"40 N"` to its SI value; raises UnitError with expected and found."""
     value, unit = split(text, dimension)
-    factor, found = _factor_or_raise(unit, text, dimension)
-    if found not in (accepted := _accepted(dimension)):
-        what = dimension_name(found)
-        near = f', did you mean "{unit}f"?' if f"{unit}f" in _simple_units(dimension, short_names()) else ""
-        raise UnitError(f'expected {dimension.expected}, found "{short(text)}" ({what if unit else "no unit"}){near}')
-    factor *= accepted[found]
+    factor = factor_of(unit, dimension, text)
     result = value if factor == 1.0 else tidy(value * factor)
     if not math.isfinite(result):
         raise UnitError(f'expected a finite {dimension.name}, found "{short(text)}"')
@@ -59,11 +54,15 @@ def split(text: str, dimension: Dimension) -> tuple[float, str]:
     return value, _MARKS.get(unit, unit)
 
 
-def factor_of(unit: str, dimension: Dimension) -> float:
-    """SI factor of a unit, for columns of numbers; raises UnitError if it has another dimension."""
-    factor, found = _factor_or_raise(unit, unit, dimension)
+def factor_of(unit: str, dimension: Dimension, text: str = "") -> float:
+    """SI factor of a unit; raises UnitError if it has another dimension, found in `text` or in the unit alone."""
+    factor, found = _factor_or_raise(unit, text or unit, dimension)
     if found not in (accepted := _accepted(dimension)):
-        raise UnitError(f'expected a unit of {dimension.name} such as "{dimension.unit}", found "{short(unit)}"')
+        what = dimension_name(found)
+        near = f', did you mean "{unit}f"?' if f"{unit}f" in _simple_units(dimension, short_names()) else ""
+        told = f'"{short(text or unit)}" ({what if unit else "no unit"}){near}'
+        expected = dimension.expected if text else f'a unit of {dimension.name} such as "{dimension.unit}"'
+        raise UnitError(f"expected {expected}, found {told}")
     return factor * accepted[found]
 
 
@@ -74,23 +73,8 @@ def write(value: float, dimension: Dimension) -> str:
 
 def dimension_name(dimensionality: Dimensionality) -> str:
     """Name of a dimensionality for messages: `mass`, or its powers if it has none."""
-    named = _named(dimensionality)
-    if named:
-        return named.name
-    return " ".join(f"{base.strip('[]')}^{power:g}" for base, power in dimensionality)
-
-
-def dimension_of(text: str) -> Dimension:
-    """Dimension of a quantity's text, such as a bound; raises UnitError if it is not in the table."""
-    _, unit = split(text, DIMENSIONLESS)
-    named = _named(si_factor(unit)[1])
-    if named is None:
-        raise UnitError(f'expected a dimension known to scenes, found "{text}"')
-    return named
-
-
-def _named(dimensionality: Dimensionality) -> Dimension | None:
-    return next((known for known in DIMENSIONS if dimensionality == si_factor(known.unit)[1]), None)
+    powers = " ".join(f"{base.strip('[]')}^{power:g}" for base, power in dimensionality)
+    return next((known.name for known in DIMENSIONS if dimensionality == si_factor(known.unit)[1]), powers)
 
 
 @cache

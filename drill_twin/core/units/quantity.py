@@ -15,7 +15,7 @@ from pydantic.json_schema import JsonSchemaValue
 from pydantic_core import PydanticCustomError, core_schema
 
 from drill_twin.core.units.dimension import DIMENSIONLESS, Dimension
-from drill_twin.core.units.parse import dimension_of, editor_pattern, parse, short, write
+from drill_twin.core.units.parse import editor_pattern, parse, short, write
 from drill_twin.core.units.registry import UnitError
 
 
@@ -109,7 +109,7 @@ class Within:
         """Check the parsed value; the message quotes what was written."""
         written, schema = self._bounds(), handler(source)
         # several dimensions share a unit, such as stiffness and force per length: take the dimension of the field
-        dimension = schema.get("metadata", {}).get("dimension") or dimension_of(next(iter(written.values())))
+        dimension = schema["metadata"]["dimension"]
         bounds = [(parse(text, dimension), _BOUNDS[name].holds) for name, text in written.items()]
 
         def check(value: Any, inner: core_schema.ValidatorFunctionWrapHandler) -> float:
@@ -127,7 +127,7 @@ class Within:
         """Range as text for editors; in patterns only the sign can be checked."""
         result = {**handler(schema), "x-range": self.range_text}
         lowest = self.above or self.at_least
-        if lowest is not None and parse(lowest, dimension_of(lowest)) >= 0.0 and "pattern" in result:
+        if lowest is not None and not lowest.startswith("-") and "pattern" in result:
             result["pattern"] = result["pattern"].replace("[+-]?", "[+]?", 1)
         for branch in result.get("anyOf", ()):
             if branch.get("type") == "number":
@@ -143,6 +143,21 @@ class Within:
         """Range as text: `above 0 m and at most 5 m`."""
         text = " and ".join(f"{name.replace('_', ' ')} {bound}" for name, bound in self._bounds().items())
         return f"{text} ({self.reason})" if self.reason else text
+
+
+class OrAuto:
+    """Annotation of a field whose value may be the word `auto`."""
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> core_schema.CoreSchema:
+        def check(value: Any, inner: core_schema.ValidatorFunctionWrapHandler) -> Any:
+            return value if value == "auto" else inner(value)
+
+        return core_schema.no_info_wrap_validator_function(check, handler(source))
+
+    def __get_pydantic_json_schema__(
+        self, schema: core_schema.CoreSchema, handler: GetJsonSchemaHandler
+    ) -> JsonSchemaValue:
+        return {"anyOf": [{"const": "auto"}, handler(schema)]}
 
 
 @dataclass(frozen=True)

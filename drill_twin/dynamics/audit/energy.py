@@ -9,7 +9,7 @@ from drill_twin.core.arrays import Array
 from drill_twin.dynamics.solver.joined.linear_solver import Workspace
 from drill_twin.physics.effects.wall import Parameters as Wall
 from drill_twin.physics.model.discrete_model import DiscreteModel
-from drill_twin.physics.model.mesh import SPIN, Rod, locate, part_of
+from drill_twin.physics.model.mesh import SPIN, Rod, element_unknowns, locate, part_of
 from drill_twin.physics.model.wellbore import offsets
 
 
@@ -25,11 +25,6 @@ class Energy(NamedTuple):
     def total(self) -> float:
         """Sum of the parts [J]."""
         return sum(self)
-
-
-def element_unknowns(rows: Array) -> Array:
-    """Gather r_0, r'_0, r_1, r'_1 of each element from node rows, shape (..., n, 4, 3)."""
-    return np.concatenate([rows[..., :-1, :6], rows[..., 1:, :6]], -1).reshape(*rows.shape[:-2], -1, 4, 3)
 
 
 def energy(rod: Rod, u: Array, v: Array) -> Energy:

@@ -14,12 +14,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drill_twin.core.arrays import Array, Mask
-from drill_twin.dynamics.audit.energy import element_unknowns
 from drill_twin.dynamics.solver.boundary import bit_frame
 from drill_twin.dynamics.solver.state import State
 from drill_twin.physics.effects.discs import Bodies
 from drill_twin.physics.effects.gravity import line_weight
-from drill_twin.physics.model import SPIN, Axis, DiscreteModel, Rod, Tube, Wellbore, places
+from drill_twin.physics.model import SPIN, Axis, DiscreteModel, Rod, Tube, Wellbore, element_unknowns, places
 from drill_twin.physics.model.survey import Survey, survey
 from drill_twin.scene import Scene
 from drill_twin.scene.blocks.hole import Hole
@@ -139,13 +138,9 @@ def contact_radius(scene: Scene, distance_from_bit: Array) -> Array:
     return np.array([0.5 * piece.contact_diameter for piece in pieces])[number]
 
 
-def survey_of(scene: Scene) -> Survey | None:
-    """Surveyed centre line; None for a straight hole."""
-    return _survey_of(scene.hole)
-
-
 @kept
-def _survey_of(hole: Hole) -> Survey | None:
+def survey_of(hole: Hole) -> Survey | None:
+    """Surveyed centre line; None for a straight hole."""
     if not hole.survey:
         return None
     line = survey(*hole.stations)
@@ -154,7 +149,7 @@ def _survey_of(hole: Hole) -> Survey | None:
 
 def axis_at(scene: Scene, depth: Array) -> Axis | None:
     """Centre line of the hole at measured depths [m], shape (p,); None for a straight hole."""
-    line = survey_of(scene)
+    line = survey_of(scene.hole)
     return None if line is None else line.at(depth)
 
 

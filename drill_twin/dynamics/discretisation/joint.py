@@ -37,7 +37,7 @@ WHIRLS, OVER = 0.5, 2.0
 time [s]: calm wells of 1,000 m had 0.04 to 0.32, and wells whose hookload or torque was off 0.57 to 1.3. Frames count
 once the joint has turned round: a string that starts on the axis falls to the low side before."""
 SAMPLES = 400
-"""Elements of the mesh by length on which the compression is evaluated."""
+"""Elements of the mesh by length on which compression and resolution are evaluated."""
 
 
 def joint_of(scene: Scene) -> float | None:

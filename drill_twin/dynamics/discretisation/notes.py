@@ -7,17 +7,13 @@ from collections.abc import Iterator
 import numpy as np
 
 from drill_twin.dynamics.discretisation.discretise import (
-    BIT_ENDS,
-    BoundaryConditions,
-    discretise,
     sections_of,
-    tubes_of,
 )
 from drill_twin.dynamics.discretisation.joint import buckled_up_to, joint_of
 from drill_twin.dynamics.discretisation.resolution import (
-    ELEMENTS_PER_PITCH,
     IN_TORSION,
     LONG,
+    PER_PITCH,
     PER_WAVE,
     most_elements,
     resolution_of,
@@ -25,8 +21,7 @@ from drill_twin.dynamics.discretisation.resolution import (
     stick_slip_step,
     wanted_elements,
 )
-from drill_twin.physics.effects import gyroscopic
-from drill_twin.physics.model import build_rod, tube_constants
+from drill_twin.physics.model import tube_constants
 from drill_twin.scene import Scene
 from drill_twin.scene.blocks.numerics import MOST_ELEMENTS
 from drill_twin.scene.check import needs_lateral
@@ -40,8 +35,8 @@ TOLD = 1.5
 FRAMES_IN_ORBIT, STEPS_IN_ORBIT = 2.5, 20.0
 """Frames in an orbit that whirl needs to be seen (`whirl.criteria.NEEDED_IN_ORBIT`), and time steps in which the
 midpoint rule turns it by 0.8 % too little."""
-LEAST_GYROSCOPIC, TILT_ELEMENTS, TILT_MODES = 5e-3, 60, 8
-"""Change of a lateral frequency from which a note is given, elements and lowest modes of its estimate; chosen."""
+LEAST_GYROSCOPIC = 5e-3
+"""Change of a lateral frequency from which a note is given; chosen."""
 THICKER = 2.0
 """Diameter over a neighbour's from which a section shorter than its diameter is a disc; chosen."""
 
@@ -113,12 +108,12 @@ def frequency_error(elements: float) -> float:
 def _coarse_mesh(scene: Scene) -> Iterator[str]:
     if scene.numerics.elements != "auto" or scene.numerics.accuracy is not None:
         return
-    wanted, most = wanted_elements(scene, max(extremes(scene).weight_on_bit, 1.0)), most_elements(scene)
+    wanted, most = wanted_elements(scene), most_elements(scene)
     if wanted > most:
         per_wave, of = (
             (PER_WAVE, "a bending wave at the frequency of rotation, locally")
             if scene.length >= LONG
-            else (ELEMENTS_PER_PITCH, "a pitch of the buckling helix")
+            else (PER_PITCH, "a pitch of the buckling helix")
         )
         each = per_wave * most / wanted
         yield (
@@ -236,48 +231,15 @@ def _gyroscopic(scene: Scene) -> Iterator[str]:
         return
     speed = abs(extremes(scene).rotation)
     if any(sum(scene.string.body_of(disc)[1:3]) > 0.0 for disc in scene.string.discs):
-        change, basis = tilt_share(scene, speed), "by the tilt of its lowest modes without tension and wall"
-    else:  # of a bending wave at the rotation, (k r)^2 / 2 and twice as much of its gyroscopic split
-        radius = max(math.sqrt(tube_constants(tube)[1] / tube_constants(tube)[0]) for tube in sections_of(scene))
-        slowest = min(math.sqrt(tube.youngs_modulus / tube.density) for tube in sections_of(scene))
-        change, basis = 1.5 * radius * speed / slowest, "of a bending wave at the rotation"
+        yield "`effects.gyroscopic` is not listed: rotary inertia and gyroscopic moments of discs are left out; list it"
+        return
+    # of a bending wave at the rotation, (k r)^2 / 2 and twice as much of its gyroscopic split
+    radius = max(math.sqrt(tube_constants(tube)[1] / tube_constants(tube)[0]) for tube in sections_of(scene))
+    slowest = min(math.sqrt(tube.youngs_modulus / tube.density) for tube in sections_of(scene))
+    change = 1.5 * radius * speed / slowest
     if change >= LEAST_GYROSCOPIC:
         yield (
             f"`effects.gyroscopic` is not listed: at {speed * 30.0 / math.pi:.4g} rpm rotary inertia and gyroscopic "
-            f"moments change a lateral frequency by about {100.0 * change:.2g} % (first order, {basis}); list it"
+            f"moments change a lateral frequency by about {100.0 * change:.2g} % (first order, of a bending wave at "
+            "the rotation); list it"
         )
-
-
-def tilt_share(scene: Scene, speed: float) -> float:
-    """Largest relative change of the lowest lateral frequencies by rotary inertia and gyroscopic moments, first order.
-
-    With a mode of unit modal mass, tilt t and frequency w: (sum Id t^2 + (speed / w) sum Ip t^2) / 2 (Rayleigh).
-    """
-    rod = build_rod(tubes_of(scene), TILT_ELEMENTS)
-    model, nodes = discretise(scene, rod), rod.arc.size
-    mass, stiffness = np.zeros((2, 2 * nodes, 2 * nodes))
-    bend = rod.shape[:, :, 2]
-    elements = np.einsum("epi,epj,e->eij", bend, bend, 0.5 * rod.length * rod.bending)
-    for e in range(rod.length.size):
-        part = slice(2 * e, 2 * e + 4)
-        mass[part, part] += rod.mass[e]
-        stiffness[part, part] += elements[e]
-    (polar, diametral), bodies = gyroscopic.parameters(gyroscopic.Gyroscopic(), model), model.bodies
-    np.add.at(mass, (2 * bodies.node, 2 * bodies.node), bodies.mass)
-    for support in scene.string.supports:
-        node = 2 * int(model.nodes_at(np.array([support.distance_from_bit]))[0])
-        stiffness[node, node] += support.stiffness
-        stiffness[node + 1, node + 1] += support.tilt_stiffness
-    free = np.ones(2 * nodes, bool)
-    free[:2] = ~np.array(BIT_ENDS[scene.string.bit_end])[[0, 3]]
-    free[-2:] = ~BoundaryConditions.of(scene).constrained(scene.string.bit_end)[1, [0, 3]]
-    from scipy import linalg  # takes 0.1 s, which a scene without discs does not need
-
-    kept, last = np.ix_(free, free), min(TILT_MODES, int(free.sum())) - 1
-    squares, shapes = linalg.eigh(stiffness[kept], mass[kept], subset_by_index=[0, last])
-    whole = np.zeros((2 * nodes, last + 1))
-    whole[free] = shapes
-    frequency = np.sqrt(np.maximum(squares, (0.05 * speed) ** 2 + 1e-12))
-    tilt = whole[1::2] ** 2
-    near = frequency <= max(2.0 * speed, float(frequency[0]))
-    return float((0.5 * (diametral @ tilt + speed / frequency * (polar @ tilt)))[near].max())

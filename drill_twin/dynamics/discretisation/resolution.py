@@ -11,7 +11,7 @@ import numpy as np
 from drill_twin.core.arrays import Array
 from drill_twin.core.errors import SceneError
 from drill_twin.dynamics.discretisation.discretise import axial_weight, cut, discretise, sections_of, tubes_of
-from drill_twin.dynamics.discretisation.joint import counts_above, joint_of
+from drill_twin.dynamics.discretisation.joint import SAMPLES, counts_above, joint_of
 from drill_twin.physics.effects.wall import Parameters as Wall
 from drill_twin.physics.model import Rod, Tube, build_rod, elements_per_section, rod_of, tube_constants
 from drill_twin.scene import Scene
@@ -23,8 +23,6 @@ PER_PITCH, PER_WAVE = 8, 6
 """Elements a pitch of the buckling helix, and a bending wave at the frequency of rotation (error 0.08 %)."""
 LONGEST_ELEMENT = 15.0
 """Longest element that the rule asks for [m]: half a stand."""
-SAMPLES = 400
-"""Elements of the mesh by length on which the rule is evaluated."""
 IN_TORSION, MOST_FINER = 500, 10.0
 """Steps in a period of torsion where the bit may stick and slip; most of them in place of one for all else."""
 
@@ -75,7 +73,6 @@ def elements_needed(scene: Scene, up_to: float = math.inf) -> Array:
     return np.asarray(np.bincount(piece, weights=density * rod.length, minlength=len(tubes)), float)
 
 
-ELEMENTS_PER_PITCH = 8
 FEWEST, MOST, MOST_LONG = 16, 400, 1000
 IMPACT, OF_DEPTH = 0.1, 2e-3
 """Speed of a slow impact [m/s], and the Newton tolerance as a share of its depth in the wall."""
@@ -96,47 +93,34 @@ def resolution_of(scene: Scene) -> tuple[int, float]:
         )
     if "auto" not in (numerics.elements, numerics.step):
         return int(numerics.elements), float(numerics.step)
-    compression = max(extremes(scene).weight_on_bit, 1.0)
-    elements = auto_elements(scene, compression) if numerics.elements == "auto" else int(numerics.elements)
+    elements = (
+        int(numerics.elements) if numerics.elements != "auto" else min(wanted_elements(scene), most_elements(scene))
+    )
     if numerics.step != "auto":
         return elements, float(numerics.step)
     step, wanted = step_of_motion(scene), stick_slip_step(scene)
     return elements, wanted if step > wanted >= step / MOST_FINER else step
 
 
-def auto_elements(scene: Scene, compression: float) -> int:
-    """Elements of `wanted_elements`, but at most 400, or 1,000 in a long string (`notes.notes_on` says so).
-
-    Args:
-        scene: The scene.
-        compression: Largest axial compression expected [N].
-    """
-    return min(wanted_elements(scene, compression), most_elements(scene))
-
-
 def most_elements(scene: Scene) -> int:
-    """Most elements that `auto` takes."""
+    """Most elements that `auto` takes; `notes.notes_on` says so."""
     return MOST_LONG if scene.length >= LONG else MOST
 
 
-def wanted_elements(scene: Scene, compression: float) -> int:
+def wanted_elements(scene: Scene) -> int:
     """Elements for eight per pitch of the buckling helix of each section, without an upper limit.
 
     The pitch 2 pi sqrt(2 EI / F) (Lubinski, Althouse and Logan 1962) is the shortest wave caused by the load. In a long
     string the local load counts, and the mesh is graded (`elements_needed`).
-
-    Args:
-        scene: The scene.
-        compression: Largest axial compression expected [N].
     """
     if scene.length >= LONG:
         joint, _, above = _parts(scene)
         return max(math.ceil(float(elements_needed(scene, joint).sum())), FEWEST) + sum(counts_above(above))
-    count = 0.0
+    count, compression = 0.0, max(extremes(scene).weight_on_bit, 1.0)
     for tube in sections_of(scene):
         bending = tube_constants(tube)[1]
-        pitch = math.tau * np.sqrt(2.0 * bending / max(compression, 1e-9))
-        count += tube.length / min(pitch, tube.length * 4.0) * ELEMENTS_PER_PITCH
+        pitch = math.tau * np.sqrt(2.0 * bending / compression)
+        count += tube.length / min(pitch, tube.length * 4.0) * PER_PITCH
     return int(max(np.ceil(count), FEWEST))
 
 

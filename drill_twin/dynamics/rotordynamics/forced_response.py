@@ -15,13 +15,13 @@ from numpy.polynomial.chebyshev import chebvander
 
 from drill_twin.core.arrays import Array, ComplexArray
 from drill_twin.core.errors import SceneError
-from drill_twin.dynamics.audit.energy import element_unknowns, gauss_positions, off_axis
+from drill_twin.dynamics.audit.energy import gauss_positions, off_axis
 from drill_twin.dynamics.rotordynamics.assembly import Assembly
 from drill_twin.dynamics.rotordynamics.equations import EquationsOfMotion
 from drill_twin.dynamics.rotordynamics.modes import Mode, balance
 from drill_twin.dynamics.rotordynamics.turning_frame import HoleFrame
 from drill_twin.physics.effects.wall import Parameters as Wall
-from drill_twin.physics.model import SPIN, locate
+from drill_twin.physics.model import SPIN, element_unknowns, locate
 from drill_twin.scene import Scene
 from drill_twin.scene.set_points.command import Command
 

@@ -137,21 +137,6 @@ class SurfaceValues(NamedTuple):
     """Height of the travelling block above its start [m]."""
 
 
-def drive_torque(
-    torque: float | Array, speed: float | Array, acceleration: float | Array, inertia: float, damping: float
-) -> float | Array:
-    """Torque of a drive [N m] on the string and on its own inertia and friction.
-
-    Args:
-        torque: Torque on the string [N m].
-        speed: Speed of the drive [rad/s].
-        acceleration: Acceleration of the drive [rad/s^2].
-        inertia: Inertia of the drive [kg m^2].
-        damping: Viscous friction [N m s/rad].
-    """
-    return torque + inertia * acceleration + damping * speed
-
-
 class SurfaceSampler:
     """Samples the surface channels of a scene."""
 
@@ -173,6 +158,6 @@ class SurfaceSampler:
         """
         seconds = time - self._time
         turned = (found.speed - self._speed) / seconds
-        torque = drive_torque(found.torque, found.speed, turned, self._inertia, self._damping)
+        torque = found.torque + self._inertia * turned + self._damping * found.speed
         self._time, self._speed = time, float(found.speed)
         return self._instrument.advance(time, seconds, np.array(found._replace(torque=torque)))

@@ -7,11 +7,12 @@ from typing import NamedTuple
 import numpy as np
 
 from drill_twin.core.arrays import Array
-from drill_twin.dynamics.audit.energy import element_unknowns, off_axis
+from drill_twin.dynamics.audit.energy import off_axis
 from drill_twin.dynamics.discretisation.discretise import axis_at, contact_radius
 from drill_twin.dynamics.torque_drag.soft_string import HoleAndString, Operation, soft_string
 from drill_twin.physics.effects.gravity import line_weight
 from drill_twin.physics.effects.wall import Parameters as Wall
+from drill_twin.physics.model import element_unknowns
 from drill_twin.physics.model.discrete_model import DiscreteModel
 from drill_twin.scene import Scene
 

@@ -16,6 +16,7 @@ import zlib
 from collections.abc import Mapping
 from dataclasses import dataclass
 from io import BytesIO
+from itertools import zip_longest
 from pathlib import Path
 from typing import Any, Self
 
@@ -23,7 +24,7 @@ import numpy as np
 
 from drill_twin.core import __version__
 from drill_twin.core.arrays import Array
-from drill_twin.core.errors import CheckpointError, DrillTwinError, StoppedError
+from drill_twin.core.errors import CheckpointError, DrillTwinError, StoppedError, shortened
 from drill_twin.core.files.foreign_file import ForeignFile
 from drill_twin.core.files.json_files import read_json
 from drill_twin.core.files.output import whole_file, write_whole
@@ -110,7 +111,8 @@ class Checkpoint:
             scene = head["scene"]
         except _DAMAGED as error:
             raise CheckpointError(
-                f"{path}: expected a whole checkpoint of drill_twin, found {_error_text(error)}; start the run afresh"
+                f"{path}: expected a whole checkpoint of drill_twin, found {type(error).__name__}: "
+                f"{shortened(str(error), 200)}; start the run afresh"
             ) from error
         if not (math.isfinite(time) and command.is_finite()) or not isinstance(scene, str):
             found = f"{time:g} s, {tuple(command)}"
@@ -151,9 +153,8 @@ class Checkpoint:
         wanted, found = scene.to_yaml().splitlines(), self.scene.splitlines()
         if wanted == found:
             return
-        length = max(len(wanted), len(found))
-        pairs = zip(wanted + [""] * (length - len(wanted)), found + [""] * (length - len(found)), strict=True)
-        number, (mine, theirs) = next((n, pair) for n, pair in enumerate(pairs, 1) if pair[0] != pair[1])
+        pairs = enumerate(zip_longest(wanted, found, fillvalue=""), 1)
+        number, (mine, theirs) = next((n, pair) for n, pair in pairs if pair[0] != pair[1])
         raise CheckpointError(
             f"expected a checkpoint of this scene, {scene.name}, found a checkpoint of another scene: line {number} of "
             f'the resolved scene is "{theirs.strip()}" there and "{mine.strip()}" here; load that scene, or start the '
@@ -198,15 +199,6 @@ def _array(data: bytes) -> Array:
     if found.dtype not in {np.dtype(np.float64), np.dtype(np.uint8)} or stream.read(1):
         raise ValueError(f"an array of {found.dtype} in {len(data)} bytes")
     return found
-
-
-_MOST_CHARACTERS = 200
-"""Characters of an error that are told: zipfile quotes whole headers."""
-
-
-def _error_text(error: BaseException) -> str:
-    text = " ".join(str(error).split())[:_MOST_CHARACTERS]
-    return text if text and not isinstance(error, KeyError) else f"{type(error).__name__} {text}".strip()
 
 
 CHECKPOINT, LAST_SECOND, REASON = "checkpoint.npz", "last_second.npz", "why.txt"

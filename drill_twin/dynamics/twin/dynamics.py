@@ -234,12 +234,6 @@ class Dynamics(KernelArguments):
         step = self.step if step is None else step
         return self.run(target.reshape(1, -1), seconds, step, np.zeros((0, 0)), lambda: iterations) == state.CONVERGED
 
-    @property
-    def clock(self) -> Array:
-        """Simulated time and history of the steps, see `drill_twin.dynamics.solver.state`."""
-        clock: Array = self._state.clock
-        return clock
-
     def energy_of(self, u: Array, v: Array) -> Energy:
         """Energy of node rows (r, r', psi) and their velocities, shape (n + 1, 7) each, as the kernel samples it."""
         if self.form == LATERAL:
@@ -282,5 +276,5 @@ class Dynamics(KernelArguments):
 
 def kernel_of(scene: Scene) -> tuple[tuple[Effect, ...], str, str, bool]:
     """Properties that select a scene's kernel: effects, formulation, "straight" or "curved" hole, audit."""
-    hole = "straight" if survey_of(scene) is None else "curved"
+    hole = "straight" if survey_of(scene.hole) is None else "curved"
     return effects_of(scene), form_of(scene), hole, scene.numerics.audit == "energy"

@@ -13,11 +13,10 @@ import numpy as np
 from drill_twin.core.arrays import Array
 from drill_twin.core.compile.jit import as_python
 from drill_twin.core.errors import StoppedError
-from drill_twin.dynamics.audit.energy import element_unknowns
 from drill_twin.dynamics.twin.dynamics import Dynamics
 from drill_twin.dynamics.twin.step_guard import REMEDIES, Violation
 from drill_twin.physics.effects import Effect, effect_module
-from drill_twin.physics.model import Point, Rod, Strain, strain_at
+from drill_twin.physics.model import Point, Rod, Strain, element_unknowns, strain_at
 from drill_twin.physics.model.section import RESULTANTS
 
 

@@ -22,7 +22,7 @@ from drill_twin.core.units import (
     Torque,
     Within,
 )
-from drill_twin.physics.effects.config import EffectConfig, Incompatibility, Seed
+from drill_twin.physics.effects.config import EffectConfig, Problem, Seed
 from drill_twin.physics.effects.random_draws import MOST_SCATTER, generator, random_matrix
 from drill_twin.physics.model import SPIN, DiscreteModel, Rod
 from drill_twin.physics.model.bit import (
@@ -68,17 +68,13 @@ class BitCutting(EffectConfig):
     seed: Seed = 1
     """Seed of the draw, one for the run; it depends on `numerics.seed` too."""
 
-    def check_against(self, scene: Any) -> Iterator[Incompatibility]:
+    def check_against(self, scene: Any) -> Iterator[Problem]:
         """Yield a missing stiffness with a weight set at the top, or a stiffness with a weight set at the bit."""
         at, place = scene.rig.weight_on_bit.at, ("rock_stiffness",)
         if at != "bit" and self.rock_stiffness is None:
-            yield Incompatibility(
-                place, 'expected a stiffness such as "25e6 N/m" with `rig.weight_on_bit.at: top`, found none'
-            )
+            yield (place, 'expected a stiffness such as "25e6 N/m" with `rig.weight_on_bit.at: top`, found none')
         if at == "bit" and self.rock_stiffness is not None:
-            yield Incompatibility(
-                place, "expected none with `rig.weight_on_bit.at: bit`, found one: such a weight needs no rock"
-            )
+            yield (place, "expected none with `rig.weight_on_bit.at: bit`, found one: such a weight needs no rock")
 
 
 class Parameters(NamedTuple):

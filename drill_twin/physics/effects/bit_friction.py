@@ -10,7 +10,7 @@ from drill_twin.core.arrays import Array
 from drill_twin.core.compile.jit import kernel
 from drill_twin.core.units import Dimensionless, Length, Within
 from drill_twin.physics.effects.bit_torque_stribeck import dual_of_step, sign_missed
-from drill_twin.physics.effects.config import EffectConfig, Incompatibility, too_large
+from drill_twin.physics.effects.config import EffectConfig, Problem, too_large
 from drill_twin.physics.effects.friction_dual import no_iterate
 from drill_twin.physics.model import SPIN, DiscreteModel, Rod
 from drill_twin.physics.model.bit import BIT_TORQUE, contact_weight
@@ -31,13 +31,15 @@ class BitFriction(EffectConfig):
     radius: Annotated[Length, Within(above="0 m", at_most="2 m")]
     """Effective radius of friction [m]; at most the hole's radius."""
 
-    def check_against(self, scene: Any) -> Iterator[Incompatibility]:
+    def check_against(self, scene: Any) -> Iterator[Problem]:
         """Yield friction of a bit that cannot slide, or a radius above the hole's radius."""
         if self.coefficient > 0.0 and scene.string.bit_end not in SLIDING:
-            yield Incompatibility(
+            yield (
                 (),
-                f"expected `string.bit_end` to be {' or '.join(SLIDING)}, found {scene.string.bit_end}: "
-                "a bit held on the axis does not slide",
+                (
+                    f"expected `string.bit_end` to be {' or '.join(SLIDING)}, found {scene.string.bit_end}: "
+                    "a bit held on the axis does not slide"
+                ),
             )
         yield from too_large(("radius",), self.radius, scene.hole.radius, "radius of the hole")
 

@@ -15,7 +15,7 @@ from drill_twin.core.arrays import Array, Triple
 from drill_twin.core.compile.jit import kernel
 from drill_twin.core.units import AngularSpeed, Dimensionless, Length, Pressure, Speed, Whole, Within
 from drill_twin.physics.effects.bit_torque_stribeck import dual_of_step, sign_missed
-from drill_twin.physics.effects.config import EffectConfig, Flag, Incompatibility
+from drill_twin.physics.effects.config import EffectConfig, Flag, Problem
 from drill_twin.physics.effects.friction_dual import no_iterate
 from drill_twin.physics.model import SPIN, DiscreteModel, Rod
 from drill_twin.physics.model.bit import BIT_TORQUE, DRILLED, Bit, apply_support, correct_weight_impulse
@@ -72,19 +72,19 @@ class BitRegenerative(EffectConfig):
             return 0.0
         return 0.5 * self.radius * ((weight - worn) / self.thrust + self.friction * self.spread * worn) / weight
 
-    def check_against(self, scene: Any) -> Iterator[Incompatibility]:
+    def check_against(self, scene: Any) -> Iterator[Problem]:
         """Yield a weight prescribed at the bit, and wear flats that carry nothing."""
         missing = self.contact_strength > 0.0 and "wear" not in self.model_fields_set
         if missing or (self.wear > 0.0 and self.contact_strength == 0.0):
             given, other = ("contact_strength", "wear") if missing else ("wear", "contact_strength")
-            yield Incompatibility(
-                (given,), f"expected `{other}` with it, found none: the wear flats would carry no weight"
-            )
+            yield ((given,), f"expected `{other}` with it, found none: the wear flats would carry no weight")
         if scene.rig.weight_on_bit.at == "bit":
-            yield Incompatibility(
+            yield (
                 (),
-                "expected `rig.weight_on_bit.at: top` or `block`, found bit: the depth of cut needs a string that "
-                "descends with its bit",
+                (
+                    "expected `rig.weight_on_bit.at: top` or `block`, found bit: the depth of cut needs a string that "
+                    "descends with its bit"
+                ),
             )
 
 

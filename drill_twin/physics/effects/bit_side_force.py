@@ -9,7 +9,7 @@ import numpy as np
 from drill_twin.core.arrays import Array
 from drill_twin.core.compile.jit import kernel
 from drill_twin.core.units import Angle, Force, Time, Torque, Within
-from drill_twin.physics.effects.config import EffectConfig, Incompatibility
+from drill_twin.physics.effects.config import EffectConfig, Problem
 from drill_twin.physics.model import DiscreteModel, Rod
 
 SLIDING, TILTING = ("sliding", "free", "stabilised"), ("pinned", "free", "stabilised")
@@ -32,15 +32,17 @@ class BitSideForce(EffectConfig):
     ramp: Annotated[Time, Within(at_least="0 s", at_most="1e6 s")] = 0.0
     """Duration of its cubic increase from the start of the run [s]; 0 s = a jump."""
 
-    def check_against(self, scene: Any) -> Iterator[Incompatibility]:
+    def check_against(self, scene: Any) -> Iterator[Problem]:
         """Yield a constraint of the bit against which force or moment have no effect."""
         end = scene.string.bit_end
         for key, size, ends in (("force", self.force, SLIDING), ("moment", self.moment, TILTING)):
             if size != 0.0 and end not in ends:
-                yield Incompatibility(
+                yield (
                     (key,),
-                    f"expected `string.bit_end` to be one of {', '.join(ends)}, found {end}: "
-                    f"a {key} cannot move such a bit",
+                    (
+                        f"expected `string.bit_end` to be one of {', '.join(ends)}, found {end}: "
+                        f"a {key} cannot move such a bit"
+                    ),
                 )
 
 

@@ -9,7 +9,7 @@ import numpy as np
 from drill_twin.core.arrays import Array
 from drill_twin.core.compile.jit import kernel
 from drill_twin.core.units import Damping, Dimensionless, Length, RotationalStiffness, Stiffness, Within
-from drill_twin.physics.effects.config import EffectConfig, Incompatibility, too_large
+from drill_twin.physics.effects.config import EffectConfig, Problem, too_large
 from drill_twin.physics.effects.friction_dual import dual_variable, no_iterate
 from drill_twin.physics.effects.wall import SMALLEST, mean_force
 from drill_twin.physics.model import DiscreteModel, Rod
@@ -34,7 +34,7 @@ class BitStabiliser(EffectConfig):
     creep: ClassVar[float] = 1e-3
     """Slip below which friction is proportional to it (regularisation) [m/s]."""
 
-    def check_against(self, scene: Any) -> Iterator[Incompatibility]:
+    def check_against(self, scene: Any) -> Iterator[Problem]:
         """Yield a gauge above the diameter of the hole."""
         length = scene.length
         diameter = 2.0 * min(scene.hole.radius, scene.hole.least_radius(length * (1.0 - AT_THE_BIT), length))

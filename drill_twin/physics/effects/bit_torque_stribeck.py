@@ -2,8 +2,8 @@
 """Dry friction torque of the bit that decreases with speed (Stribeck): the bit can stick and slip."""
 
 import math
-from collections.abc import Callable
-from typing import Annotated, Any, ClassVar, Literal, NamedTuple, Self
+from collections.abc import Callable, Iterator
+from typing import Annotated, Any, ClassVar, Literal, NamedTuple
 
 import numpy as np
 from pydantic import ConfigDict, model_validator
@@ -11,7 +11,7 @@ from pydantic import ConfigDict, model_validator
 from drill_twin.core.arrays import Array
 from drill_twin.core.compile.jit import kernel
 from drill_twin.core.units import AngularSpeed, Dimensionless, Length, Pressure, TimePerAngle, Within, refuse, show
-from drill_twin.physics.effects.config import EffectConfig
+from drill_twin.physics.effects.config import EffectConfig, Problem
 from drill_twin.physics.effects.friction_dual import dual_variable, no_iterate
 from drill_twin.physics.model import SPIN, DiscreteModel, Rod
 from drill_twin.physics.model.bit import BIT_TORQUE, DRILLED, apply_torque, contact_weight
@@ -81,11 +81,10 @@ class BitTorqueStribeck(EffectConfig):
             raise refuse(f"`bit`: expected a type, {', '.join(BITS)}, found {show(data['bit'])}")
         return BITS[kind] | data | {"bit": kind}
 
-    @model_validator(mode="after")
-    def _sticks_harder_than_it_slides(self) -> Self:
+    def problems(self) -> Iterator[Problem]:
+        """A bit that slides harder than it sticks."""
         if self.sticking < self.sliding:
-            raise refuse(f"expected `sticking` not below `sliding` ({self.sliding:g}), found {show(self.sticking)}")
-        return self
+            yield (), f"expected `sticking` not below `sliding` ({self.sliding:g}), found {show(self.sticking)}"
 
     @property
     def variant(self) -> str:

@@ -2,15 +2,14 @@
 """Initial bow: stress-free curvature fixed in the material, rotating with the spin."""
 
 from collections.abc import Iterator
-from typing import Annotated, Any, Literal, NamedTuple, Self
+from typing import Annotated, Any, Literal, NamedTuple
 
 import numpy as np
-from pydantic import model_validator
 
 from drill_twin.core.arrays import Array
 from drill_twin.core.compile.jit import kernel
-from drill_twin.core.units import Angle, Length, Within, refuse
-from drill_twin.physics.effects.config import EffectConfig, Incompatibility, Seed, too_large
+from drill_twin.core.units import Angle, Length, Within
+from drill_twin.physics.effects.config import EffectConfig, Problem, Seed, too_large
 from drill_twin.physics.effects.random_draws import generator, random_line
 from drill_twin.physics.model import DiscreteModel, Rod, Strain, rotate_to_tangent
 from drill_twin.physics.model.section import COUPLE, MX, MY, MZ
@@ -38,14 +37,13 @@ class Bow(EffectConfig):
     seed: Seed = 1
     """Random bow: seed; the same seed gives the same string on any mesh."""
 
-    @model_validator(mode="after")
-    def _random_has_a_length(self) -> Self:
+    def problems(self) -> Iterator[Problem]:
+        """A random bow without a length, or a length of another bow."""
         if (self.shape == "random") != (self.correlation_length is not None):
             found = "none" if self.correlation_length is None else f'one with shape "{self.shape}"'
-            raise refuse(f'expected a `correlation_length` with shape "random" and only there, found {found}')
-        return self
+            yield (), f'expected a `correlation_length` with shape "random" and only there, found {found}'
 
-    def check_against(self, scene: Any) -> Iterator[Incompatibility]:
+    def check_against(self, scene: Any) -> Iterator[Problem]:
         """Yield an amplitude above the clearance."""
         clearance = scene.least_clearance
         yield from too_large(("amplitude",), self.amplitude, clearance, "clearance in the hole", below=True)

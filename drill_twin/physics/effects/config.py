@@ -1,15 +1,17 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Base class of the effects' blocks in a scene file, and names of the functions of their modules that a run calls."""
+"""Base classes of a scene's parts and of the effects' blocks; names of the functions of an effect that a run calls."""
 
 import difflib
 from collections import namedtuple
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from types import ModuleType
-from typing import Annotated, Any, ClassVar, Literal, NamedTuple, Self
+from typing import Annotated, Any, ClassVar, Literal, Self
 
-from pydantic import BaseModel, BeforeValidator, ConfigDict, model_validator
+from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, ValidationError, model_validator
+from pydantic_core import InitErrorDetails
 
-from drill_twin.core.units import Whole, refuse, show
+from drill_twin.core.errors import shortened
+from drill_twin.core.units import Length, Whole, Within, refuse, show
 
 HOOKS = {
     "axial_damping": "parameters, element, axial, rate",
@@ -46,18 +48,67 @@ def parameters_class(config: type["EffectConfig"]) -> Any:
     return namedtuple("Parameters", config.model_fields, module=config.__module__)  # noqa: PYI024 - its fields vary
 
 
-class Incompatibility(NamedTuple):
-    """A contradiction between a block and the rest of its scene."""
+def _printable(text: str) -> str:
+    if not text.isprintable():
+        raise refuse(f"expected a name of printable characters on one line, found {shortened(text, 60)}")
+    return text
 
-    place: tuple[str | int, ...]
-    """Keys of its place in the block; () for the whole block."""
-    text: str
-    """Message: expected and found."""
+
+Label = Annotated[str, Field(max_length=100), AfterValidator(_printable)]
+"""Name for logs, titles and folders: no control character and no mark that reverses the text around it."""
+
+
+Problem = tuple[tuple[str | int, ...], str]
+"""Place inside the part that is checked, () for the whole part, and message: expected and found."""
+
+
+class Part(BaseModel):
+    """Frozen part of a scene; unknown keys are rejected, and values that contradict each other."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+    @model_validator(mode="after")
+    def _fits_together(self) -> Self:
+        if found := list(self.problems()):
+            raise refuse_all(found)
+        return self
+
+    def problems(self) -> Iterator[Problem]:
+        """Yield the contradictions between the values of this part, each of which is valid by itself."""
+        yield from ()
+
+
+def refuse_all(problems: Iterable[Problem]) -> ValidationError:
+    """Make a validation error of several problems, each with its place inside the part being checked."""
+    return ValidationError.from_exception_data(
+        "scene", [InitErrorDetails(type=refuse(text), loc=place, input=None) for place, text in problems]
+    )
+
+
+def repeated_names(key: str, parts: Sequence[Any]) -> Iterator[Problem]:
+    """Problems of parts under a key whose name an earlier part has."""
+    names = [part.name for part in parts]
+    for index, name in enumerate(names):
+        if name in names[:index]:
+            yield (key, index, "name"), f'expected a name of its own, found "{name}" again'
+
+
+def out_of_order(intervals: Sequence[Any]) -> Iterator[Problem]:
+    """Problems of `intervals`, each with its `top` and `bottom` [m], that are not from the top down, or overlap."""
+    above = 0.0
+    for index, interval in enumerate(intervals):
+        if interval.top < above:
+            text = f"expected at least {above:.6g} m, where the interval above ends, found {interval.top:.6g} m"
+            yield ("intervals", index, "top"), text
+        if interval.bottom <= interval.top:
+            text = f"expected more than its top ({interval.top:.6g} m), found {interval.bottom:.6g} m"
+            yield ("intervals", index, "bottom"), text
+        above = interval.bottom
 
 
 def too_large(
     place: tuple[str | int, ...], found: float, bound: float, name: str, *, below: bool = False
-) -> Iterator[Incompatibility]:
+) -> Iterator[Problem]:
     """Yield a length [m] above a bound of the scene, or with `below` also a length at the bound.
 
     Args:
@@ -69,13 +120,23 @@ def too_large(
     """
     if found > bound or (below and found == bound):
         expected = "less than" if below else "at most"
-        yield Incompatibility(place, f"expected {expected} the {name} ({bound:.6g} m), found {found:.6g} m")
+        yield place, f"expected {expected} the {name} ({bound:.6g} m), found {found:.6g} m"
 
 
-class EffectConfig(BaseModel):
-    """The parameters of one effect, as `effects: <key>:` of a scene file; unknown keys are refused."""
+Depth = Annotated[Length, Within(at_least="0 m", at_most="20 km", reason="the longest wells reach 15 km")]
 
-    model_config = ConfigDict(extra="forbid", frozen=True)
+
+class DepthInterval(Part):
+    """Interval of the hole."""
+
+    top: Depth
+    """Measured depth of its top, from the top clamp [m]."""
+    bottom: Depth
+    """Measured depth of its bottom [m]."""
+
+
+class EffectConfig(Part):
+    """The parameters of one effect, as `effects: <key>:` of a scene file."""
 
     requires: ClassVar[tuple[str, ...]] = ()
     """Keys of the effects that must be listed too."""
@@ -106,7 +167,7 @@ class EffectConfig(BaseModel):
         """
         return ""
 
-    def check_against(self, scene: Any) -> Iterator[Incompatibility]:  # noqa: ARG002, the subclasses use it
+    def check_against(self, scene: Any) -> Iterator[Problem]:  # noqa: ARG002, the subclasses use it
         """Yield the contradictions with the rest of the scene, whose parts are valid by themselves.
 
         Args:
@@ -122,7 +183,7 @@ def misspelled(module: ModuleType, config: type[EffectConfig]) -> str:
     """
     functions = [name for name, value in vars(module).items() if callable(value)]
     methods = [name for name in vars(config) if name not in config.model_fields]
-    for found, known in ((functions, (*HOOKS, *_OTHERS)), (methods, tuple(vars(EffectConfig)))):
+    for found, known in ((functions, (*HOOKS, *_OTHERS)), (methods, (*vars(Part), *vars(EffectConfig)))):
         for name in found:
             if near := _nearly(name, [word for word in known if not word.startswith("_")]):
                 return (

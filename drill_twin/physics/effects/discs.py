@@ -6,16 +6,17 @@ inertia and its gyroscopic moment are the effect `gyroscopic`.
 """
 
 import math
-from typing import Annotated, Any, NamedTuple, Self
+from collections.abc import Iterator
+from typing import Annotated, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import Field, model_validator
+from pydantic import Field
 
 from drill_twin.core.arrays import Array
 from drill_twin.core.compile.jit import kernel
-from drill_twin.core.units import Angle, Density, Inertia, Length, Mass, Unbalance, Within, refuse
-from drill_twin.physics.effects.config import EffectConfig
+from drill_twin.core.units import Angle, Density, Inertia, Length, Mass, Unbalance, Within
+from drill_twin.physics.effects.config import EffectConfig, Problem
 from drill_twin.physics.model import DiscreteModel, Rod, transverse_axes
 
 PartName = Annotated[str, Field(pattern=r"^[A-Za-z][A-Za-z0-9_]*$", max_length=60)]
@@ -61,26 +62,26 @@ class Disc(EffectConfig):
     angle: Annotated[Angle, Within(at_least="-360 deg", at_most="360 deg", reason="a turn")] = 0.0
     """Direction of the unbalance in the material, from the spin's zero, in the sense of rotation [rad]."""
 
-    @model_validator(mode="after")
-    def _is_defined_once(self) -> Self:
+    def problems(self) -> Iterator[Problem]:
+        """Mass, dimensions or unbalance that are defined twice, or in part."""
         given = [key for key in _SIZES if getattr(self, key) is not None]
         if len(given) == 1:
-            raise refuse(f"expected both or neither of `{_SIZES[0]}` and `{_SIZES[1]}`, found only `{given[0]}`")
+            yield (), f"expected both or neither of `{_SIZES[0]}` and `{_SIZES[1]}`, found only `{given[0]}`"
         if self.mass is None and not given:
-            raise refuse("expected a `mass`, or `outer_diameter` and `width`, found neither")
+            yield (), "expected a `mass`, or `outer_diameter` and `width`, found neither"
         if self.bore is not None and (self.outer_diameter is None or self.bore >= self.outer_diameter):
-            raise refuse(f"expected a `bore` below the `outer_diameter`, found {self.bore:.6g} m")
+            yield (), f"expected a `bore` below the `outer_diameter`, found {self.bore:.6g} m"
         if (self.weight is None) != (self.radius is None) or (self.weight is not None and self.unbalance is not None):
-            raise refuse("expected an `unbalance`, or `weight` and `radius`, or none of them, found others")
+            yield (), "expected an `unbalance`, or `weight` and `radius`, or none of them, found others"
         if self.mass is not None and (self.weight or 0.0) > self.mass:
-            raise refuse(
-                f"expected a `weight` that is part of the `mass` ({self.mass:.6g} kg), found {self.weight:.6g} kg"
+            yield (
+                (),
+                f"expected a `weight` that is part of the `mass` ({self.mass:.6g} kg), found {self.weight:.6g} kg",
             )
         if self.mass == 0.0 and self.moment > 0.0:
-            raise refuse("expected a `mass` above 0 kg with an unbalance, found 0 kg")
+            yield (), "expected a `mass` above 0 kg with an unbalance, found 0 kg"
         if self.angle != 0.0 and self.moment == 0.0:
-            raise refuse("expected an `angle` with an unbalance only, found it without one")
-        return self
+            yield (), "expected an `angle` with an unbalance only, found it without one"
 
     @property
     def moment(self) -> float:

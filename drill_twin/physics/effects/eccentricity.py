@@ -2,15 +2,15 @@
 """Imbalance: the mass centre of each cross-section lies off the centre line and rotates with the spin."""
 
 from collections.abc import Iterator
-from typing import Annotated, Any, NamedTuple, Self
+from typing import Annotated, Any, NamedTuple
 
 import numpy as np
-from pydantic import Field, model_validator
+from pydantic import Field
 
 from drill_twin.core.arrays import Array
 from drill_twin.core.compile.jit import kernel
-from drill_twin.core.units import Angle, Length, Within, refuse
-from drill_twin.physics.effects.config import EffectConfig, Incompatibility, Seed, too_large
+from drill_twin.core.units import Angle, Length, Within
+from drill_twin.physics.effects.config import EffectConfig, Problem, Seed, too_large
 from drill_twin.physics.effects.random_draws import generator, random_line
 from drill_twin.physics.model import DiscreteModel, Point, Rod, transverse_axes
 
@@ -49,26 +49,25 @@ class Eccentricity(EffectConfig):
     seed: Seed = 1
     """Random part: seed; the same seed gives the same string on any mesh."""
 
-    @model_validator(mode="after")
-    def _has_one_definition(self) -> Self:
+    def problems(self) -> Iterator[Problem]:
+        """An eccentricity that is defined twice, or in part."""
         if self.offset is not None and self.sections:
-            raise refuse("expected `offset` or `sections`, found both: give the offset of each section only")
+            yield (), "expected `offset` or `sections`, found both: give the offset of each section only"
         if self.offset is None and self.angle != 0.0:
             other = "sections`, each with its own" if self.sections else "rms`, which is in all directions"
-            raise refuse(f"expected `angle` with `offset` only, found it beside `{other}")
+            yield (), f"expected `angle` with `offset` only, found it beside `{other}"
         if self.offset is None and not self.sections and self.rms == 0.0:
-            raise refuse("expected an `offset`, `sections`, or a random `rms` above 0 m, found none")
+            yield (), "expected an `offset`, `sections`, or a random `rms` above 0 m, found none"
         if self.rms > 0.0 and self.correlation_length is None:
-            raise refuse("expected a `correlation_length` with `rms`, found none")
+            yield (), "expected a `correlation_length` with `rms`, found none"
         if self.rms == 0.0 and self.correlation_length is not None:
-            raise refuse("expected an `rms` with `correlation_length`, found none")
-        return self
+            yield (), "expected an `rms` with `correlation_length`, found none"
 
-    def check_against(self, scene: Any) -> Iterator[Incompatibility]:
+    def check_against(self, scene: Any) -> Iterator[Problem]:
         """Yield a mass centre outside the string, or a number of items other than the number of sections."""
         sections = scene.string.sections
         if self.sections and len(self.sections) != len(sections):
-            yield Incompatibility(
+            yield (
                 ("sections",),
                 f"expected one item for each of the {len(sections)} sections of the string, found {len(self.sections)}",
             )

@@ -7,17 +7,17 @@ counted.
 """
 
 from collections.abc import Iterator
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, NamedTuple, Self
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, NamedTuple
 
 import numpy as np
-from pydantic import Field, model_validator
+from pydantic import Field
 
 from drill_twin.core.arrays import Array
 from drill_twin.core.compile.jit import kernel
-from drill_twin.core.units import Dimensionless, Length, Pressure, Within, refuse
+from drill_twin.core.units import Dimensionless, Length, Pressure, Within
 from drill_twin.physics.effects import bow
-from drill_twin.physics.effects.config import EffectConfig, Incompatibility
-from drill_twin.physics.model import DiscreteModel, Rod, locate
+from drill_twin.physics.effects.config import EffectConfig, Problem, repeated_names
+from drill_twin.physics.model import DiscreteModel, Rod, locate, youngs_modulus
 from drill_twin.physics.model.rainflow import DEPTH, EXTREME, MEMORY, Law, add_stress, total_cycles, total_damage
 from drill_twin.physics.model.section_stress import (
     AXIAL_FORCE,
@@ -50,12 +50,11 @@ class FatigueSection(EffectConfig):
     stress_concentration: Annotated[Dimensionless, Within(at_least="1", at_most="20")] = 1.0
     """Local over nominal stress range, as of a connection; the published stress is nominal."""
 
-    @model_validator(mode="after")
-    def _has_one_place(self) -> Self:
+    def problems(self) -> Iterator[Problem]:
+        """Two places, or none."""
         if (self.distance_from_bit is None) == (self.measured_depth is None):
             found = "none" if self.distance_from_bit is None else "both"
-            raise refuse(f"expected either `distance_from_bit` or `measured_depth`, found {found}")
-        return self
+            yield (), f"expected either `distance_from_bit` or `measured_depth`, found {found}"
 
     def distance(self, length: float) -> float:
         """Arc length from the bit [m], of a string of a length [m]."""
@@ -105,24 +104,22 @@ class Fatigue(EffectConfig):
     smallest_range: Annotated[Pressure, Within(above="0 Pa", at_most="1 GPa")] | None = None
     """Smallest stress range that is counted [Pa]; left out: 1 % of that at the knee of the curve."""
 
-    def check_against(self, scene: Any) -> Iterator[Incompatibility]:
+    def check_against(self, scene: Any) -> Iterator[Problem]:
         """Yield a curve beside a line, a section beyond the string, and a name used twice."""
         if self.line is not None and self.curve != "dnv_high_strength":
-            yield Incompatibility(("line",), f'expected either `curve` or `line`, found both ("{self.curve}")')
-        names = [section.name for section in self.sections]
+            yield ("line",), f'expected either `curve` or `line`, found both ("{self.curve}")'
         for index, section in enumerate(self.sections):
             distance = section.distance(scene.string.length)
             if not 0.0 <= distance <= scene.string.length * (1.0 + _SHEET):
                 key = "distance_from_bit" if section.measured_depth is None else "measured_depth"
-                yield Incompatibility(
+                yield (
                     ("sections", index, key),
-                    f'expected "{section.name}" on the string ({scene.string.length:.6g} m long), '
-                    f"found {getattr(section, key):.6g} m",
+                    (
+                        f'expected "{section.name}" on the string ({scene.string.length:.6g} m long), '
+                        f"found {getattr(section, key):.6g} m"
+                    ),
                 )
-            if section.name in names[:index]:
-                yield Incompatibility(
-                    ("sections", index, "name"), f'expected a name of its own, found "{section.name}" again'
-                )
+        yield from repeated_names("sections", self.sections)
 
     def yield_strengths(self, scene: Any) -> dict[str, float]:
         """Yield strength of each section by name [Pa], in a `drill_twin.scene.Scene`."""
@@ -160,7 +157,7 @@ def parameters(block: Fatigue, model: DiscreteModel) -> Parameters:
     places = np.clip([section.distance(model.string_length) for section in block.sections], 0.0, model.string_length)
     element, share, shapes = locate(rod, places)
     radius, axial, bending = rod.outer_radius[element], rod.axial[element], rod.bending[element]
-    modulus = model.youngs_modulus[element]
+    modulus = youngs_modulus(rod)[element]
     yields = (model.yield_strength[model.section[e]] for e in element)
     steels = [section.steel(strength) for section, strength in zip(block.sections, yields, strict=True)]
     tensile = [steel.tensile_strength if block.mean_stress == "goodman" else np.inf for steel in steels]

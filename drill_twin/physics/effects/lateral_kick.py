@@ -9,8 +9,8 @@ import numpy as np
 from drill_twin.core.arrays import Array
 from drill_twin.core.errors import RunError
 from drill_twin.core.units import Length, Speed, Within
-from drill_twin.physics.effects.config import EffectConfig, Incompatibility
-from drill_twin.physics.model import DiscreteModel, locate
+from drill_twin.physics.effects.config import EffectConfig, Problem
+from drill_twin.physics.model import DiscreteModel, element_unknowns, locate
 
 STEEPEST = 0.5
 """Largest initial slope [-]."""
@@ -30,16 +30,18 @@ class LateralKick(EffectConfig):
     shape: Literal["half_wave", "hump"] = "half_wave"
     """Shape of both. `half_wave`: one half sine over the length; `hump`: its square, for clamped ends."""
 
-    def check_against(self, scene: Any) -> Iterator[Incompatibility]:
+    def check_against(self, scene: Any) -> Iterator[Problem]:
         """Yield an offset beyond the hole, above the largest slope, or in a curved hole."""
         hole = scene.hole
         most = min(hole.radius, STEEPEST * scene.length / np.pi)
         if self.offset != 0.0 and (abs(self.offset) > most or hole.survey):
             found = "one beside a survey" if hole.survey else f"{self.offset:.6g} m"
-            yield Incompatibility(
+            yield (
                 ("offset",),
-                f"expected at most the radius of a straight hole and a slope of {STEEPEST:g} ({most:.6g} m), "
-                f"found {found}",
+                (
+                    f"expected at most the radius of a straight hole and a slope of {STEEPEST:g} ({most:.6g} m), "
+                    f"found {found}"
+                ),
             )
 
 
@@ -57,8 +59,7 @@ def initial_state(block: LateralKick, model: DiscreteModel, u: Array, v: Array) 
         return
     fine = np.linspace(0.0, model.string_length, 10_001)
     element, _, shapes = locate(model.rod, fine)
-    ends = u[:, :6].reshape(-1, 2, 3)
-    tangents = np.einsum("pi,pic->pc", shapes[:, 1], np.concatenate([ends[:-1], ends[1:]], axis=1)[element])
+    tangents = np.einsum("pi,pic->pc", shapes[:, 1], element_unknowns(u)[element])
     along = _bent(tangents, block.offset * wave(block, model, fine)[1])
     u[:, 5] = _bent(u[:, 3:6], block.offset * slope)
     u[:, 0] += block.offset * height

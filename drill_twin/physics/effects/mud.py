@@ -2,15 +2,14 @@
 """Properties of the mud, for buoyancy, added mass and drag, and its force on a string that oscillates in the hole."""
 
 from collections.abc import Iterator
-from typing import Annotated, Any, ClassVar, Literal, NamedTuple, Self
+from typing import Annotated, Any, ClassVar, Literal, NamedTuple
 
 import numpy as np
-from pydantic import model_validator
 
 from drill_twin.core.arrays import Array
 from drill_twin.core.compile.jit import kernel
-from drill_twin.core.units import Density, Dimensionless, Frequency, Pressure, Viscosity, Within, refuse
-from drill_twin.physics.effects.config import EffectConfig, Incompatibility
+from drill_twin.core.units import Density, Dimensionless, Frequency, Pressure, Viscosity, Within
+from drill_twin.physics.effects.config import EffectConfig, Problem
 from drill_twin.physics.model import DiscreteModel, Point
 
 VISCOMETER = 511.0
@@ -43,11 +42,10 @@ class Mud(EffectConfig):
     inside: Literal["mud", "air"] = "mud"
     """Content of the pipe: `mud`, which follows its lateral motion, or `air`, without mass."""
 
-    @model_validator(mode="after")
-    def _has_viscosity(self) -> Self:
+    def problems(self) -> Iterator[Problem]:
+        """A yield point or an index without a viscosity."""
         if self.viscosity == 0.0 and (self.yield_point != 0.0 or self.index != 1.0):
-            raise refuse("expected a `viscosity` above 0 Pa s beside `yield_point` or `index`, found 0 Pa s")
-        return self
+            yield (), "expected a `viscosity` above 0 Pa s beside `yield_point` or `index`, found 0 Pa s"
 
     @property
     def newtonian(self) -> bool:
@@ -66,10 +64,10 @@ class ViscousEffect(EffectConfig):
     requires: ClassVar[tuple[str, ...]] = ("mud",)
     energy_class = "heat"
 
-    def check_against(self, scene: Any) -> Iterator[Incompatibility]:
+    def check_against(self, scene: Any) -> Iterator[Problem]:
         """Yield mud without viscosity."""
         if scene.effects.mud is not None and scene.effects.mud.viscosity == 0.0:
-            yield Incompatibility((), "expected a viscosity above 0 Pa s in `mud`, found 0 Pa s")
+            yield (), "expected a viscosity above 0 Pa s in `mud`, found 0 Pa s"
 
 
 def reference_rate(model: DiscreteModel) -> float:

@@ -30,11 +30,6 @@ def normal_strata(random: np.random.Generator, number: int) -> Array:
     return np.array([NormalDist().inv_cdf(min(max(float(p), 1e-12), 1.0 - 1e-12)) for p in share])
 
 
-def phases(random: np.random.Generator, number: int) -> Array:
-    """Uniform random phases [rad]."""
-    return random.uniform(0.0, math.tau, number)
-
-
 def random_line(
     places: Array, correlation: float, random: np.random.Generator, derivative: int = 0
 ) -> np.ndarray[tuple[int], np.dtype[np.complex128]]:
@@ -50,7 +45,7 @@ def random_line(
         Shape (m,) [1 / m^derivative].
     """
     waves = normal_strata(random, HARMONICS) / correlation
-    turns = np.exp(1j * (np.multiply.outer(places, waves) + phases(random, HARMONICS)))
+    turns = np.exp(1j * (np.multiply.outer(places, waves) + random.uniform(0.0, math.tau, HARMONICS)))
     return np.asarray(turns @ ((1j * waves) ** derivative) / np.sqrt(HARMONICS))
 
 

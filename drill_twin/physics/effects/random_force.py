@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Seeded random lateral force on the string, a lumped model of cuttings, flow and an uneven hole."""
 
+import math
 from typing import Annotated, Any, NamedTuple
 
 import numpy as np
@@ -9,7 +10,7 @@ from drill_twin.core.arrays import Array
 from drill_twin.core.compile.jit import kernel
 from drill_twin.core.units import ForcePerLength, Length, Time, Within
 from drill_twin.physics.effects.config import EffectConfig, Seed
-from drill_twin.physics.effects.random_draws import generator, normal_strata, phases
+from drill_twin.physics.effects.random_draws import generator, normal_strata
 from drill_twin.physics.model import DiscreteModel, Point, Rod
 
 WAVES, HARMONICS = 16, 32  # shapes along the string, and harmonics in time of each
@@ -56,7 +57,7 @@ def parameters(block: RandomForce, model: DiscreteModel) -> Parameters:
     return Parameters(
         shape=np.stack([turns.real, turns.imag], -1),
         frequency=(normal_strata(random, number) / block.correlation_time).reshape(WAVES, HARMONICS),
-        phase=phases(random, number).reshape(WAVES, HARMONICS),
+        phase=random.uniform(0.0, math.tau, (WAVES, HARMONICS)),
         swing=np.zeros((WAVES, 2)),
         now=np.full(1, np.nan),
     )

@@ -12,7 +12,7 @@ import numpy as np
 from drill_twin.core.arrays import Array
 from drill_twin.core.compile.jit import kernel
 from drill_twin.core.units import Damping, Dimensionless, Length, Stiffness, Within
-from drill_twin.physics.effects.config import EffectConfig, Incompatibility
+from drill_twin.physics.effects.config import EffectConfig, Problem
 from drill_twin.physics.model import SPIN, DiscreteModel, Rod
 from drill_twin.physics.model.bit import BIT_TORQUE, apply_support, correct_weight_impulse, rock_height
 
@@ -36,13 +36,15 @@ class RockFloor(EffectConfig):
     lobe_height: Annotated[Length, Within(at_least="0 m", at_most="0.1 m")] = 0.0
     """Height of the lobes, half of the distance from trough to crest [m]."""
 
-    def check_against(self, scene: Any) -> Iterator[Incompatibility]:
+    def check_against(self, scene: Any) -> Iterator[Problem]:
         """Yield a weight prescribed at the bit."""
         if scene.rig.weight_on_bit.at == "bit":
-            yield Incompatibility(
+            yield (
                 (),
-                "expected `rig.weight_on_bit.at: top` or `block`, found bit: "
-                "a weight prescribed at the bit needs no rock to support it",
+                (
+                    "expected `rig.weight_on_bit.at: top` or `block`, found bit: "
+                    "a weight prescribed at the bit needs no rock to support it"
+                ),
             )
 
 

@@ -1,16 +1,16 @@
 # SPDX-License-Identifier: Apache-2.0
 """Elastic supports and bearings of the string (`string.supports`), at a node of the mesh; a part of the string."""
 
-from typing import Annotated, Any, NamedTuple, Self
+from collections.abc import Iterator
+from typing import Annotated, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import model_validator
 
 from drill_twin.core.arrays import Array
 from drill_twin.core.compile.jit import kernel
-from drill_twin.core.units import Damping, RotationalDamping, RotationalStiffness, Stiffness, Within, refuse
-from drill_twin.physics.effects.config import EffectConfig
+from drill_twin.core.units import Damping, RotationalDamping, RotationalStiffness, Stiffness, Within
+from drill_twin.physics.effects.config import EffectConfig, Problem
 from drill_twin.physics.effects.discs import PartName, PartPlace
 from drill_twin.physics.model import DiscreteModel, Rod, transverse_axes
 
@@ -51,11 +51,10 @@ class Support(EffectConfig):
     tilt_damping: Annotated[RotationalDamping, Within(at_least="0 N m s/rad", at_most="1e12 N m s/rad")] = 0.0
     """Damping of tilt [N m s/rad]."""
 
-    @model_validator(mode="after")
-    def _does_something(self) -> Self:
+    def problems(self) -> Iterator[Problem]:
+        """A support that holds nothing."""
         if not any(getattr(self, key) for key in type(self).model_fields if key not in ("name", "distance_from_bit")):
-            raise refuse("expected a stiffness or a damping above 0, found none")
-        return self
+            yield (), "expected a stiffness or a damping above 0, found none"
 
     @property
     def is_isotropic(self) -> bool:

@@ -10,11 +10,9 @@ import numpy as np
 from drill_twin.core.arrays import Array
 from drill_twin.core.compile.jit import kernel
 from drill_twin.core.units import Angle, Frequency, Length, Within
-from drill_twin.physics.effects.config import EffectConfig, Incompatibility, Seed, too_large
-from drill_twin.physics.effects.random_draws import generator, normal_strata, phases
+from drill_twin.physics.effects.config import EffectConfig, Problem, Seed, too_large
+from drill_twin.physics.effects.random_draws import HARMONICS, generator, normal_strata
 from drill_twin.physics.model import DiscreteModel, Rod
-
-HARMONICS = 64
 
 
 class TopShake(EffectConfig):
@@ -34,7 +32,7 @@ class TopShake(EffectConfig):
     seed: Seed = 1
     """Random motion: seed."""
 
-    def check_against(self, scene: Any) -> Iterator[Incompatibility]:
+    def check_against(self, scene: Any) -> Iterator[Problem]:
         """Yield an amplitude above the clearance."""
         clearance = scene.least_clearance
         yield from too_large(("amplitude",), self.amplitude, clearance, "clearance in the hole", below=True)
@@ -56,7 +54,7 @@ def parameters(block: TopShake, model: DiscreteModel) -> Parameters:
     if block.bandwidth > 0.0:
         random = generator(model, block.seed, "top_shake")
         hertz = block.frequency + block.bandwidth * normal_strata(random, HARMONICS)
-        phase, amplitude = phases(random, HARMONICS), block.amplitude / np.sqrt(HARMONICS)
+        phase, amplitude = random.uniform(0.0, math.tau, HARMONICS), block.amplitude / np.sqrt(HARMONICS)
     omega = math.tau * hertz
     return Parameters(amplitude * omega, omega, phase, float(np.cos(block.direction)), float(np.sin(block.direction)))
 

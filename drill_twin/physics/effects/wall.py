@@ -1,15 +1,15 @@
 # SPDX-License-Identifier: Apache-2.0
 """Contact with the wall of the hole: force per length K d^1.5 or K d at the penetration d, with restitution."""
 
-from typing import Annotated, Any, NamedTuple, Self
+from collections.abc import Iterator
+from typing import Annotated, Any, NamedTuple
 
 import numpy as np
-from pydantic import model_validator
 
 from drill_twin.core.arrays import Array, Pair
 from drill_twin.core.compile.jit import kernel
-from drill_twin.core.units import Dimensionless, HertzStiffness, LinearStiffness, Speed, Within, refuse
-from drill_twin.physics.effects.config import EffectConfig
+from drill_twin.core.units import Dimensionless, HertzStiffness, LinearStiffness, Speed, Within
+from drill_twin.physics.effects.config import EffectConfig, Problem
 from drill_twin.physics.model import DiscreteModel, Point, Rod, Wellbore, axis_offset
 
 SMALLEST = 1e-12  # distance from the axis at which a normal still has a direction [m]
@@ -33,12 +33,11 @@ class Wall(EffectConfig):
     reference_speed: Annotated[Speed, Within(above="0 m/s", at_most="100 m/s")] = 0.1
     """Impact speed of that restitution [m/s]; slower impacts lose less."""
 
-    @model_validator(mode="after")
-    def _has_one_law(self) -> Self:
+    def problems(self) -> Iterator[Problem]:
+        """Two laws, or none."""
         if (self.stiffness is None) == (self.linear_stiffness is None):
             found = "neither" if self.stiffness is None else "both"
-            raise refuse(f'expected `stiffness` such as "1e7 N/m^2.5" or `linear_stiffness`, found {found}')
-        return self
+            yield (), f'expected `stiffness` such as "1e7 N/m^2.5" or `linear_stiffness`, found {found}'
 
 
 class Parameters(NamedTuple):

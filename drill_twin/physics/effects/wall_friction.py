@@ -1,16 +1,16 @@
 # SPDX-License-Identifier: Apache-2.0
 """Friction of the string on the wall, on the slip velocity of the contact point including the spin."""
 
-from collections.abc import Callable
-from typing import Annotated, Any, ClassVar, Literal, NamedTuple, Self
+from collections.abc import Callable, Iterator
+from typing import Annotated, Any, ClassVar, Literal, NamedTuple
 
 import numpy as np
-from pydantic import Field, model_validator
+from pydantic import Field
 
 from drill_twin.core.arrays import Array, Pair, Triple
 from drill_twin.core.compile.jit import kernel
-from drill_twin.core.units import Dimensionless, InverseSpeed, Length, Speed, Within, refuse, show
-from drill_twin.physics.effects.config import EffectConfig
+from drill_twin.core.units import Dimensionless, InverseSpeed, Speed, Within, show
+from drill_twin.physics.effects.config import DepthInterval, EffectConfig, Problem, out_of_order
 from drill_twin.physics.effects.friction_dual import arctan_size, dual_variable, step_limit, step_size
 from drill_twin.physics.effects.wall import Contact, contact_force
 from drill_twin.physics.model import DiscreteModel, Point, Rod
@@ -20,16 +20,11 @@ Quad = tuple[float, float, float, float]
 SideFriction = tuple[float, float, float, float, float, float]
 Coefficient = Annotated[Dimensionless, Within(at_least="0", at_most="5")]
 SlipSpeed = Annotated[Speed, Within(above="0 m/s", at_most="100 m/s")] | None
-Depth = Annotated[Length, Within(at_least="0 m", at_most="20 km")]
 
 
-class FrictionInterval(EffectConfig):
+class FrictionInterval(DepthInterval):
     """Interval of the hole with a friction coefficient of its own, such as its casing."""
 
-    top: Depth
-    """Measured depth of its top, from the top clamp [m]."""
-    bottom: Depth
-    """Measured depth of its bottom [m]."""
     coefficient: Coefficient
     """Friction coefficient there at low slip speed [-]; `sliding` keeps its proportion to it."""
 
@@ -70,46 +65,30 @@ class WallFriction(EffectConfig):
     intervals: Annotated[tuple[FrictionInterval, ...], Field(max_length=1000)] = ()
     """Intervals of the hole with another coefficient, such as casing, from the top down."""
 
-    @model_validator(mode="after")
-    def _sticks_harder_than_it_slides(self) -> Self:
+    def problems(self) -> Iterator[Problem]:
+        """Coefficients, laws or intervals that contradict each other."""
         if self.sliding > self.coefficient:
-            raise refuse(
-                f"expected `sliding` not above `coefficient` ({self.coefficient:g}), found {show(self.sliding)}"
-            )
-        return self
-
-    @model_validator(mode="after")
-    def _has_one_law(self) -> Self:
+            yield ((), f"expected `sliding` not above `coefficient` ({self.coefficient:g}), found {show(self.sliding)}")
         low, high = self.static_speed, self.dynamic_speed
         if (low is None) != (high is None):
-            raise refuse("expected `static_speed` and `dynamic_speed` together, found one of them")
+            yield (), "expected `static_speed` and `dynamic_speed` together, found one of them"
         if low is not None and high is not None and high <= low:
-            raise refuse(f"expected `dynamic_speed` above `static_speed` ({low:g} m/s), found {show(high)}")
+            yield (), f"expected `dynamic_speed` above `static_speed` ({low:g} m/s), found {show(high)}"
         own = self.decay > 0.0 or self.exponent is not None or self.sign != "root" or self.accuracy != ACCURACY
         if low is not None and own:
-            raise refuse(
-                "expected no `decay`, `exponent`, `sign` or `accuracy` beside `static_speed`, which joins mu and mu_d "
-                "itself"
+            yield (
+                (),
+                (
+                    "expected no `decay`, `exponent`, `sign` or `accuracy` beside `static_speed`, which joins mu "
+                    "and mu_d itself"
+                ),
             )
         falls = low is not None or "decay" in self.model_fields_set  # a decay of 0 s/m, if given, is a limit of the law
         if not falls and (self.sliding > 0.0 or self.exponent is not None):
-            raise refuse("expected a `decay` with `sliding` or `exponent`, found none: friction would not fall")
-        return self
-
-    @model_validator(mode="after")
-    def _intervals_do_not_overlap(self) -> Self:
-        above = 0.0
-        for index, interval in enumerate(self.intervals):
-            if interval.top < above:
-                raise refuse(f"expected intervals from the top down that do not overlap; number {index} begins at "
-                             f"{interval.top:.6g} m, above {above:.6g} m, where the one before ends")  # fmt: skip
-            if interval.bottom <= interval.top:
-                raise refuse(f"expected a bottom below the top of interval {index} ({interval.top:.6g} m), "
-                             f"found {interval.bottom:.6g} m")  # fmt: skip
-            above = interval.bottom
+            yield (), "expected a `decay` with `sliding` or `exponent`, found none: friction would not fall"
+        yield from out_of_order(self.intervals)
         if self.intervals and self.coefficient == 0.0:
-            raise refuse("expected a `coefficient` above 0 beside `intervals`, which scale the law, found 0")
-        return self
+            yield (), "expected a `coefficient` above 0 beside `intervals`, which scale the law, found 0"
 
     @property
     def variant(self) -> str:

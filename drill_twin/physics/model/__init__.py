@@ -7,11 +7,13 @@ from drill_twin.physics.model.mesh import (
     Rod,
     Tube,
     build_rod,
+    element_unknowns,
     elements_per_section,
     locate,
     part_of,
     rod_of,
     tube_constants,
+    youngs_modulus,
 )
 from drill_twin.physics.model.strain import (
     Point,
@@ -38,6 +40,7 @@ __all__ = [
     "axis_offset",
     "build_rod",
     "distance_along",
+    "element_unknowns",
     "elements_per_section",
     "locate",
     "offsets",
@@ -50,4 +53,5 @@ __all__ = [
     "stretching",
     "transverse_axes",
     "tube_constants",
+    "youngs_modulus",
 ]

@@ -62,14 +62,6 @@ class DiscreteModel(NamedTuple):
         return np.repeat(per_element, 2)
 
     @property
-    def youngs_modulus(self) -> Array:
-        """Young's modulus [Pa], shape (n,): EI over I, from EI, EA and the outer radius."""
-        rod = self.rod
-        ratio = rod.bending / rod.axial  # (r_o^2 + r_i^2) / 4
-        area: Array = np.pi * (2.0 * rod.outer_radius**2 - 4.0 * ratio)
-        return rod.axial / area
-
-    @property
     def string_length(self) -> float:
         """Length of the string [m]."""
         return float(self.rod.arc[-1])

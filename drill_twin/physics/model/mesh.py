@@ -13,7 +13,6 @@ from numpy.typing import ArrayLike
 
 from drill_twin.core.arrays import Array, Integers
 
-POINTS = 2
 _XI = np.array([0.5 - 0.5 / np.sqrt(3.0), 0.5 + 0.5 / np.sqrt(3.0)])
 
 
@@ -203,12 +202,20 @@ def rod_of(tubes: list[Tube], counts: list[int]) -> Rod:
     )
 
 
+def element_unknowns(rows: Array) -> Array:
+    """Gather r_0, r'_0, r_1, r'_1 of each element from node rows, shape (..., n, 4, 3)."""
+    return np.concatenate([rows[..., :-1, :6], rows[..., 1:, :6]], -1).reshape(*rows.shape[:-2], -1, 4, 3)
+
+
+def youngs_modulus(rod: Rod) -> Array:
+    """Young's modulus [Pa], shape (n,): EI over I, from EI, EA and the outer radius."""
+    ratio = rod.bending / rod.axial  # (r_o^2 + r_i^2) / 4
+    return np.asarray(rod.axial / (np.pi * (2.0 * rod.outer_radius**2 - 4.0 * ratio)))
+
+
 def part_of(rod: Rod, first: int, last: int) -> Rod:
     """The elements `first` to `last` - 1 of a mesh; arrays are views, and arc lengths count along the whole mesh."""
     return Rod(*(field if field is rod.spin_shape else field[first : last + (field is rod.arc)] for field in rod))
-
-
-__all__ = ["POINTS", "Rod", "Tube", "build_rod", "elements_per_section", "part_of", "rod_of", "tube_constants"]
 
 
 class MeshPlaces(NamedTuple):

@@ -6,7 +6,7 @@ from numpy.typing import NDArray
 
 from drill_twin.core.arrays import Array, Triple
 from drill_twin.core.compile.jit import kernel
-from drill_twin.physics.model.mesh import SPIN, Rod, Tube, hermite
+from drill_twin.physics.model.mesh import SPIN, Rod, element_unknowns, hermite, youngs_modulus
 from drill_twin.physics.model.strain import strain_at
 
 SCALARS = ("moment_x", "moment_y", "axial_force", "stress", "largest_stress", "cycles", "damage")
@@ -110,25 +110,10 @@ def curvature(rod: Rod, u: Array) -> Array:
     """
     n = rod.length.size
     shape = hermite(np.tile(PLACES, n), np.repeat(rod.length, 3)).reshape(n, 3, 3, 4)
-    lower, upper = u[..., :-1, :], u[..., 1:, :]
-    ends = np.stack([lower[..., 0:3], lower[..., 3:6], upper[..., 0:3], upper[..., 3:6]], -2)
-    first, second = (np.einsum("npk,...nkx->...npx", shape[:, :, order], ends) for order in (1, 2))
+    first, second = (np.einsum("npk,...nkx->...npx", shape[:, :, order], element_unknowns(u)) for order in (1, 2))
     return np.asarray(np.cross(first, second) / np.linalg.norm(first, axis=-1, keepdims=True) ** 3)
 
 
-def outer_fibre(rod: Rod, tubes: list[Tube]) -> Array:
-    """Stress of the outer fibre over the curvature, E r_o, of each element [Pa m], shape (n,).
-
-    Args:
-        rod: The string, n elements.
-        tubes: Its uniform pieces from the bit up.
-    """
-    tops = np.cumsum([tube.length for tube in tubes])
-    middles = 0.5 * (rod.arc[:-1] + rod.arc[1:])
-    modulus = np.array([tube.youngs_modulus for tube in tubes])[np.searchsorted(tops[:-1], middles)]
-    return np.asarray(modulus * rod.outer_radius)
-
-
-def bending_stress(rod: Rod, tubes: list[Tube], u: Array) -> Array:
+def bending_stress(rod: Rod, u: Array) -> Array:
     """Largest bending stress of each element, at the outer fibre of its body [Pa], shape (..., n); as `curvature`."""
-    return np.asarray(outer_fibre(rod, tubes) * np.linalg.norm(curvature(rod, u), axis=-1).max(axis=-1))
+    return np.asarray(youngs_modulus(rod) * rod.outer_radius * np.linalg.norm(curvature(rod, u), axis=-1).max(axis=-1))

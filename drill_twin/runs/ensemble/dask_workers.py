@@ -76,15 +76,14 @@ class DaskWorkers(AbstractContextManager["DaskWorkers"]):
             self.close()
             raise self._without_workers(CONNECT) from error
 
-    @property
-    def cores(self) -> int:
-        """Threads of all workers at present, at least 1."""
-        threads: Mapping[str, int] = self._client.nthreads()
-        return max(1, sum(threads.values()))
-
     def run(self, members: Members, request: Request) -> Generator[tuple[int, MemberRun]]:
         """As in `Executor`."""
-        cores, setup, sources = self.cores, pickle.dumps((members.base, request)), fingerprint(members.base)
+        threads: Mapping[str, int] = self._client.nthreads()  # of all workers at present
+        cores, setup, sources = (
+            max(1, sum(threads.values())),
+            pickle.dumps((members.base, request)),
+            fingerprint(members.base),
+        )
         size = min(LARGEST_TASK, max(1, len(members) // (TASKS_PER_CORE * cores)))
         tasks, ended = _tasks(iter(members), size), SimpleQueue[Any]()
         waiting: dict[Any, Sequence[Member]] = {}

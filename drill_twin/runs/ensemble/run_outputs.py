@@ -15,7 +15,6 @@ import numpy as np
 
 from drill_twin.core.arrays import Array
 from drill_twin.core.errors import ArgumentError
-from drill_twin.dynamics.discretisation.discretise import tubes_of
 from drill_twin.dynamics.twin.frame_record import FrameSeries, RigSeries
 from drill_twin.dynamics.twin.twin import Twin
 from drill_twin.io.messages.stamps import NANOSECONDS, seconds
@@ -144,7 +143,7 @@ class LastHalf(Collector):
         """Radius of the marks, wall force, swing of the torque; bending stress at the last instant."""
         low, high = self._torque
         dynamics = self.twin.dynamics
-        stress = bending_stress(dynamics.rod, tubes_of(self.twin.scene), dynamics.unknowns[0])
+        stress = bending_stress(dynamics.rod, dynamics.unknowns[0])
         radius = np.broadcast_to(self._radius, (len(self.twin.scene.string.marks),)).copy()
         return {
             "radius_late": Variable(radius, ("mark",), "m"),

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 from pydantic import BeforeValidator, Field, create_model
 
 from drill_twin.physics.effects import EFFECTS, EffectConfig
-from drill_twin.scene.blocks.part import Part
+from drill_twin.physics.effects.config import Part
 
 
 class EffectsBase(Part):

@@ -9,11 +9,8 @@ import numpy as np
 from pydantic import Field
 
 from drill_twin.core.units import Angle, Length, Within
-from drill_twin.physics.effects.config import Incompatibility
+from drill_twin.physics.effects.config import Depth, DepthInterval, Part, Problem, out_of_order
 from drill_twin.physics.model.survey import dogleg, survey
-from drill_twin.scene.blocks.part import Part, Problem
-
-Depth = Annotated[Length, Within(at_least="0 m", at_most="20 km", reason="the longest wells reach 15 km")]
 
 SHARPEST_BEND = 10.0
 """Smallest radius of curvature of the hole, in radii of the hole."""
@@ -21,13 +18,9 @@ LARGEST_TURN = math.radians(150.0)
 """Largest angle between the hole and its direction at the top, the reference of all directions [rad]."""
 
 
-class Interval(Part):
+class Interval(DepthInterval):
     """Interval of the hole with a radius of its own: casing, washout, tight spot."""
 
-    top: Depth
-    """Measured depth of its top, from the top clamp [m]."""
-    bottom: Depth
-    """Measured depth of its bottom [m]."""
     radius: Annotated[Length, Within(above="0 m", at_most="10 m")]
     """Radius in the interval [m]."""
 
@@ -57,25 +50,19 @@ class Hole(Part):
 
     def problems(self) -> Iterator[Problem]:
         """Intervals that overlap; a survey that does not begin at the top, does not go down, or bends too much."""
-        above = 0.0
-        for index, interval in enumerate(self.intervals):
-            if interval.top < above:
-                text = f"expected at least {above:.6g} m, where the interval above ends, found {interval.top:.6g} m"
-                yield ("intervals", index, "top"), text
-            if interval.bottom <= interval.top:
-                text = f"expected more than its top ({interval.top:.6g} m), found {interval.bottom:.6g} m"
-                yield ("intervals", index, "bottom"), text
-            above = interval.bottom
+        yield from out_of_order(self.intervals)
         if self.survey:
             yield from self._problems_of_survey()
 
     def _problems_of_survey(self) -> Iterator[Problem]:
         depth = self.stations[0]
         if self.inclination != 0.0:
-            yield Incompatibility(
+            yield (
                 ("inclination",),
-                f"expected no `inclination` beside a `survey`, found {math.degrees(self.inclination):.6g} deg; "
-                "the survey defines it",
+                (
+                    f"expected no `inclination` beside a `survey`, found {math.degrees(self.inclination):.6g} deg; "
+                    "the survey defines it"
+                ),
             )
         if depth[0] != 0.0:
             text = f"expected 0 m, the top clamp, at the first station, found {depth[0]:.6g} m"
@@ -97,19 +84,24 @@ class Hole(Part):
         for index, (turn, run) in enumerate(zip(dogleg(inclination, azimuth), runs, strict=True), start=1):
             if turn > 0.5 * math.pi or turn * sharpest > run:
                 most = min(0.5 * math.pi, run / sharpest)
-                yield Incompatibility(
+                yield (
                     ("survey", index),
-                    f"expected a turn of at most {math.degrees(most):.4g} deg since the station above (90 deg, and a "
-                    f"bend of {SHARPEST_BEND:g} radii of the hole), found {math.degrees(turn):.4g} deg in {run:.6g} m",
+                    (
+                        f"expected a turn of at most {math.degrees(most):.4g} deg since the station above (90 deg, and "
+                        f"a bend of {SHARPEST_BEND:g} radii of the hole), found {math.degrees(turn):.4g} deg in "
+                        f"{run:.6g} m"
+                    ),
                 )
                 return
         ways = survey(depth, inclination, azimuth).down
         total = np.arccos(np.clip(ways @ ways[0], -1.0, 1.0))
         if total.max() > LARGEST_TURN:
-            yield Incompatibility(
+            yield (
                 ("survey", int(total.argmax())),
-                f"expected a direction within {math.degrees(LARGEST_TURN):g} deg of that at the top, "
-                f"found {math.degrees(total.max()):.4g} deg",
+                (
+                    f"expected a direction within {math.degrees(LARGEST_TURN):g} deg of that at the top, "
+                    f"found {math.degrees(total.max()):.4g} deg"
+                ),
             )
 
     @property

@@ -4,10 +4,9 @@
 from collections.abc import Iterator
 from typing import Annotated, Literal
 
-from drill_twin.core.units import Dimensionless, Frequency, Quantity, Whole, Within
+from drill_twin.core.units import Dimensionless, Frequency, OrAuto, Quantity, Whole, Within
 from drill_twin.core.units.dimension import DIMENSIONLESS, LENGTH, TIME
-from drill_twin.physics.effects.config import Seed
-from drill_twin.scene.blocks.part import OrAuto, Part, Problem
+from drill_twin.physics.effects.config import Part, Problem, Seed
 
 _NANOSECONDS = 1_000_000_000
 

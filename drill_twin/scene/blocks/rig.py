@@ -8,7 +8,7 @@ from pydantic import Field, model_validator
 
 from drill_twin.core.companions import entries
 from drill_twin.core.units import AngularSpeed, Force, Length, Speed, Stiffness, Time, Torque, Within
-from drill_twin.scene.blocks.part import Part, Problem, refuse_all
+from drill_twin.physics.effects.config import Part, Problem, refuse_all
 from drill_twin.scene.blocks.top_drive import TopDrive
 
 GROUP = "drill_twin.schedules"

@@ -21,9 +21,8 @@ from drill_twin.core.units import (
     Torque,
     Within,
 )
+from drill_twin.physics.effects.config import Part, Problem, repeated_names
 from drill_twin.physics.effects.discs import PartName
-from drill_twin.scene.blocks.part import Part, Problem
-from drill_twin.scene.blocks.string import repeated_names
 
 _Rate = Annotated[Frequency, Within(above="0 Hz", at_most="10 kHz")]
 _Delay = Annotated[Time, Within(at_least="0 s", at_most="1e4 s")]

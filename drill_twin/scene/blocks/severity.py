@@ -9,7 +9,7 @@ from pydantic import Field, SerializerFunctionWrapHandler, model_serializer
 
 from drill_twin.core import severity
 from drill_twin.core.units import Acceleration, Dimensionless, Force, Pressure
-from drill_twin.scene.blocks.part import Part, Problem
+from drill_twin.physics.effects.config import Part, Problem
 
 _FOUR = Field(min_length=4, max_length=4)
 

@@ -14,10 +14,9 @@ from typing import Annotated, Any, Literal, NamedTuple
 from pydantic import Field
 
 from drill_twin.core.units import Density, Dimensionless, Length, LinearMass, Pressure, Torque, Within
-from drill_twin.physics.effects.config import Incompatibility
+from drill_twin.physics.effects.config import Label, Part, Problem, repeated_names
 from drill_twin.physics.effects.discs import Disc, PartName, PartPlace
 from drill_twin.physics.effects.supports import Support
-from drill_twin.scene.blocks.part import Label, Part, Problem
 
 LONGEST_STRING = 20_000.0
 """Longest string [m]; the longest wells reach 15 km."""
@@ -96,10 +95,12 @@ class Section(Part):
             text = f"expected less than the spacing ({joints.spacing:.6g} m), found {joints.length:.6g} m"
             yield ("joints", "length"), text
         if joints is not None and not 1.0 <= self.length / joints.spacing <= MOST_JOINTS:
-            yield Incompatibility(
+            yield (
                 ("joints", "spacing"),
-                f"expected between 1 and {MOST_JOINTS} joints in the section ({self.length:.6g} m long), "
-                f"found {joints.spacing:.6g} m",
+                (
+                    f"expected between 1 and {MOST_JOINTS} joints in the section ({self.length:.6g} m long), "
+                    f"found {joints.spacing:.6g} m"
+                ),
             )
         if self.adjusted_mass is not None and joints is not None:
             yield ("adjusted_mass",), "expected either `joints` or `adjusted_mass`, found both"
@@ -157,22 +158,16 @@ class Mark(Part):
     """`wall`: on the outer surface (on a blade, if any), rotating with the spin; `centre`: on the centre line."""
 
 
-def repeated_names(key: str, parts: Sequence[Any]) -> Iterator[Problem]:
-    """Problems of parts under a key whose name an earlier part has."""
-    names = [part.name for part in parts]
-    for index, name in enumerate(names):
-        if name in names[:index]:
-            yield (key, index, "name"), f'expected a name of its own, found "{name}" again'
-
-
 def places_off_string(key: str, parts: Sequence[Any], length: float) -> Iterator[Problem]:
     """Problems of parts under a key whose distance from the bit is beyond the length of the string [m]."""
     for index, part in enumerate(parts):
         if part.distance_from_bit > length * (1.0 + 1e-12):
-            yield Incompatibility(
+            yield (
                 (key, index, "distance_from_bit"),
-                f'expected "{part.name}" on the string ({length:.6g} m long), '
-                f"found {part.distance_from_bit:.6g} m from the bit",
+                (
+                    f'expected "{part.name}" on the string ({length:.6g} m long), '
+                    f"found {part.distance_from_bit:.6g} m from the bit"
+                ),
             )
 
 
@@ -208,7 +203,7 @@ class String(Part):
             shaft = self.section_at(disc.distance_from_bit).outer_diameter
             if disc.mass is None and disc.body(shaft)[0] <= 0.0:
                 text = f"expected more than the string's ({shaft:.6g} m), found {disc.outer_diameter:.6g} m"
-                yield Incompatibility(("discs", index, "outer_diameter"), text)
+                yield ("discs", index, "outer_diameter"), text
         held = {part.distance_from_bit for part in self.supports if part.stiffness > 0.0 and part.stiffness_y != 0.0}
         if self.top_end == "free" and len(held) < (1 if self.bit_end in ("guided", "pinned") else 2):
             text = "expected supports with a stiffness at two places, a bit on the axis counted as one, found fewer"

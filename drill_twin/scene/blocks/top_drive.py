@@ -5,9 +5,9 @@ import math
 from collections.abc import Iterator
 from typing import Annotated, Literal, NamedTuple
 
-from drill_twin.core.units import Dimensionless, Inertia, Quantity, RotationalDamping, Torque, Within
+from drill_twin.core.units import Dimensionless, Inertia, OrAuto, Quantity, RotationalDamping, Torque, Within
 from drill_twin.core.units.dimension import ROTATIONAL_DAMPING, ROTATIONAL_STIFFNESS
-from drill_twin.scene.blocks.part import OrAuto, Part, Problem
+from drill_twin.physics.effects.config import Part, Problem
 
 SLOWER = 10.0
 """First torsional frequency of the string over the corner frequency of the integral part tuned by `auto`."""

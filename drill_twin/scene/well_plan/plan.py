@@ -80,12 +80,10 @@ def _station(row: Row) -> dict[str, float]:
 
 def _follows(row: Row, above: dict[str, float], here: dict[str, float]) -> None:
     run, depth = here["depth"] - above["depth"], row.in_unit("md", here["depth"])
-    if run == 0.0:
-        raise SceneError(f"{row.place}: expected a depth below the row above, found {depth} again; take either row out")
-    if run < 0.0:
+    if run <= 0.0:
         raise SceneError(
             f"{row.place}: expected a depth below the row above ({row.in_unit('md', above['depth'])}), "
-            f"found {depth}: the survey goes back; sort the rows, or correct this row"
+            f"found {depth}: the survey does not go down; sort the rows, or correct or drop this row"
         )
     pair = np.array([[above["inclination"], above["azimuth"]], [here["inclination"], here["azimuth"]]])
     turn = float(dogleg(pair[:, 0], pair[:, 1])[0])

@@ -74,7 +74,6 @@ class Row(NamedTuple):
         try:
             number, own = split(text, DIMENSIONS[kind])
             own = unit if bare and unit else unit_here(own)
-            factor_of(own, DIMENSIONS[kind])
             value = parse(f"{number!r} {own}", DIMENSIONS[kind])
         except UnitError as error:
             raise SceneError(f"{self.place}, {column}: {error}") from None

@@ -8,12 +8,10 @@ from pathlib import Path
 from drill_twin.core.errors import RunError
 from drill_twin.physics.effects import EFFECTS
 from drill_twin.scene import load_scene
+from drill_twin.scene.check import TOGETHER
 from drill_twin.studies.accuracy.errors import AblationQuantity, Trial, differences, trial_of, worst
 from drill_twin.studies.accuracy.motion_run import Motion, cached_run
 from drill_twin.studies.pool import run_jobs
-
-TOGETHER = ("stretch", "torsion")
-"""Effects that can only be left out together."""
 
 Group = tuple[str, ...]
 """Keys of effects that are left out together."""

@@ -12,6 +12,7 @@ from drill_twin.dynamics.discretisation.kernel_arguments import JOINED, LATERAL,
 from drill_twin.dynamics.discretisation.resolution import resolution_of
 from drill_twin.dynamics.twin.twin import Twin
 from drill_twin.scene import Scene, load_scene
+from drill_twin.scene.blocks.numerics import FEWEST_ELEMENTS
 from drill_twin.studies.accuracy.errors import MotionErrors, compare, spread
 from drill_twin.studies.accuracy.motion_run import Motion, cached_run
 from drill_twin.studies.pool import run_jobs
@@ -24,7 +25,6 @@ TOLERANCES = (1e-3, 1e-4, 1e-6)
 """Tolerances of Newton's method to try besides the scene's own, at the resolution that `auto` chooses."""
 FINER = 2.0
 """Elements of the converged run over the elements of the finest resolution; its time step is as much shorter."""
-MIN_ELEMENTS = 4
 
 
 @dataclass(frozen=True)
@@ -99,19 +99,6 @@ class Curve:
         return sorted((run for run in self.runs if run.on_front), key=lambda run: run.cost)
 
 
-def require_marks(scene: Scene) -> None:
-    """Check that a scene has marks, whose paths are compared.
-
-    Raises:
-        SceneError: It has none.
-    """
-    if not scene.string.marks:
-        raise SceneError(
-            f"{scene.name}: expected marks in `string.marks`, whose paths are compared, found none; add one, as "
-            "`{name: middle, distance_from_bit: 4 m}`"
-        )
-
-
 def choose_resolutions(
     scene: Scene, elements: tuple[float, ...] = ELEMENTS, steps: tuple[float, ...] = STEPS
 ) -> list[Resolution]:
@@ -119,11 +106,11 @@ def choose_resolutions(
     numerics = scene.numerics.model_copy(update={"elements": "auto", "step": "auto", "accuracy": None})
     automatic, sections = scene.model_copy(update={"numerics": numerics}), len(scene.string.sections)
     twin = Twin(automatic)
-    counts = sorted({max(MIN_ELEMENTS, sections, round(share * twin.elements)) for share in elements})
+    counts = sorted({max(FEWEST_ELEMENTS, sections, round(share * twin.elements)) for share in elements})
     frame = scene.numerics.frame_period
     lengths = sorted({min(share * twin.step_size, frame) for share in steps}, reverse=True)
     resolutions = [Resolution(form, count, length) for form in forms(scene) for count in counts for length in lengths]
-    plain = (resolutions[0].form, max(MIN_ELEMENTS, sections, twin.elements), min(twin.step_size, frame))
+    plain = (resolutions[0].form, max(FEWEST_ELEMENTS, sections, twin.elements), min(twin.step_size, frame))
     return resolutions + [Resolution(*plain, tolerance) for tolerance in TOLERANCES] + whole_string(automatic)
 
 

@@ -12,14 +12,13 @@ from collections.abc import Callable, Iterator
 from drill_twin.core.errors import RunError
 from drill_twin.dynamics.twin.twin import Twin
 from drill_twin.scene import Scene
+from drill_twin.scene.blocks.numerics import FEWEST_ELEMENTS
 from drill_twin.studies.accuracy.error_model import ErrorModel, from_motions, rates
 from drill_twin.studies.accuracy.errors import errors_before
 from drill_twin.studies.accuracy.motion_run import Motion, run_motion
 
 COARSEST, AUTO, FINEST = -3, 0, 2
 """Levels of refinement: at `AUTO` the elements that `auto` chooses and half its step, at each further twice as fine."""
-FEWEST = 4
-"""Fewest elements of a string of one piece."""
 FEWER = math.sqrt(2.0)
 """Elements over the elements of the next coarser resolution."""
 HOPELESS = 0.5
@@ -59,7 +58,7 @@ class Measurement:
         self._elements = automatic.elements
         self._steps = max(1, math.ceil(self._frame / automatic.step_size - 1e-9))
         """Time steps of a frame."""
-        self._fewest = max(FEWEST, len(scene.string.pieces))
+        self._fewest = max(FEWEST_ELEMENTS, len(scene.string.pieces))
         self._budget, self._speed, self._end = BUDGET, 0.0, self._duration
         self._done, self._total = 0.0, 3.0 * math.prod(self._level(AUTO))
 

@@ -14,7 +14,7 @@ import numpy as np
 
 from drill_twin.core import __version__
 from drill_twin.core.arrays import Array, number_or_nan
-from drill_twin.core.errors import DrillTwinError
+from drill_twin.core.errors import DrillTwinError, SceneError
 from drill_twin.core.files.output import whole_file
 from drill_twin.dynamics.equilibrium import random_shape
 from drill_twin.dynamics.solver.state import ITERATIONS
@@ -27,6 +27,19 @@ from drill_twin.whirl import Analyzer
 
 PERTURBATION = 1e-4
 """Size of the random velocity by which replicas of a run differ [m/s]; far below the speed of whirl."""
+
+
+def require_marks(scene: Scene) -> None:
+    """Check that a scene has marks, whose paths are compared.
+
+    Raises:
+        SceneError: It has none.
+    """
+    if not scene.string.marks:
+        raise SceneError(
+            f"{scene.name}: expected marks in `string.marks`, whose paths are compared, found none; add one, as "
+            "`{name: middle, distance_from_bit: 4 m}`"
+        )
 
 
 def perturb(twin: Twin, seed: int) -> None:

@@ -22,7 +22,7 @@ from drill_twin.scene import Scene
 from drill_twin.studies.accuracy.error_model import MARGIN, ErrorModel, MeasuredPoint, load_model, save_model
 from drill_twin.studies.accuracy.errors import largest_distance
 from drill_twin.studies.accuracy.measure import AFTER_ONSET, Measurement, Report, at
-from drill_twin.studies.accuracy.motion_run import run_motion
+from drill_twin.studies.accuracy.motion_run import require_marks, run_motion
 
 PROBE = 0.2
 """Processor time that the test of this machine's speed takes [s]; less where the run does."""
@@ -89,11 +89,7 @@ def resolve(
     asked = scene.numerics.accuracy
     if asked is None:
         raise SceneError(f'{scene.name}: expected numerics.accuracy such as "1 %", found none')
-    if not scene.string.marks:
-        raise SceneError(
-            f"{scene.name}: numerics.accuracy: expected marks in string.marks, whose paths it controls, found none; "
-            "give numerics.elements and numerics.step instead"
-        )
+    require_marks(scene)
     length = duration or scene.rig.duration
     automatic = scene.model_copy(
         update={

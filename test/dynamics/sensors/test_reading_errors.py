@@ -8,7 +8,14 @@ import pytest
 
 from drill_twin.api.result import Result
 from drill_twin.core.errors import ArgumentError
-from drill_twin.dynamics.sensors.sampling import Instrument, ReadingNoise, drive_torque, errors_of, with_errors
+from drill_twin.dynamics.sensors.sampling import (
+    Instrument,
+    ReadingNoise,
+    SurfaceSampler,
+    SurfaceValues,
+    errors_of,
+    with_errors,
+)
 from drill_twin.dynamics.sensors.subs import SUMMARY, summary
 from drill_twin.io.bag.virtual_bags import MemoryBag
 from drill_twin.io.messages.decode import read_joint_state
@@ -16,7 +23,7 @@ from drill_twin.io.messages.sensor_messages import read_imu, read_summary
 from drill_twin.io.messages.topics import SURFACE_STATE, TOPICS, imu_topic, sub_of, summary_topic
 from drill_twin.runs.session_run import SessionRun
 from drill_twin.scene import load_scene, parse_scene
-from drill_twin.scene.blocks.sensors import Accelerometer, SpeedChannel
+from drill_twin.scene.blocks.sensors import Accelerometer, SpeedChannel, Surface
 from drill_twin.scene.set_points import Command
 from drill_twin.whirl import AnalysisError
 
@@ -65,7 +72,12 @@ def test_summary_of_a_turning_sub_that_vibrates() -> None:
 
 
 def test_the_torque_of_a_drive_includes_its_inertia() -> None:
-    assert drive_torque(100.0, 2.0, 0.5, 30.0, 4.0) == 123.0
+    drive = {"rig.top_drive.model": "speed_controller", "rig.top_drive.damping": "4 N m s/rad",
+             "rig.top_drive.proportional_gain": "1 N m s/rad", "rig.top_drive.integral_gain": "0 N m/rad"}  # fmt: skip
+    surface = Surface(rate=1.0, drive_inertia=30.0)
+    sampler = SurfaceSampler(load_scene("pa6_bench", overrides=drive), surface, 0.0, 1.5)
+    (reading,) = sampler.advance(1.0, SurfaceValues(2.0, 100.0, 0.0, 0.0))
+    assert reading.values[1] == 123.0
 
 
 def test_topics_of_subs_are_of_the_contract() -> None:

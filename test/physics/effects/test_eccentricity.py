@@ -8,9 +8,10 @@ import pytest
 from hole_scenes import bend, with_parts
 from rod_scenes import LINE_MASS, quiet_scene
 
-from drill_twin.dynamics.audit.energy import element_unknowns, energy
+from drill_twin.dynamics.audit.energy import energy
 from drill_twin.dynamics.twin.twin import Twin
 from drill_twin.physics.effects.eccentricity import Eccentricity, offsets, parameters
+from drill_twin.physics.model import element_unknowns
 from drill_twin.scene import Scene
 from drill_twin.scene.set_points.command import Command
 

@@ -183,8 +183,8 @@ def test_an_interval_scales_the_whole_law(law: dict[str, float], bottom: float, 
 @pytest.mark.parametrize(
     ("intervals", "said"),
     [
-        ([("0 m", "3 m"), ("2 m", "4 m")], "number 1 begins at 2 m, above 3 m, where the one before ends"),
-        ([("3 m", "3 m")], r"expected a bottom below the top of interval 0 \(3 m\), found 3 m"),
+        ([("0 m", "3 m"), ("2 m", "4 m")], "expected at least 3 m, where the interval above ends, found 2 m"),
+        ([("3 m", "3 m")], r"expected more than its top \(3 m\), found 3 m"),
     ],
 )
 def test_intervals_that_overlap_or_are_empty_are_refused(intervals: list[tuple[str, str]], said: str) -> None:

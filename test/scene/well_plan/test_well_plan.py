@@ -329,11 +329,11 @@ def test_pipe_need_only_pass_the_diameters_above_its_lower_end(tmp_path: Path) -
 MISTAKES = {
     "back in feet": (
         {"survey": "md [ft],inclination [deg],azimuth [deg]\n0,0,0\n5000,0,0\n4000,20,0\n"},
-        r"row above \(5000 ft\), found 4000 ft: the survey goes back",
+        r"row above \(5000 ft\), found 4000 ft: the survey does not go down",
     ),
     "depth in feet": ({"depth": "9000 ft", "units": "field"}, r"survey \(4921.26 ft\), found 9000 ft"),
-    "back": ({"survey": SURVEY.replace("900,40", "400,40")}, r"survey.csv, line 4: .*goes back; sort the rows"),
-    "again": ({"survey": SURVEY.replace("900,40", "500,40")}, r"survey.csv, line 4: .*again; take either row out"),
+    "back": ({"survey": SURVEY.replace("900,40", "400,40")}, r"survey.csv, line 4: .*does not go down; sort the rows"),
+    "again": ({"survey": SURVEY.replace("900,40", "500,40")}, r"survey.csv, line 4: .*the survey does not go down"),
     "jump": ({"survey": SURVEY.replace("900,40", "510,40")}, r"survey.csv, line 4: .*jump of 40 deg in 10 m; correct"),
     "text": ({"survey": SURVEY.replace("900,40", "900,forty")}, r"survey.csv, line 4, inclination: .*forty"),
     "empty": ({"survey": SURVEY.replace("900,40", "900,")}, r"survey.csv, line 4: .*inclination, found none; give it"),

@@ -9,7 +9,6 @@ from scipy import special
 from drill_twin.api.scenes import takes, which_fit
 from drill_twin.core.arrays import Array, Mask
 from drill_twin.core.errors import ArgumentError, DrillTwinError, RunError
-from drill_twin.dynamics.discretisation.discretise import tubes_of
 from drill_twin.dynamics.discretisation.kernel_arguments import LATERAL
 from drill_twin.dynamics.twin.dynamics import kernel_of
 from drill_twin.dynamics.twin.frame import Frames
@@ -82,7 +81,6 @@ class EstimatorMembers:
         self.lateral, self._reader = LateralMotion(scene, self.twins[0]), SubReader(scene, self.twins[0], self.subs)
         self._record = self.twins[0].record(pace.frames, nodes=bool(self.subs))
         self._tail: Array = np.zeros((count, len(channels), pace.tail))  # frames before the window
-        self._tubes = tubes_of(scene)
         clearances = np.array([scene.clearance_at(mark.distance_from_bit) for mark in scene.string.marks])
         self._onset = criteria.ONSET_RADIUS * clearances
 
@@ -251,7 +249,7 @@ class EstimatorMembers:
             "bit_torque": float(rig.bit_torque[-1]),
             "radius": float(np.hypot(rows.centre[..., 0], rows.centre[..., 1]).max(initial=0.0)),
             "wall_force": float(rows.string[:, 0].max()),
-            "bending_stress": float(bending_stress(twin.rod, self._tubes, twin.unknowns[0]).max()),
+            "bending_stress": float(bending_stress(twin.rod, twin.unknowns[0]).max()),
         }
         variables = {name: value for collector in collectors for name, value in collector.close().items()}
         values = np.array([variables[name].value for name in self.channels]).reshape(-1, pace.frames)

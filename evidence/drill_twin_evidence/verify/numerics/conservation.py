@@ -8,8 +8,9 @@ from collections.abc import Iterator
 import numpy as np
 
 from drill_twin.core.arrays import Array
-from drill_twin.dynamics.audit.energy import element_unknowns, energy, gauss_positions
+from drill_twin.dynamics.audit.energy import energy, gauss_positions
 from drill_twin.dynamics.twin.twin import Twin
+from drill_twin.physics.model import element_unknowns
 from drill_twin.physics.model.mesh import Rod
 from drill_twin.scene.set_points.command import Command
 from drill_twin_evidence.verify.case import FORMS, LATERAL, case
