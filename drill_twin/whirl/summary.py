@@ -3,6 +3,7 @@
 
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 
 from drill_twin.core.arrays import Array, number_or_none
 from drill_twin.whirl import criteria
@@ -40,18 +41,13 @@ def summarise(
     lasting, over = lasting_motion(motion, decisions.origin if onset is None else onset.time_s, end), whirl_end(motion)
     irregular = lasting is MotionState.IRREGULAR
     whirl = onset and whirl_frequency(
-        statistics, timelines, onset.time_s, over or end, decisions.origin, irregular=irregular
+        statistics, names, timelines, onset.time_s, over or end, decisions.origin, irregular=irregular
     )
     unseen = [name for name, radius in zip(names, largest.tolist(), strict=True) if not math.isfinite(radius)]
-    return Summary(
+    return replace(
+        whirl or Summary(),
         onset=onset,
         mark_onset_s=dict(zip(names, decisions.crossed, strict=True)),
-        whirl_frequency_hz=whirl.hz if whirl and not irregular else None,
-        whirl_ratio=whirl.ratio if whirl and not irregular else None,
-        whirl_frequency_window_s=whirl.window_s if whirl else None,
-        whirl_frequency_interval_hz=whirl.interval_hz if whirl else None,
-        whirl_frequency_changes=whirl.changes if whirl else None,
-        frequency_mark=names[whirl.mark] if whirl else None,
         max_radius_m=dict(zip(names, map(number_or_none, largest.tolist()), strict=True)),
         rotation_rev_s=turns / seconds if seconds > 0.0 else None,
         motion=motion,
@@ -63,9 +59,6 @@ def summarise(
         quality=quality,
         lasting_motion=lasting,
         whirl_end_s=over,
-        mean_frequency_hz=whirl.hz if whirl else None,
-        mean_ratio=whirl.ratio if whirl else None,
-        irregular_share=whirl.irregular_share if whirl else None,
         notes=_notes(
             quality, timelines[-1].dropped, decisions.rolling_ratio, unseen, unknown=onset is not None and whirl is None
         ),
