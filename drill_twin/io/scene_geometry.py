@@ -12,7 +12,6 @@ from drill_twin.core.arrays import Array
 from drill_twin.core.errors import DrillTwinError
 from drill_twin.dynamics.discretisation.discretise import survey_of
 from drill_twin.dynamics.sensors.subs import REAL, subs_by_name, subs_of
-from drill_twin.dynamics.twin.twin import Twin
 from drill_twin.io.messages.drawing.geometry import Step, StringGeometry
 from drill_twin.io.messages.topics import TWIN_SCENE, imu_topic, sub_of
 from drill_twin.scene import Scene, parse_scene
@@ -25,17 +24,12 @@ INCLINED = 0.002
 """Sine of the inclination, 0.1 degrees, from which a string falls to the low side of the hole."""
 
 
-def string_geometry(twin: Twin) -> StringGeometry:
-    """Geometry of the string for the markers in RViz and Foxglove."""
-    return drawn_geometry(twin.scene, twin.rod.arc)
-
-
-def drawn_geometry(scene: Scene, distances: Array) -> StringGeometry:
-    """Geometry of a string that is drawn through points at these distances from the bit [m], shape (k,)."""
+def string_geometry(scene: Scene, distances: Array) -> StringGeometry:
+    """Geometry of a string that is drawn through nodes at these distances from the bit [m], shape (n + 1,)."""
     line = survey_of(scene)
     marks = scene.string.marks
     return StringGeometry(
-        node_count=len(distances),
+        node_distances=distances,
         mark_names=tuple(mark.name for mark in marks),
         mark_distances=tuple(mark.distance_from_bit for mark in marks),
         length=scene.length,
@@ -43,7 +37,6 @@ def drawn_geometry(scene: Scene, distances: Array) -> StringGeometry:
         hole_radius=scene.hole.radius,
         hole_steps=hole_steps(scene),
         string_steps=string_steps(scene),
-        node_distances=distances,
         axis_at=None if line is None else line.at,
         subs=tuple(subs_of(scene)),
         section_names=() if scene.effects.fatigue is None else tuple(s.name for s in scene.effects.fatigue.sections),
