@@ -19,7 +19,7 @@ from drill_twin.api.simulation import Simulation
 from drill_twin.core.errors import ArgumentError, RunError
 from drill_twin.io.bag.reader import Bag
 from drill_twin.io.bag.virtual_bags import RecordBag, is_record
-from drill_twin.io.messages.stamps import NANOSECONDS, unpack_stamp
+from drill_twin.io.messages.stamps import NANOSECONDS, raw_header_stamp
 from drill_twin.io.messages.topics import MARKS_STATE, RIG_STATE, STRING_POSES
 from drill_twin.runs.recorded_commands import RecordedCommands, recorded_commands
 from drill_twin.scene import Scene
@@ -179,5 +179,5 @@ def _frames(bag: Bag) -> dict[int, dict[str, bytes]]:
     """Messages of each frame by stamp [ns] and topic, without the zeros with which DDS fills them up."""
     frames: dict[int, dict[str, bytes]] = {}
     for topic, _, raw in bag.messages(_FRAMES):
-        frames.setdefault(unpack_stamp(raw), {})[topic] = raw.rstrip(b"\0")
+        frames.setdefault(raw_header_stamp(raw), {})[topic] = raw.rstrip(b"\0")
     return frames
