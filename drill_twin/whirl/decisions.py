@@ -4,7 +4,6 @@
 The text of a motion state gives the criterion that decided it, with its numbers.
 """
 
-import math
 from collections.abc import Callable
 
 import numpy as np
@@ -20,9 +19,6 @@ from drill_twin.whirl.onset.synchronous_onset import synchronous_begins
 from drill_twin.whirl.onset.threshold_crossing import Crossing
 from drill_twin.whirl.onset_detector import OnsetDetector
 from drill_twin.whirl.orbit.runout_separation import correct, fit_anew
-
-FEW_DIGITS = 0.1
-"""Ratio from which two decimals are enough; chosen, not measured."""
 
 
 def doubt(samples: float, rolling_ratio: float) -> str:
@@ -50,10 +46,9 @@ def criterion_text(found: MotionState, state: Columns, mark: int, *, contact_kno
     ratio = float(orbit.ratio[mark])
     whirl, synchronous = float(orbit.radius[0, mark]), float(orbit.synchronous[mark])
     sense = "forward" if ratio > 0.0 else "backward"
-    digits = 2 if abs(ratio) >= FEW_DIGITS else 3
     radius = float(orbit.radius[row, mark])
     beyond, mean = (" (about its mean place)" if size > 1.0 else "" for size in (radius, max(whirl, synchronous)))
-    orbit_text = f"radius {100 * radius:.0f} % of the clearance{beyond}, ratio {ratio:+.{digits}f}"
+    orbit_text = f"radius {100 * radius:.0f} % of the clearance{beyond}, ratio {ratio:+.3f}"
     match found:
         case MotionState.NOT_OBSERVABLE if orbit.samples_per_revolution[0] < criteria.FEWEST_SAMPLES:
             return (
@@ -112,10 +107,6 @@ def criterion_text(found: MotionState, state: Columns, mark: int, *, contact_kno
                 how = f", slip {abs(1.0 - ratio / rolling_ratio):.2f} of the rim speed"
             elif contact > criteria.CONTACT_FRACTION:
                 how = ", sliding along the wall"
-            if state.motion.irregularity.active[mark]:
-                turn = math.tau * float(orbit.rotation[0])
-                rate, size = state.motion.lines[mark, 1] / (turn, state.marks.clearance[mark])
-                how += f", and a line of {100 * size:.0f} % at {rate:+.2f}"
             return f"{orbit_text} ({sense}){how}, in contact {100 * contact:.0f} % of the time"
 
 
@@ -234,7 +225,6 @@ class Decisions:
         self.onset = onset
         self.crossed[self._names.index(onset.mark)] = onset.time_s
         self.timelines[-1].move_first_whirl(onset.time_s)
-        self._state.flow.new[0] = True
 
     def _describe_states(self) -> None:
         """Put the states that have changed or settled into words."""

@@ -49,7 +49,6 @@ def new_statistics(m: int) -> Columns:
         whirled=False,  # True after the onset
         counted=False,  # True after the first bin since the onset
         estimated=False,  # True where the orbit was estimated with the newest bin
-        last_time=0.0,  # of the last bin [s]
     )
 
 
@@ -110,7 +109,6 @@ def add_bin(
         motion: Two lines of each mark, and whether its motion is irregular, as a growing orbit with two lines is not.
     """
     begun, statistics.begun[0] = statistics.begun[0], True
-    statistics.last_time[0] = full.time[0]
     if statistics.whirled[0] and not statistics.counted[0]:
         statistics.counted[0] = True
         statistics.seconds[0] = statistics.turns[0] = 0.0

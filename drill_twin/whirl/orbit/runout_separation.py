@@ -280,8 +280,7 @@ def smoothed_radius(vector: ComplexArray, half_width: int, noise: float) -> Arra
     high = np.minimum(np.arange(n) + half_width + 1, n)
     width = high - low
     mean = (sums[high] - sums[low]) / width
-    radius: Array = np.sqrt(np.maximum(np.abs(mean) ** 2 - 2.0 * noise**2 / width, 0.0))
-    return radius
+    return np.asarray(np.sqrt(np.maximum(np.abs(mean) ** 2 - 2.0 * noise**2 / width, 0.0)))
 
 
 def _mean_rate(time: Array, orbit: ComplexArray, rate: float) -> float:
