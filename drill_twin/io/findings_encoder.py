@@ -170,7 +170,6 @@ class FindingsEncoder:
     """Encodes findings: `/whirl/state` for each, `/whirl/motion` on change and once a simulated second."""
 
     def __init__(self, marks: Sequence[MarkInfo], bounds: Bounds | None = None) -> None:
-        self._marks = marks
         self._names = [mark.name for mark in marks]
         self.summary = TwinSummary(marks, bounds)
         """Messages on `/twin/summary`."""

@@ -9,12 +9,11 @@ from typing import Literal
 import numpy as np
 
 from drill_twin.core.arrays import Array
-from drill_twin.core.errors import DrillTwinError
 from drill_twin.dynamics.discretisation.discretise import survey_of
 from drill_twin.dynamics.sensors.subs import REAL, subs_by_name, subs_of
 from drill_twin.io.messages.drawing.geometry import Step, StringGeometry
-from drill_twin.io.messages.topics import TWIN_SCENE, imu_topic, sub_of
-from drill_twin.scene import Scene, parse_scene
+from drill_twin.io.messages.topics import imu_topic, sub_of
+from drill_twin.scene import Scene
 from drill_twin.whirl import AnalysisError, MarkInfo
 from drill_twin.whirl.downhole import SubAnalyzer, ToolNoise
 
@@ -95,32 +94,6 @@ def select_marks(marks: Sequence[MarkInfo], names: Sequence[str]) -> list[MarkIn
     if unknown:
         raise AnalysisError(f"expected marks of {', '.join(known)}, found {', '.join(unknown)}; name some of these")
     return [mark for mark in marks if mark.name in names or not names]
-
-
-class SceneTexts:
-    """Parses a text that differs from the last good and from the last bad text."""
-
-    def __init__(self) -> None:
-        self._text: str | None = None
-        self._refused: tuple[str, DrillTwinError] | None = None
-
-    def new_scene(self, text: str) -> Scene | None:
-        """Scene of a text; None where the text is the last good one once more.
-
-        Raises:
-            DrillTwinError: The text is no scene.
-        """
-        if text == self._text:
-            return None
-        if self._refused is not None and text == self._refused[0]:
-            raise self._refused[1]
-        try:
-            scene = parse_scene(text, name=TWIN_SCENE)
-        except DrillTwinError as error:
-            self._refused = text, error
-            raise
-        self._text = text
-        return scene
 
 
 def readings_topic(sub: str) -> str:

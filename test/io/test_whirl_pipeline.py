@@ -155,7 +155,7 @@ def test_a_bag_gives_what_was_found_live_byte_for_byte(inputs, live):
     pipeline, found = fed(inputs)
     assert found == live
     assert pipeline.findings.quality.accepted == 300
-    assert (pipeline.malformed, pipeline.unpaired, pipeline.trouble, pipeline.runs) == (0, 0, "", 1)
+    assert (pipeline.malformed, pipeline.pairing.unpaired, pipeline.trouble, pipeline.runs) == (0, 0, "", 1)
 
 
 @pytest.mark.parametrize("seed", range(5))
@@ -244,7 +244,7 @@ def test_samples_without_a_partner_are_dropped_in_the_end_and_counted(inputs):
     lone = [(topic, raw) for topic, raw in inputs if topic != RIG_STATE]
     pipeline, found = fed(lone)
     assert [topic for topic, _ in found] == [WHIRL_ONSET]
-    assert pipeline.unpaired == 300 - WAITING
+    assert pipeline.pairing.unpaired == 300 - WAITING
 
 
 def test_lost_samples_of_one_topic_cost_only_themselves(inputs):

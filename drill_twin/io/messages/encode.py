@@ -98,8 +98,7 @@ def wall_push(centre: Array, wall_force: Array) -> Array:
     """
     outwards = centre[..., :2]
     radius = np.maximum(np.hypot(outwards[..., 0], outwards[..., 1]), np.finfo(float).tiny)
-    push: Array = -wall_force[..., None] * (outwards / radius[..., None])  # first the direction: a force may overflow
-    return push
+    return np.asarray(-wall_force[..., None] * (outwards / radius[..., None]))  # direction first: a force may overflow
 
 
 def encode_string(text: str) -> bytes:
