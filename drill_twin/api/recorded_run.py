@@ -83,9 +83,10 @@ class Rerun:
 
     def plot(self) -> Figure:
         """Figure of both runs over time: distance of the marks from the axis, hookload, torque, speed of the bit."""
-        from drill_twin.report.figures.over_time import draw_comparison
+        from drill_twin.report.figures.over_time import draw_runs
 
-        return draw_comparison(self.recorded.recording, self.computed.recording)
+        runs = [("recorded", self.recorded.recording), ("computed again", self.computed.recording)]
+        return draw_runs(runs, "Recorded, and computed again", self.computed.recording.units)
 
 
 def rerun(

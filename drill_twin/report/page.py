@@ -6,6 +6,7 @@ import json
 from collections.abc import Mapping
 from html import escape
 from importlib.resources import files
+from itertools import groupby
 from pathlib import Path
 from typing import Any
 
@@ -126,10 +127,8 @@ def _not_drawn(recording: Recording) -> list[str]:
     """A sentence for each reason for which figures are left out; none for the record of a rig, which has one figure."""
     if isinstance(recording.bag, RecordBag):
         return []
-    reasons: dict[str, list[str]] = {}
-    for figure, why in left_out(recording).items():
-        reasons.setdefault(why, []).append(figure.replace("_", " "))
-    return [f"not drawn: {', '.join(names)} (the recording holds {why})" for why, names in reasons.items()]
+    reasons = groupby((lacking := left_out(recording)), lacking.__getitem__)
+    return [f"not drawn: {', '.join(names)} (the recording holds {why})".replace("_", " ") for why, names in reasons]
 
 
 def card(value: float | str | None, form: str, name: str, none: str = "none") -> str:

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from summaries import summarise
 
 from drill_twin.core.errors import BagError
 from drill_twin.core.rig_channels import RIG_JOINTS
@@ -17,7 +18,6 @@ from drill_twin.io.messages.topics import MARKS_STATE, RIG_STATE, TWIN_SCENE, WH
 from drill_twin.report import build_report
 from drill_twin.report.recording import read_recording
 from drill_twin.report.selection import Selection
-from drill_twin.report.summary import summarise
 
 RPM = 2.0 * math.pi / 60.0
 
