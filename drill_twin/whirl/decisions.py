@@ -20,6 +20,9 @@ from drill_twin.whirl.onset.threshold_crossing import Crossing
 from drill_twin.whirl.onset_detector import OnsetDetector
 from drill_twin.whirl.orbit.runout_separation import correct, fit_anew
 
+FEW_DIGITS = 0.1
+"""Ratio from which two decimals are enough; chosen, not measured."""
+
 
 def doubt(samples: float, rolling_ratio: float) -> str:
     """Reason why findings from so many samples in a revolution are not definite; empty where they are."""
@@ -46,9 +49,10 @@ def criterion_text(found: MotionState, state: Columns, mark: int, *, contact_kno
     ratio = float(orbit.ratio[mark])
     whirl, synchronous = float(orbit.radius[0, mark]), float(orbit.synchronous[mark])
     sense = "forward" if ratio > 0.0 else "backward"
+    digits = 2 if abs(ratio) >= FEW_DIGITS else 3
     radius = float(orbit.radius[row, mark])
     beyond, mean = (" (about its mean place)" if size > 1.0 else "" for size in (radius, max(whirl, synchronous)))
-    orbit_text = f"radius {100 * radius:.0f} % of the clearance{beyond}, ratio {ratio:+.3f}"
+    orbit_text = f"radius {100 * radius:.0f} % of the clearance{beyond}, ratio {ratio:+.{digits}f}"
     match found:
         case MotionState.NOT_OBSERVABLE if orbit.samples_per_revolution[0] < criteria.FEWEST_SAMPLES:
             return (
