@@ -52,7 +52,7 @@ class WhirlPipeline:
         scene, findings: The scene of the marks and the latest findings; None until there are any.
         malformed: Number of messages that could not be used; `trouble` is the last error, as text.
         runs, marks, encoder: Number of runs so far, the marks that are analysed, and the encoder of the findings.
-        pairing: Samples of one topic that wait for their partner of the other, and the count of those without one.
+        pairing: Samples of one topic that wait for their partner of the other, and the number of unpaired samples.
         bit_only: Analysis of the bit where the scene or the stream has no marks; else None.
     """
 
