@@ -139,6 +139,16 @@ def test_marks_alone_are_drawn(messages, write, tmp_path):
     assert recording.summary.whirl_ratio == pytest.approx(-0.3, abs=0.01)
 
 
+def test_marks_without_a_scene_are_drawn_without_the_hole(messages, write, tmp_path):
+    """The clearance is given; orbits and shapes need the hole of a scene."""
+    bag = write([row for row in messages if row[0] != TWIN_SCENE])
+    recording = read_recording(bag, selection=Selection(clearance=0.08175, outer_radius=0.00825))
+    files = build_report(recording, tmp_path / "report")
+    assert "displacement" in files.figures
+    assert not {"orbits", "string_shapes", "well"} & files.figures.keys()
+    assert "no scene" in files.page.read_text("utf-8")
+
+
 # --- no marks
 
 

@@ -57,6 +57,6 @@ def left_out(recording: Recording) -> dict[str, str]:
         rig: () if len(recording.rig) else ("set_points",),
         marks: () if recording.places else ("displacement", "motion", "spectrum_over_time", "orbits", "spectrum"),
         shape: () if len(recording.poses) else ("string_shapes", "well"),
-        scene: () if recording.scene_known else ("well",),
+        scene: () if recording.scene_known else ("orbits", "string_shapes", "well"),
     }
     return {name: why for why, names in lacks.items() for name in names}
