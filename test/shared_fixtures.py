@@ -11,6 +11,7 @@ from drill_twin.core.process import use_one_thread_of_blas
 
 use_one_thread_of_blas()  # as commands and nodes do, before numpy: workers share the cores, and its threads wait
 
+import numpy as np  # noqa: E402
 from browser import Browser  # noqa: E402
 from made_up import MARKS, make_frame  # noqa: E402
 
@@ -25,12 +26,14 @@ __all__ = ["make_frame"]
 def make_geometry() -> Callable[..., StringGeometry]:
     def make(nodes: int = 51) -> StringGeometry:
         return StringGeometry(
-            node_count=nodes,
+            node_distances=np.linspace(0.0, 8.0, nodes),
             mark_names=MARKS,
             mark_distances=(4.4, 2.5, 0.5, 0.5),
             length=8.0,
             outer_radius=0.00825,
             hole_radius=0.09,
+            hole_steps=((0.0, 8.0, 0.09),),
+            string_steps=((0.0, 8.0, 0.00825),),
         )
 
     return make

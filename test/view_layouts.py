@@ -12,7 +12,6 @@ import numpy as np
 import pytest
 import yaml
 
-from drill_twin.io.messages.drawing.transforms import hole_transform
 from drill_twin.io.messages.topic_row import JOINT_STATE, MARKER_ARRAY, POSE_ARRAY
 from drill_twin.io.messages.topics import FRAME_ID, TOPICS
 
@@ -43,7 +42,7 @@ def check_rviz(messages):
     """Displays, tools and properties are RViz's; topics are the twin's, with its quality, in a frame that is on tf."""
     layout = yaml.safe_load((VIEWS / "twin.rviz").read_text("utf-8"))
     manager = layout["Visualization Manager"]
-    assert manager["Global Options"]["Fixed Frame"] == hole_transform(0.0).child == FRAME_ID
+    assert manager["Global Options"]["Fixed Frame"] == FRAME_ID
     assert {panel["Class"] for panel in layout["Panels"]} == RVIZ_OTHERS["Panels"]
     assert {tool["Class"] for tool in manager["Tools"]} == RVIZ_OTHERS["Tools"]
     view = manager["Views"]["Current"]

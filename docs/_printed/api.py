@@ -46,7 +46,7 @@ def api_names() -> str:
 
 def summary_keys() -> str:
     """List of the keys of `summary.json`, from the docstring of the function that makes it."""
-    returned = re.search(r"^Returns:\n(.*?)^Raises:", inspect.getdoc(summarise) or "", re.MULTILINE | re.DOTALL)
+    returned = re.search(r"^Returns:\n(.*)\Z", inspect.getdoc(summarise) or "", re.MULTILINE | re.DOTALL)
     return inspect.cleandoc(returned[1]) + "\n" if returned else ""
 
 

@@ -19,7 +19,7 @@ from drill_twin.api.simulation import Simulation
 from drill_twin.core.errors import ArgumentError, RunError
 from drill_twin.io.bag.reader import Bag
 from drill_twin.io.bag.virtual_bags import RecordBag, is_record
-from drill_twin.io.messages.stamps import NANOSECONDS, unpack_stamp
+from drill_twin.io.messages.stamps import NANOSECONDS, raw_header_stamp
 from drill_twin.io.messages.topics import MARKS_STATE, RIG_STATE, STRING_POSES
 from drill_twin.runs.recorded_commands import RecordedCommands, recorded_commands
 from drill_twin.scene import Scene
@@ -83,9 +83,10 @@ class Rerun:
 
     def plot(self) -> Figure:
         """Figure of both runs over time: distance of the marks from the axis, hookload, torque, speed of the bit."""
-        from drill_twin.report.figures.over_time import draw_comparison
+        from drill_twin.report.figures.over_time import draw_runs
 
-        return draw_comparison(self.recorded.recording, self.computed.recording)
+        runs = [("recorded", self.recorded.recording), ("computed again", self.computed.recording)]
+        return draw_runs(runs, "Recorded, and computed again", self.computed.recording.units)
 
 
 def rerun(
@@ -179,5 +180,5 @@ def _frames(bag: Bag) -> dict[int, dict[str, bytes]]:
     """Messages of each frame by stamp [ns] and topic, without the zeros with which DDS fills them up."""
     frames: dict[int, dict[str, bytes]] = {}
     for topic, _, raw in bag.messages(_FRAMES):
-        frames.setdefault(unpack_stamp(raw), {})[topic] = raw.rstrip(b"\0")
+        frames.setdefault(raw_header_stamp(raw), {})[topic] = raw.rstrip(b"\0")
     return frames

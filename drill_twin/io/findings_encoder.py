@@ -7,7 +7,6 @@ The summary is what a dashboard wants, five times a simulated second, as numbers
 import math
 from collections import deque
 from collections.abc import Iterator, Sequence
-from typing import NamedTuple
 
 import numpy as np
 
@@ -42,19 +41,6 @@ LATERAL = ("lateral_rms", "lateral_peak")
 """Quantities of `core.severity.Bounds`, each with a `/` and the name of a mark in the summary [m/s^2]."""
 UNKNOWN = -1.0
 """Grade, or acceleration, that is not known: the summary has no NaN."""
-
-
-class Motion(NamedTuple):
-    """Motion at an instant."""
-
-    string: MotionState
-    """Motion state of the string."""
-    bit: BitMotion
-    """Motion of the bit."""
-    bit_index: float
-    """Stick-slip index; NaN where it is not known."""
-    onset: Onset | None = None
-    """Onset so far."""
 
 
 class TwinSummary:
@@ -103,29 +89,34 @@ class TwinSummary:
             self._backwards = seconds(stamp)
         return stamp >= self._due
 
-    def encode(self, stamp: int, motion: Motion, frame_id: str) -> bytes:
+    def encode(
+        self, stamp: int, frame_id: str, string: MotionState, bit: BitMotion, index: float, onset: Onset | None = None
+    ) -> bytes:
         """CDR of the message at the stamp [ns] of the last sample.
 
         Args:
             stamp: Header stamp [ns].
-            motion: What the analysis finds then.
             frame_id: Frame of the samples.
+            string: Motion state of the string.
+            bit: Motion of the bit.
+            index: Stick-slip index; NaN where it is not known.
+            onset: Onset so far.
         """
         self._due = stamp - stamp % PERIOD + PERIOD
         self._mean_of_rig(stamp)
         backwards = seconds(stamp) - self._backwards <= TIME_BASE
-        torsion = torsion_grade(motion.bit, motion.bit_index, self._bounds, backwards=backwards)
-        found = self._lateral(stamp, motion.string)
+        torsion = torsion_grade(bit, index, self._bounds, backwards=backwards)
+        found = self._lateral(stamp, string)
         lateral = worst(found, self._bounds)
         self.grade = max((grade for grade in (torsion, lateral and lateral.grade) if grade is not None), default=None)
         values = (
             *(value if math.isfinite(value) else UNKNOWN for _, value, _ in found),
-            MotionCode.of(motion.string),
-            StickSlipCode.of(motion.bit),
-            motion.bit_index if math.isfinite(motion.bit_index) else 0.0,
+            MotionCode.of(string),
+            StickSlipCode.of(bit),
+            index if math.isfinite(index) else 0.0,
             UNKNOWN if self.grade is None else self.grade,
             UNKNOWN if lateral is None else lateral.grade,
-            0.0 if motion.onset is None else max(motion.onset.time_s, 1.0 / NANOSECONDS),
+            0.0 if onset is None else max(onset.time_s, 1.0 / NANOSECONDS),
             self._factor,
         )
         if self._template is None or frame_id != self._frame_id:
@@ -179,7 +170,6 @@ class FindingsEncoder:
     """Encodes findings: `/whirl/state` for each, `/whirl/motion` on change and once a simulated second."""
 
     def __init__(self, marks: Sequence[MarkInfo], bounds: Bounds | None = None) -> None:
-        self._marks = marks
         self._names = [mark.name for mark in marks]
         self.summary = TwinSummary(marks, bounds)
         """Messages on `/twin/summary`."""
@@ -211,8 +201,8 @@ class FindingsEncoder:
         """Topic and bytes of `/twin/summary` for a stream without marks, if it is due."""
         if not self.summary.add(stamp, rig):
             return []
-        motion = Motion(MotionState.NOT_OBSERVABLE, bit.motion, bit.index)
-        return [(TWIN_SUMMARY, self.summary.encode(stamp, motion, self._frame_id))]
+        string = MotionState.NOT_OBSERVABLE
+        return [(TWIN_SUMMARY, self.summary.encode(stamp, self._frame_id, string, bit.motion, bit.index))]
 
     def rows(
         self,
@@ -237,8 +227,9 @@ class FindingsEncoder:
                 present = found.changes.get(row, present)
                 messages[row] += self._on_change(stamp, present)
             if rigs is not None and self.summary.add(stamp, rigs[row], None if centres is None else centres[row]):
-                motion = Motion(present.motion, present.bit, float(found.bit_index[row]), present.onset)
-                messages[row].append((TWIN_SUMMARY, self.summary.encode(stamp, motion, self._frame_id)))
+                index = float(found.bit_index[row])
+                raw = self.summary.encode(stamp, self._frame_id, present.motion, present.bit, index, present.onset)
+                messages[row].append((TWIN_SUMMARY, raw))
         return messages
 
     def _set_frame(self, frame_id: str) -> None:

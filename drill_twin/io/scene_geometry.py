@@ -9,13 +9,11 @@ from typing import Literal
 import numpy as np
 
 from drill_twin.core.arrays import Array
-from drill_twin.core.errors import DrillTwinError
 from drill_twin.dynamics.discretisation.discretise import survey_of
 from drill_twin.dynamics.sensors.subs import REAL, subs_by_name, subs_of
-from drill_twin.dynamics.twin.twin import Twin
 from drill_twin.io.messages.drawing.geometry import Step, StringGeometry
-from drill_twin.io.messages.topics import TWIN_SCENE, imu_topic, sub_of
-from drill_twin.scene import Scene, parse_scene
+from drill_twin.io.messages.topics import imu_topic, sub_of
+from drill_twin.scene import Scene
 from drill_twin.whirl import AnalysisError, MarkInfo
 from drill_twin.whirl.downhole import SubAnalyzer, ToolNoise
 
@@ -25,17 +23,12 @@ INCLINED = 0.002
 """Sine of the inclination, 0.1 degrees, from which a string falls to the low side of the hole."""
 
 
-def string_geometry(twin: Twin) -> StringGeometry:
-    """Geometry of the string for the markers in RViz and Foxglove."""
-    return drawn_geometry(twin.scene, twin.rod.arc)
-
-
-def drawn_geometry(scene: Scene, distances: Array) -> StringGeometry:
-    """Geometry of a string that is drawn through points at these distances from the bit [m], shape (k,)."""
+def string_geometry(scene: Scene, distances: Array) -> StringGeometry:
+    """Geometry of a string that is drawn through nodes at these distances from the bit [m], shape (n + 1,)."""
     line = survey_of(scene.hole)
     marks = scene.string.marks
     return StringGeometry(
-        node_count=len(distances),
+        node_distances=distances,
         mark_names=tuple(mark.name for mark in marks),
         mark_distances=tuple(mark.distance_from_bit for mark in marks),
         length=scene.length,
@@ -43,7 +36,6 @@ def drawn_geometry(scene: Scene, distances: Array) -> StringGeometry:
         hole_radius=scene.hole.radius,
         hole_steps=hole_steps(scene),
         string_steps=string_steps(scene),
-        node_distances=distances,
         axis_at=None if line is None else line.at,
         subs=tuple(subs_of(scene)),
         section_names=() if scene.effects.fatigue is None else tuple(s.name for s in scene.effects.fatigue.sections),
@@ -102,32 +94,6 @@ def select_marks(marks: Sequence[MarkInfo], names: Sequence[str]) -> list[MarkIn
     if unknown:
         raise AnalysisError(f"expected marks of {', '.join(known)}, found {', '.join(unknown)}; name some of these")
     return [mark for mark in marks if mark.name in names or not names]
-
-
-class SceneTexts:
-    """Parses a text that differs from the last good and from the last bad text."""
-
-    def __init__(self) -> None:
-        self._text: str | None = None
-        self._refused: tuple[str, DrillTwinError] | None = None
-
-    def new_scene(self, text: str) -> Scene | None:
-        """Scene of a text; None where the text is the last good one once more.
-
-        Raises:
-            DrillTwinError: The text is no scene.
-        """
-        if text == self._text:
-            return None
-        if self._refused is not None and text == self._refused[0]:
-            raise self._refused[1]
-        try:
-            scene = parse_scene(text, name=TWIN_SCENE)
-        except DrillTwinError as error:
-            self._refused = text, error
-            raise
-        self._text = text
-        return scene
 
 
 def readings_topic(sub: str) -> str:

@@ -30,8 +30,8 @@ from drill_twin.io.samples import (
     read_marks,
     rig_of,
 )
-from drill_twin.io.scene_geometry import SceneTexts, mark_infos, readings_topic, select_marks, sub_analyzer
-from drill_twin.scene import Scene
+from drill_twin.io.scene_geometry import mark_infos, readings_topic, select_marks, sub_analyzer
+from drill_twin.scene import Scene, parse_scene
 from drill_twin.whirl import Analyzer, BitMotion, BitOnlyAnalyzer, Findings, MarkInfo, Summary
 from drill_twin.whirl.downhole import SubAnalyzer
 from drill_twin.whirl.findings import FoundRows, Quality
@@ -52,6 +52,7 @@ class WhirlPipeline:
         scene, findings: The scene of the marks and the latest findings; None until there are any.
         malformed: Number of messages that could not be used; `trouble` is the last error, as text.
         runs, marks, encoder: Number of runs so far, the marks that are analysed, and the encoder of the findings.
+        pairing: Samples of one topic that wait for their partner of the other, and the number of unpaired samples.
         bit_only: Analysis of the bit where the scene or the stream has no marks; else None.
     """
 
@@ -89,11 +90,11 @@ class WhirlPipeline:
         self._without_rig, self._without_marks = RIG_STATE in lacks, MARKS_STATE in lacks
         self._sub, self._readings = sub, readings_topic(sub) if sub else ""
         self.bit_only = BitOnlyAnalyzer() if self._without_marks and not sub else None
-        self._texts = SceneTexts()
+        self._text = ""  # of the last good scene
         self._analyzer: Analyzer | SubAnalyzer | None = None
         self.encoder: FindingsEncoder | None = None
         self._names: tuple[str, ...] = ()
-        self._pairing = SamplePairing()
+        self.pairing = SamplePairing()
         self.marks: tuple[MarkInfo, ...] = ()
         self._has_spin: bool | None = None  # of the first sample of the stream
         self._clear()
@@ -104,11 +105,6 @@ class WhirlPipeline:
     def over(self) -> bool:
         """True once the run whose findings are wanted has ended."""
         return 0 < self._run < self.runs
-
-    @property
-    def unpaired(self) -> int:
-        """Number of samples of one topic without a partner of the other."""
-        return self._pairing.unpaired
 
     @property
     def quality(self) -> Quality:
@@ -172,7 +168,7 @@ class WhirlPipeline:
     def analyse_samples(self, samples: SampleRows, *, summary: bool = True) -> list[list[Message]] | None:
         """As `analyse_states` for n samples; `summary`: with `/twin/summary`."""
         analyzer, stamps = self._analyzer, samples.stamps
-        if not isinstance(analyzer, Analyzer) or self.over or self._pairing.waits or stamps[0] <= self._order.latest:
+        if not isinstance(analyzer, Analyzer) or self.over or self.pairing.waits or stamps[0] <= self._order.latest:
             return None
         if stamps != sorted(set(stamps)) or (np.abs(samples.rig[:, :2]) > FASTEST).any():
             return None
@@ -216,8 +212,9 @@ class WhirlPipeline:
         return source.summary()
 
     def _on_scene(self, text: str) -> list[Message]:
-        if (scene := self._texts.new_scene(text)) is None:
+        if text == self._text:
             return []
+        scene, self._text = parse_scene(text, name=TWIN_SCENE), text
         if self.runs:  # waiting samples belong to the run before
             self._clear()
         waiting = list(self._before_scene)
@@ -248,7 +245,7 @@ class WhirlPipeline:
         """Discard waiting samples and what is known of the stream."""
         self._has_spin = None
         self._mark_states, self._rig_states = JointStateReader(), JointStateReader()
-        self._pairing.clear()
+        self.pairing.clear()
         self._before_scene: deque[AnySample] = deque(maxlen=WAITING)
 
     def _on_marks(self, states: JointStates) -> list[Message]:
@@ -257,14 +254,14 @@ class WhirlPipeline:
         if self._analyzer is not None:
             marks_in(states, self._names)  # before the rig's state, its partner, comes
         (stamp,) = states.stamps
-        sample = Sample(stamp, states) if self._without_rig else self._pairing.add(MARKS_STATE, stamp, states)
+        sample = Sample(stamp, states) if self._without_rig else self.pairing.add(MARKS_STATE, stamp, states)
         return [] if sample is None else list(self._analyse_sample(sample))
 
     def _on_rig(self, states: JointStates) -> list[Message]:
         rig = rig_of(states)
         if self.bit_only is not None:
             return self._on_bit(self.bit_only, states.stamps, rig)[0]
-        sample = self._pairing.add(RIG_STATE, states.stamps[0], rig)
+        sample = self.pairing.add(RIG_STATE, states.stamps[0], rig)
         return [] if sample is None else list(self._analyse_sample(sample))
 
     def _on_bit(self, analyzer: BitOnlyAnalyzer, stamps: list[int], rigs: Array) -> list[list[Message]]:

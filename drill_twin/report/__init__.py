@@ -2,7 +2,7 @@
 """Report of a bag: summary as JSON, figures, and a page with both.
 
 >>> files = build_report("out/run/bag_0", "out/run")
->>> summary.summarise("out/run/bag_0")["onset_s"]
+>>> json.loads(files.summary.read_text())["onset_s"]
 """
 
 from __future__ import annotations
@@ -14,11 +14,9 @@ from typing import TYPE_CHECKING
 
 from drill_twin.core.files.output import write_whole, writing
 from drill_twin.core.files.plain_json import json_text
-from drill_twin.report.figures import FIGURES, drawing, left_out
+from drill_twin.report.figures import FIGURES, draw, left_out
 
 if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
     from drill_twin.report.recording import Recording
 
 __all__ = ["ReportFiles", "build_report", "draw"]
@@ -90,11 +88,3 @@ def build_report(
         progress("page")
         write_whole(files.page, build_page(recording, summary, files.figures, charts))
     return files
-
-
-def draw(name: str, recording: Recording) -> Figure:
-    """One of `FIGURES`."""
-    from drill_twin.report.figures.style import styled
-
-    with styled():
-        return drawing(name)(recording)

@@ -37,46 +37,62 @@ _POINTS = 4000
 """Most points of a line."""
 _OUTLINE = 1500
 """Most points of an area."""
+_SHADES = 33
+"""Greys of a mesh."""
 _DASHES = {"-": "solid", "--": "dash", ":": "dot", "-.": "dashdot"}
 
 
 def chart(figure: Figure) -> dict[str, Any]:
-    """Title and panels of a figure; numbers are float32 in base64."""
+    """Title and panels of a figure: each has its title, size [inch], and traces and layout for plotly."""
     width, height = figure.get_size_inches()
     panels = [_panel(axes, float(width), float(height)) for axes in figure.axes]
     return {"title": figure.get_suptitle(), "panels": panels}
 
 
 def _panel(axes: Axes, width: float, height: float) -> dict[str, Any]:
-    place = axes.get_position()
-    artists = sorted(axes.get_children(), key=lambda artist: artist.get_zorder())
-    found = [_artist(artist, axes) for artist in artists]
+    place, traces, shapes = axes.get_position(), list[dict[str, Any]](), list[dict[str, Any]]()
+    for artist in sorted(axes.get_children(), key=lambda artist: artist.get_zorder()):
+        if isinstance(artist, Line2D) and artist.get_transform() != axes.transData:
+            shapes.append(_across(artist))
+        elif trace := _trace(artist, axes):
+            traces.append(trace)
+    named = set[str]()
+    for trace in traces:
+        if text := trace.get("text"):  # a state is named once
+            name = text.partition(",")[0]
+            trace |= {"name": name, "legendgroup": name, "showlegend": name not in named}
+            named.add(name)
+    x = _axis(axes.get_xlabel(), axes.get_xlim(), axes.get_xscale())
+    y = _axis(axes.get_ylabel(), axes.get_ylim(), axes.get_yscale())
+    names = [text.get_text() for text in axes.get_yticklabels()]
+    if has_names := any(text[0].isalpha() for text in names if text):
+        y |= {"tickvals": axes.get_yticks().tolist(), "ticktext": names}
+    if equal := axes.get_aspect() == 1.0:
+        y["scaleanchor"] = "x"
+    over_depth, closest = y["range"][0] > y["range"][1], equal or has_names
+    hover = "y unified" if over_depth else "closest" if closest else "x unified"
+    hover = "closest" if any(trace["type"] == "heatmap" for trace in traces) else hover
     return {
         "title": axes.get_title(loc="left") or axes.get_title(),
         "width": round(float(place.width) * width, 2),
         "height": round(float(place.height) * height, 2),
-        "equal": bool(axes.get_aspect() == 1.0),
-        "x": _axis(axes.get_xlabel(), axes.get_xlim(), axes.get_xscale(), None),
-        "y": _axis(axes.get_ylabel(), axes.get_ylim(), axes.get_yscale(), axes),
-        "traces": [trace for trace in found if trace],
+        "traces": traces,
+        "layout": {"xaxis": x, "yaxis": y, "shapes": shapes, "hovermode": hover},
     }
 
 
-def _axis(label: str, limits: tuple[float, float], scale: str, named: Axes | None) -> dict[str, Any]:
-    log = scale == "log"
-    axis: dict[str, Any] = {"label": label, "range": [float(np.log10(x)) if log else float(x) for x in limits]}
-    if log:
-        axis["log"] = True
-    names = [] if named is None else [text.get_text() for text in named.get_yticklabels()]
-    if named is not None and any(text[0].isalpha() for text in names if text):
-        axis["names"], axis["ticks"] = names, named.get_yticks().tolist()
-    return axis
+def _axis(label: str, limits: tuple[float, float], scale: str) -> dict[str, Any]:
+    return {
+        "title": {"text": label.replace("\n", "<br>"), "standoff": 6}, "type": scale,
+        "range": [float(np.log10(x)) if scale == "log" else float(x) for x in limits],
+        "gridcolor": "#e6e6e6", "zeroline": False, "automargin": True,
+    }  # fmt: skip
 
 
-def _artist(artist: Any, axes: Axes) -> dict[str, Any] | None:
+def _trace(artist: Any, axes: Axes) -> dict[str, Any] | None:
     """Trace of a line, an area or a mesh; None for what is not in the coordinates of the data."""
     if isinstance(artist, Line2D):
-        return _line(artist, axes)
+        return _line(artist)
     if isinstance(artist, QuadMesh):
         return _mesh(artist)
     if artist is axes.patch:
@@ -84,37 +100,47 @@ def _artist(artist: Any, axes: Axes) -> dict[str, Any] | None:
     if isinstance(artist, PolyCollection):
         rows = [path.vertices for path in artist.get_paths()]
         colour = artist.get_facecolor()[0]
-        return _area(np.asarray(rows[0]), colour, str(artist.get_label()), "") if rows else None
+        return _area(np.asarray(rows[0]), colour, artist.get_label(), "") if rows else None
     if isinstance(artist, Patch) and artist.get_data_transform().contains_branch(axes.transData):
         row = artist.get_patch_transform().transform(artist.get_path().vertices)
-        return _area(np.asarray(row), artist.get_facecolor(), str(artist.get_label()), artist.get_gid() or "")
+        return _area(np.asarray(row), artist.get_facecolor(), artist.get_label(), artist.get_gid() or "")
     return None
 
 
-def _line(line: Line2D, axes: Axes) -> dict[str, Any] | None:
+def _look(line: Line2D) -> dict[str, Any]:
+    dash = _DASHES.get(str(line.get_linestyle()), "dash")
+    return {"color": to_hex(line.get_color()), "width": line.get_linewidth(), "dash": dash}
+
+
+def _across(line: Line2D) -> dict[str, Any]:
+    """Shape of a line across the panel."""
     x, y = (np.asarray(values, float) for values in line.get_data(orig=False))
-    look = {"colour": to_hex(line.get_color()), "width": line.get_linewidth(), "opacity": line.get_alpha() or 1.0}
-    look["dash"] = _DASHES.get(str(line.get_linestyle()), "dash")
-    if line.get_transform() != axes.transData:  # across the panel
-        upright = bool(x.size == 2 and x[0] == x[1])
-        return {
-            "kind": "across",
-            "at": float((x if upright else y)[0]),
-            "upright": upright,
-            "name": line.get_gid() or "",
-            **look,
-        }
+    upright, look = x.size == 2 and x[0] == x[1], _look(line)
+    along, other, at = ("x", "y", float(x[0])) if upright else ("y", "x", float(y[0]))
+    label = {"text": line.get_gid() or "", "textangle": 0, "textposition": "end", "font": {"color": look["color"]}}
+    ends = {f"{along}0": at, f"{along}1": at, f"{other}ref": "paper", f"{other}0": 0, f"{other}1": 1}
+    return {"type": "line", **ends, "line": look, "label": label}
+
+
+def _line(line: Line2D) -> dict[str, Any]:
+    x, y = (np.asarray(values, float) for values in line.get_data(orig=False))
     keep = _kept(y) if x.size > _POINTS else slice(None)
-    size = {"marker": float(line.get_markersize())} if line.get_linestyle() == "None" else {}
-    name = str(line.get_label())
-    return {
-        "kind": "line",
-        "name": "" if name.startswith("_") else name,
-        "x": _packed(x[keep]),
-        "y": _packed(y[keep]),
-        **look,
-        **size,
-    }
+    look, found = _look(line), _scatter(x[keep], y[keep], line.get_label())
+    found |= {"opacity": line.get_alpha() or 1.0, "line": look}
+    if not found["name"]:
+        found["hoverinfo"] = "skip"
+    if line.get_linestyle() == "None":
+        found |= {"mode": "markers", "marker": {"color": look["color"], "size": 1.0 + float(line.get_markersize())}}
+    return found
+
+
+def _scatter(x: Array, y: Array, label: object) -> dict[str, Any]:
+    name = "" if str(label).startswith("_") else str(label)
+    places: dict[str, Any] = {"x": _packed(x)}
+    step = np.ptp(x) / (x.size - 1) if x.size > 2 and np.isfinite(x).all() else 0.0
+    if step and np.abs(x - x[0] - step * np.arange(x.size)).max() <= 1e-6 * np.ptp(x):  # at equal steps
+        places = {"x0": float(x[0]), "dx": float(step)}
+    return {"type": "scatter", "mode": "lines", **places, "y": _packed(y), "name": name, "showlegend": name != ""}
 
 
 def _kept(values: Array) -> NDArray[np.intp]:
@@ -126,41 +152,34 @@ def _kept(values: Array) -> NDArray[np.intp]:
     return np.asarray(np.minimum(np.sort(ends, axis=1).ravel(), values.size - 1))
 
 
-def _area(outline: Array, colour: ArrayLike, name: str, text: str) -> dict[str, Any]:
+def _area(outline: Array, colour: ArrayLike, label: object, text: str) -> dict[str, Any]:
     every = -(-len(outline) // _OUTLINE)
     points = np.concatenate((outline[::every], outline[-1:]))
     red, green, blue, alpha = np.asarray(colour, float)
-    rgba = f"rgba({255 * red:.0f},{255 * green:.0f},{255 * blue:.0f},{alpha:.3g})"
-    return {
-        "kind": "area",
-        "name": "" if name.startswith("_") else name,
-        "text": text,
-        "colour": rgba,
-        "x": _packed(points[:, 0]),
-        "y": _packed(points[:, 1]),
-    }
-
-
-def _mesh(mesh: QuadMesh) -> dict[str, Any]:
-    """Edges of the cells, and the logarithms of their values as bytes between `low` and `high`."""
-    edges = np.asarray(mesh.get_coordinates())
-    low, high = (float(np.log10(limit or 1.0)) for limit in mesh.get_clim())
-    share = (np.log10(np.asarray(mesh.get_array(), float)) - low) / (high - low)
-    return {
-        "kind": "mesh", "x": _packed(edges[0, :, 0]), "y": _packed(edges[:, 0, 1]), "columns": edges.shape[1] - 1,
-        "low": low, "high": high, "values": base64.b64encode((255 * np.clip(share, 0.0, 1.0)).astype("u1")).decode(),
+    return _scatter(points[:, 0], points[:, 1], label) | {
+        "fill": "toself", "fillcolor": f"rgba({255 * red:.0f},{255 * green:.0f},{255 * blue:.0f},{alpha:.3g})",
+        "line": {"width": 0}, "hoverinfo": "text" if text else "skip", "hoveron": "fills", "text": text,
     }  # fmt: skip
 
 
-def _packed(values: Array) -> str | list[float]:
-    """Numbers as float32 in base64, or first, step and count of numbers at equal steps."""
-    rows = np.asarray(values, float)
-    if rows.size > 2 and np.isfinite(rows).all():
-        step = float(rows[-1] - rows[0]) / (rows.size - 1)
-        even = float(rows[0]) + step * np.arange(rows.size)
-        if np.abs(rows - even).max() <= 1e-6 * np.ptp(rows):
-            return [float(rows[0]), step, rows.size]
-    return base64.b64encode(rows.astype("<f4").tobytes()).decode()
+def _mesh(mesh: QuadMesh) -> dict[str, Any]:
+    """Cells by their edges; `_SHADES` greys, evenly over the logarithm of the value."""
+    edges, values = np.asarray(mesh.get_coordinates()), np.asarray(mesh.get_array(), float)
+    low, high = (limit or 1.0 for limit in mesh.get_clim())
+    share, ratio = np.linspace(0.0, 1.0, _SHADES), high / low
+    at = (ratio**share - 1.0) / (ratio - 1.0)  # from 0 to 1 to the last bit, as plotly.js asks for
+    greys = [f"rgb({grey},{grey},{grey})" for grey in (255 * (1.0 - share)).round().astype(int).tolist()]
+    return {
+        "type": "heatmap", "x": _packed(edges[0, :, 0]), "y": _packed(edges[:, 0, 1]),
+        "z": _packed(values) | {"shape": f"{values.shape[0]}, {values.shape[1]}"}, "zmin": low, "zmax": high,
+        "colorscale": list(zip(at.tolist(), greys, strict=True)), "showscale": False,
+        "hovertemplate": "%{x:.2f} s, %{y:.2f} Hz: %{z:.3g}<extra></extra>",
+    }  # fmt: skip
+
+
+def _packed(values: Array) -> dict[str, str]:
+    """Numbers as float32 in base64, as plotly.js reads them."""
+    return {"dtype": "f4", "bdata": base64.b64encode(values.astype("<f4").tobytes()).decode()}
 
 
 _POINTS_OF_SHAPE, _SHAPE_POINTS = 160, 36_000

@@ -6,6 +6,7 @@ import json
 from collections.abc import Mapping
 from html import escape
 from importlib.resources import files
+from itertools import groupby
 from pathlib import Path
 from typing import Any
 
@@ -61,7 +62,7 @@ def build_page(
         charts: Figures that are drawn by plotly, by name (`drill_twin.report.charts`).
     """
     scene = recording.scene if recording.scene_known else None
-    name = scene.name if scene else recording.path.name
+    name, moves = scene.name if scene else recording.path.name, scene is not None and len(recording.poses) > 0
     lead, told = applied({**summary, **(summary.get("surface") or {})}), limitations(summary)
     notes = [line for line in told if line.startswith(ON_THE_JOINT)]
     body = [
@@ -69,7 +70,7 @@ def build_page(
         f'<p class="lead">{escape(scene.description)}</p>' if scene else "",
         *(f'<p class="verdict">{escape(sentence)}</p>' for sentence in verdict(summary, str(recording.path))),
         *(f'<p class="lead">{escape(line)}</p>' for line in (lead, *(f"Note: {line}" for line in notes))),
-        _view(scene) if scene and len(recording.poses) else "",
+        _view(scene) if scene and moves else "",
         _cards(summary) if recording.places else f"<section>{Table((), list(answers(summary))).html()}</section>",
         _warning([*(line for line in told if line not in notes), *_not_drawn(recording)]),
         '<div class="columns"><section>',
@@ -89,7 +90,6 @@ def build_page(
         f"<footer>drawn by drill_twin {escape(__version__)} from {escape(recording.path.name)}</footer>",
     ]  # fmt: skip
     plots = json.dumps(charts, allow_nan=False, separators=(",", ":")).replace("<", "\\u003c")
-    moves = len(recording.poses) > 0
     data = {"chart-data": plots} | ({"view-data": view_data(recording)} if moves else {})
     code = ("zoom.js", "charts.js", *(("view.js",) if moves else ()))
     return html_page(f"{name}: drill_twin report", "".join(body), scripts(data, *map(asset, code)))
@@ -126,10 +126,8 @@ def _not_drawn(recording: Recording) -> list[str]:
     """A sentence for each reason for which figures are left out; none for the record of a rig, which has one figure."""
     if isinstance(recording.bag, RecordBag):
         return []
-    reasons: dict[str, list[str]] = {}
-    for figure, why in left_out(recording).items():
-        reasons.setdefault(why, []).append(figure.replace("_", " "))
-    return [f"not drawn: {', '.join(names)} (the recording holds {why})" for why, names in reasons.items()]
+    reasons = groupby((lacking := left_out(recording)), lacking.__getitem__)
+    return [f"not drawn: {', '.join(names)} (the recording holds {why})".replace("_", " ") for why, names in reasons]
 
 
 def card(value: float | str | None, form: str, name: str, none: str = "none") -> str:

@@ -107,7 +107,6 @@ class Recording:
         self._pipeline = WhirlPipeline(
             scene, lacks=self._missing, marks=chosen.marks, infos=infos, sub=self.sub, run=chosen.run
         )
-        self._pipeline.start()
         self._messages = SelectedMessages(bag, self.selection, {self._sub_topic} if self.sub else set())
         self._poses_before = 0  # poses of the string in earlier runs
         self._reset()
@@ -130,7 +129,7 @@ class Recording:
         self.summary: Summary = self._checked_summary()
         own = self.scene.unit_system.name if self.scene_known else bag.units if isinstance(bag, RecordBag) else "si"
         self.units = unit_system(self.selection.units or own)
-        self.unpaired = self._pipeline.unpaired
+        self.unpaired = self._pipeline.pairing.unpaired
 
     def _reset(self) -> None:
         """Begin a new run."""

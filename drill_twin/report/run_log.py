@@ -14,7 +14,7 @@ from drill_twin.core.numerals import number, whole_number
 from drill_twin.dynamics.twin.frame import COUNTS
 from drill_twin.io.messages.decode import read_string
 from drill_twin.io.messages.diagnostics import decode_diagnostics
-from drill_twin.io.messages.stamps import seconds, unpack_stamp
+from drill_twin.io.messages.stamps import raw_header_stamp, seconds
 from drill_twin.io.messages.whirl_encode import OnsetMessage, decode_onset
 from drill_twin.runs.monitor import RecordedRejections, recorded_sentences
 
@@ -102,7 +102,7 @@ class LiveFindings:
 
     def on_state(self, raw: bytes) -> None:
         """Keep a recorded `/whirl/state`."""
-        self._recorded[unpack_stamp(raw)] = raw
+        self._recorded[raw_header_stamp(raw)] = raw
 
     def on_onset(self, raw: bytes) -> None:
         """Keep a recorded `/whirl/onset`.
@@ -114,7 +114,7 @@ class LiveFindings:
 
     def on_analysed(self, raw: bytes) -> None:
         """Keep a `/whirl/state` of the analysis of the bag."""
-        self._analysed[unpack_stamp(raw)] = raw
+        self._analysed[raw_header_stamp(raw)] = raw
 
     @property
     def messages(self) -> int:

@@ -30,7 +30,7 @@ def along_hole(scene: Scene, curves: Array) -> Array:
         scene: The scene; curves of a straight hole are returned unchanged.
         curves: Positions in the frame `hole` from the bit up [m], shape (T, k, 3).
     """
-    line = survey_of(scene.hole)
+    line = survey_of(scene)
     if line is None or not curves.size:
         return curves
     up = arc_of(curves[0])
@@ -42,25 +42,17 @@ def arc_of(points: Array) -> Array:
     return np.append(0.0, np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1)))
 
 
-def low_side(scene: Scene, depth: Array) -> ComplexArray:
-    """Direction of gravity across the hole at measured depths [m], x + i y, of the length sin(inclination)."""
-    top = scene.hole.top_inclination
-    down = np.array([np.sin(top), 0.0, -np.cos(top)])
-    line = survey_of(scene.hole)
-    if line is None:
-        return np.full(depth.shape, down[0], complex)
-    across = transverse_axes(line.at(np.clip(depth, 0.0, None)).tangent)
-    return np.asarray(across[0] @ down + 1j * (across[1] @ down))
+def low_side(scene: Scene, depth: Array) -> tuple[ComplexArray, Array]:
+    """Direction of gravity across the hole at measured depths [m], and the angle of the hole from the vertical [rad].
 
-
-def inclination(scene: Scene, depth: Array) -> Array:
-    """Angle of the hole from the vertical at measured depths [rad]."""
-    top = scene.hole.top_inclination
-    line = survey_of(scene.hole)
-    if line is None:
-        return np.full(depth.shape, top)
-    down = np.array([np.sin(top), 0.0, -np.cos(top)])
-    return np.asarray(np.arccos(np.clip(-line.at(depth).tangent @ down, -1.0, 1.0)))
+    The direction is x + i y, of the length sin(inclination).
+    """
+    top, axis = scene.hole.top_inclination, axis_at(scene, np.clip(depth, 0.0, None))
+    if axis is None:
+        return np.full(depth.shape, np.sin(top), complex), np.full(depth.shape, top)
+    down, (x, y) = np.array([np.sin(top), 0.0, -np.cos(top)]), transverse_axes(axis.tangent)
+    low = x @ down + 1j * (y @ down)
+    return low, np.arctan2(np.abs(low), -axis.tangent @ down)
 
 
 def smooth(position: Array, tangent: Array) -> Array:

@@ -90,7 +90,7 @@ def fibre_stress(recording: Recording, poses: NDArray[np.int64]) -> tuple[float,
         Half of the range [Pa], distance from the bit [m], within the element, and stress at the poses [Pa], shape (k,),
         less what is constant in the turning material, as a bow; None where the poses are of no mesh.
     """
-    if (rod := _mesh(recording)) is None or not len(poses):
+    if not len(poses) or (rod := _mesh(recording)) is None:
         return None
     u, n = _rows(recording, rod, poses), rod.length.size
     about, tangent = curvature(rod, u)[:, :, ::2], u[:, :, 3:6] / np.linalg.norm(u[:, :, 3:6], axis=-1, keepdims=True)

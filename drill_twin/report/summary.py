@@ -4,7 +4,6 @@
 from collections.abc import Iterator
 from dataclasses import asdict
 from datetime import UTC, datetime
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -23,7 +22,7 @@ from drill_twin.report.quantities import (
     spectrum_lines,
     wall_depth,
 )
-from drill_twin.report.recording import Recording, read_recording
+from drill_twin.report.recording import Recording
 from drill_twin.report.severity import never_stuck, severity
 from drill_twin.report.string_forces import left_torque
 from drill_twin.report.surface import SLOWEST, surface, without_spikes
@@ -42,11 +41,8 @@ NOTICED = 0.01
 """Least height of its line in the two-sided spectrum, which is half of its amplitude, over the mean speed."""
 
 
-def summarise(bag: Recording | Bag | str | Path) -> dict[str, Any]:
-    """Summary of a bag in plain types: numbers, text, lists, dicts; None for an unknown value, never NaN.
-
-    Args:
-        bag: A recording, an open bag, or the path of one.
+def summarise(bag: Recording) -> dict[str, Any]:
+    """Summary of a recording in plain types: numbers, text, lists, dicts; None for an unknown value, never NaN.
 
     Returns:
         By key; times in simulated seconds, or in seconds from `start_utc`:
@@ -99,14 +95,7 @@ def summarise(bag: Recording | Bag | str | Path) -> dict[str, Any]:
           `why` it is left out, and values in `left_out` that are no measurement.
         * `duration_s`, `samples`, `quality`, `truncated`, `damage`, `notes`: extent and quality of the bag.
         * `live`: findings recorded while the twin ran, and the number that differ from this analysis.
-
-    Raises:
-        BagError: Not a bag of this package, or nothing in it that could be analysed.
     """
-    if isinstance(bag, str | Path):
-        bag = read_recording(bag)
-    elif isinstance(bag, Bag):
-        bag = Recording(bag)
     found, run, log = bag.summary, bag.log.info, bag.log
     onset, wall, kept = found.onset, wall_depth(bag), without_spikes(bag)
     block = block_weight(bag, kept)
@@ -162,8 +151,7 @@ def summarise(bag: Recording | Bag | str | Path) -> dict[str, Any]:
             "differing": bag.live.differing,
         },
     }
-    result: dict[str, Any] = plain(summary)
-    return result
+    return dict(plain(summary))
 
 
 def start_utc(bag: Bag) -> str | None:

@@ -5,7 +5,6 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
-from drill_twin.core.units.system import UnitSystem
 from drill_twin.report.load_text import (
     Row,
     Summary,
@@ -51,7 +50,7 @@ def findings(summary: Summary) -> Iterator[Row]:
     if summary["start_utc"]:
         yield "times", f"in seconds from {summary['start_utc']} UTC"
     if not summary["whirl_observable"]:
-        yield "rotation", rotation(summary, units_of(summary))
+        yield "rotation", rotation(summary)
         for rows in (load_rows, surface_rows, severity_rows, fatigue_rows, bit_rows):
             yield from rows(summary)
         return
@@ -61,9 +60,9 @@ def findings(summary: Summary) -> Iterator[Row]:
     if summary["spectrum_lines"]:
         yield "lines of the spectrum", _lines(summary)
     yield "whirl ratio", number_text(summary["whirl_ratio"], "{:+.3f}", "none")
-    yield "rotation", rotation(summary, units_of(summary))
-    for mark, value in summary["max_radius_m"].items():
-        yield f"largest radius, {mark}", radius_text(value, summary["clearance_m"].get(mark), units_of(summary))
+    yield "rotation", rotation(summary)
+    for mark in summary["max_radius_m"]:
+        yield f"largest radius, {mark}", radius_text(summary, mark)
     for rows in (_wall, load_rows, severity_rows, fatigue_rows):
         yield from rows(summary)
     yield "motion at the end", summary["motion"][-1]["state"] if summary["motion"] else "unknown"
@@ -89,11 +88,11 @@ def timeline_rows(periods: Sequence[Mapping[str, Any]]) -> list[tuple[str, str, 
 
 def mark_rows(summary: Summary) -> Iterator[tuple[str, str, str, str]]:
     """Rows of mark, its largest radius, the time since which it is over the threshold, and its motion at the end."""
-    for mark, value in summary["max_radius_m"].items():
+    for mark in summary["max_radius_m"]:
         onset, motion = summary["mark_onset_s"].get(mark), summary["mark_motion"].get(mark)
         yield (
             mark,
-            radius_text(value, summary["clearance_m"].get(mark), units_of(summary)),
+            radius_text(summary, mark),
             "never" if onset is None else f"from {onset:.2f} s",
             motion[-1]["state"] if motion else "unknown",
         )
@@ -225,16 +224,17 @@ def _lines(summary: Summary) -> str:
     return f"{', '.join(lines)}, at {summary['frequency_mark']}"
 
 
-def rotation(summary: Summary, units: UnitSystem) -> str:
+def rotation(summary: Summary) -> str:
     """Rotation as text: the top drive's as `applied`; without a top drive's, the mean of the string."""
-    applied_speed, found = summary["applied"]["rotation_rad_s"], summary["rotation_rev_s"]
+    applied_speed, found, units = summary["applied"]["rotation_rad_s"], summary["rotation_rev_s"], units_of(summary)
     if applied_speed is not None:
         return units.text(applied_speed["mean"], "rotation")
     return "unknown" if found is None else units.text(math.tau * found, "rotation")
 
 
-def radius_text(value: float | None, clearance: float | None, units: UnitSystem) -> str:
-    """Largest radius of a mark [m] as text, with its share of the clearance [m]."""
+def radius_text(summary: Summary, mark: str) -> str:
+    """Largest radius of a mark as text, with its share of the clearance."""
+    value, clearance, units = summary["max_radius_m"][mark], summary["clearance_m"].get(mark), units_of(summary)
     if value is None:
         return "not seen"
     if not clearance:

@@ -6,7 +6,7 @@ from itertools import islice
 
 from drill_twin.core.severity import Grade, told
 from drill_twin.report.load_text import Row, Summary, answers, applied, units_of
-from drill_twin.report.text import findings, irregular, no_onset, radius_text, transient
+from drill_twin.report.text import findings, irregular, no_onset, transient
 from drill_twin.whirl import MotionState
 from drill_twin.whirl.criteria import CONTACT_RADIUS, SUSTAIN
 
@@ -60,11 +60,9 @@ def first_rows(summary: Summary) -> Iterator[Row]:
     if not summary["whirl_observable"]:
         yield from islice(answers(summary) if summary.get("surface") else rows, _ROWS)
         return
-    yield from (row for row in rows if row[0] in {"onset of whirl", "whirl frequency"})
-    if (found := widest(summary)) is not None:
-        mark, radius = found
-        yield f"largest radius, {mark}", radius_text(radius, summary["clearance_m"].get(mark), units_of(summary))
-    yield from (row for row in rows if row[0] in {"stick-slip index", "bounds of severity"})
+    radius = f"largest radius, {(widest(summary) or [''])[0]}"
+    first = {"onset of whirl", "whirl frequency", radius, "stick-slip index", "bounds of severity"}
+    yield from (row for row in rows if row[0] in first)
     yield "set-points", applied(summary).removesuffix(".")
 
 

@@ -146,7 +146,7 @@ class Analyzer(TwinNode):
             "duplicate": str(quality.duplicate),
             "late": str(quality.late),
             "incomplete": str(quality.incomplete),
-            "unpaired": str(pipeline.unpaired),
+            "unpaired": str(pipeline.pairing.unpaired),
             "malformed": str(pipeline.malformed),
             "runs": str(pipeline.runs),
             "scenes_put_off": str(self.topics.scenes.put_off),

@@ -107,7 +107,7 @@ class RunLoop:
     @property
     def geometry(self) -> StringGeometry:
         """Sizes of string and hole for markers and tf."""
-        return replace(string_geometry(self.twin), frame_prefix=self._frame_prefix)
+        return replace(string_geometry(self.twin.scene, self.twin.rod.arc), frame_prefix=self._frame_prefix)
 
     def announce(self) -> None:
         """Send the description of the run and its time, at the start of a run or after a checkpoint was resumed."""

@@ -82,8 +82,7 @@ class Analyzer:
 
     def summary(self) -> Summary:
         """The findings of the whole run so far."""
-        state = self._state
-        return summarise(state.statistics, self._names, self._decisions, state.samples.largest, self._bit, self.quality)
+        return summarise(self._state, self._names, self._decisions, self._bit, self.quality)
 
     def date_onset(self, onset: Onset) -> None:
         """Replace the onset, which has been found, by the same with a time that is known better."""

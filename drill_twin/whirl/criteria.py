@@ -97,19 +97,10 @@ class BitMotion(StrEnum):
 class MotionCode(IntEnum):
     """Code of each `MotionState`: from 4 on the string whirls."""
 
-    NOT_OBSERVABLE = 0
-    AT_REST = 1
-    FIXED_AXIS = 2
-    PLANE_SWING = 3
-    SYNCHRONOUS_WHIRL = 4
-    FORWARD_WHIRL = 5
-    BACKWARD_WHIRL = 6
-    ROLLING = 7
-    SECOND_BENDING = 8
-    SPIRAL = 9
-    IRREGULAR = 10
-    CREEPING = 11
-    IMPACTS = 12
+    (
+        NOT_OBSERVABLE, AT_REST, FIXED_AXIS, PLANE_SWING, SYNCHRONOUS_WHIRL, FORWARD_WHIRL, BACKWARD_WHIRL, ROLLING,
+        SECOND_BENDING, SPIRAL, IRREGULAR, CREEPING, IMPACTS,
+    ) = range(13)  # fmt: skip
 
     @classmethod
     def of(cls, state: MotionState) -> Self:
@@ -130,15 +121,7 @@ class MotionCode(IntEnum):
 class StickSlipCode(IntEnum):
     """Code of each `BitMotion`, by its severity."""
 
-    UNKNOWN = 0
-    AT_REST = 1
-    STARTING = 2
-    STEADY = 3
-    VIBRATION = 4
-    STICK_SLIP = 5
-    STANDS = 6
-    DECAYING = 7
-    EARLY = 8
+    UNKNOWN, AT_REST, STARTING, STEADY, VIBRATION, STICK_SLIP, STANDS, DECAYING, EARLY = range(9)
 
     @classmethod
     def of(cls, motion: BitMotion) -> Self:

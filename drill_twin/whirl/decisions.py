@@ -4,7 +4,6 @@
 The text of a motion state gives the criterion that decided it, with its numbers.
 """
 
-import math
 from collections.abc import Callable
 
 import numpy as np
@@ -112,10 +111,6 @@ def criterion_text(found: MotionState, state: Columns, mark: int, *, contact_kno
                 how = f", slip {abs(1.0 - ratio / rolling_ratio):.2f} of the rim speed"
             elif contact > criteria.CONTACT_FRACTION:
                 how = ", sliding along the wall"
-            if state.motion.irregularity.active[mark]:
-                turn = math.tau * float(orbit.rotation[0])
-                rate, size = state.motion.lines[mark, 1] / (turn, state.marks.clearance[mark])
-                how += f", and a line of {100 * size:.0f} % at {rate:+.2f}"
             return f"{orbit_text} ({sense}){how}, in contact {100 * contact:.0f} % of the time"
 
 
@@ -234,7 +229,6 @@ class Decisions:
         self.onset = onset
         self.crossed[self._names.index(onset.mark)] = onset.time_s
         self.timelines[-1].move_first_whirl(onset.time_s)
-        self._state.flow.new[0] = True
 
     def _describe_states(self) -> None:
         """Put the states that have changed or settled into words."""

@@ -9,7 +9,7 @@ motion is still changing. `python -m drill_twin_evidence.detection.frequency 200
 
 import math
 from collections.abc import Sequence
-from typing import NamedTuple
+from dataclasses import replace
 
 import numpy as np
 
@@ -17,7 +17,7 @@ from drill_twin.core.arrays import Array
 from drill_twin.whirl import criteria
 from drill_twin.whirl.columns import Columns
 from drill_twin.whirl.criteria import MotionState
-from drill_twin.whirl.findings import MotionPeriod
+from drill_twin.whirl.findings import MotionPeriod, Summary
 from drill_twin.whirl.motion.states import Timeline, lasting_motion
 
 WINDOWS, FEWEST, SHORTEST = 8, 5, 3.0
@@ -40,34 +40,23 @@ _FORWARD = {MotionState.SYNCHRONOUS_WHIRL, MotionState.FORWARD_WHIRL}
 _BACKWARD = {MotionState.BACKWARD_WHIRL, MotionState.ROLLING, MotionState.CREEPING}
 
 
-class WhirlFrequency(NamedTuple):
-    """Frequency of the whirl at a mark."""
-
-    mark: int
-    hz: float
-    """Mean precession over the window [Hz], positive = forward."""
-    ratio: float
-    """The same over the rotation."""
-    window_s: tuple[float, float]
-    """Time over which the mean is taken [s], since the first sample."""
-    irregular_share: float
-    """Irregular share of the motion's power in the window."""
-    interval_hz: tuple[float, float] | None = None
-    """A settled whirl's frequency lies between in nine of ten cases; of any other, least and largest mean of a window.
-    None for too short a whirl."""
-    changes: bool | None = None
-    """True if the frequency still changes; None for irregular motion and for too short a whirl."""
-
-
 def whirl_frequency(
-    statistics: Columns, timelines: Sequence[Timeline], onset: float, end: float, origin: float, *, irregular: bool
-) -> WhirlFrequency | None:
+    statistics: Columns,
+    names: Sequence[str],
+    timelines: Sequence[Timeline],
+    onset: float,
+    end: float,
+    origin: float,
+    *,
+    irregular: bool,
+) -> Summary | None:
     """Frequency over the settled part of the longest stretch in which a mark keeps the sense of the motion that lasts.
 
     The mark is the one with the most power in the second half of the whirl.
 
     Args:
         statistics: Sums over the bins.
+        names: Of the marks.
         timelines: Motion states of the marks, then of the string.
         onset: Time of the onset [s].
         end: End of the whirl [s].
@@ -75,7 +64,7 @@ def whirl_frequency(
         irregular: Whether the motion that lasts is irregular, and never settled.
 
     Returns:
-        The frequency; None without a precession there, or for too short a time.
+        The fields of a summary that tell it; None without a precession there, or for too short a time.
     """
     late = (statistics.end > 0.5 * (onset + end) - origin) & (statistics.end <= end - origin)
     power = statistics.power[late].sum(axis=0)
@@ -84,10 +73,11 @@ def whirl_frequency(
     mark, found = int(np.argmax(power)), None
     begin, end = _stretch(timelines[mark].periods, onset, end)
     for share in BEGINS:
-        last = _over(statistics, mark, begin + share * (end - begin) - origin, end - origin, irregular=irregular)
-        if found is None or (last is not None and found.changes is not False and last.changes is False):
+        last = _over(statistics, mark, begin + share * (end - begin), end, origin, irregular=irregular)
+        settles = last is not None and last.whirl_frequency_changes is False
+        if found is None or (settles and found.whirl_frequency_changes is not False):
             found = last
-    return found and found._replace(window_s=(found.window_s[0] + origin, found.window_s[1] + origin))
+    return found and replace(found, frequency_mark=names[mark])
 
 
 def _stretch(periods: Sequence[MotionPeriod], onset: float, end: float) -> tuple[float, float]:
@@ -103,22 +93,28 @@ def _stretch(periods: Sequence[MotionPeriod], onset: float, end: float) -> tuple
     return max(runs, key=lambda run: run[1] - run[0], default=(onset, end))
 
 
-def _over(statistics: Columns, mark: int, begin: float, end: float, *, irregular: bool) -> WhirlFrequency | None:
+def _over(
+    statistics: Columns, mark: int, begin: float, end: float, origin: float, *, irregular: bool
+) -> Summary | None:
     """Frequency over a time [s]."""
-    cells = np.flatnonzero((statistics.end > begin) & (statistics.end <= end) & (statistics.length[:, mark] > 0.0))
+    within = (statistics.end > begin - origin) & (statistics.end <= end - origin)
+    cells = np.flatnonzero(within & (statistics.length[:, mark] > 0.0))
     if not cells.size:
         return None
     each = max(math.ceil(SHORTEST / statistics.width.item()), cells.size // WINDOWS)  # cells of a window
     cells = cells[cells.size % each if cells.size > each else 0 :]
     length, swept, rotated = (one[cells, mark] for one in (statistics.length, statistics.swept, statistics.rotated))
-    window = float(statistics.end[cells[0]] - length[0]), float(statistics.end[cells[-1]])
+    window = float(statistics.end[cells[0]] - length[0]) + origin, float(statistics.end[cells[-1]]) + origin
     early = statistics.first[0] + cells[0] * statistics.width[0] < criteria.SEPARATION_MEMORY
     short = cells.size < 2 * each and (early or abs(swept.sum()) < FEWEST_TURNS)
     if short or not rotated.sum() >= FEWEST_TURNS:
         return None
     hz, ratio = float(swept.sum() / length.sum()), float(swept.sum() / rotated.sum())
     share = float(statistics.left[cells, mark].sum() / statistics.power[cells, mark].sum())
-    found = WhirlFrequency(mark, hz, ratio, window, share)
+    found = Summary(
+        mean_frequency_hz=hz, mean_ratio=ratio, irregular_share=share, whirl_frequency_window_s=window,
+        whirl_frequency_hz=None if irregular else hz, whirl_ratio=None if irregular else ratio,
+    )  # fmt: skip
     if cells.size < 2 * each:
         return found
     means = swept.reshape(-1, each).sum(axis=1) / length.reshape(-1, each).sum(axis=1)
@@ -128,12 +124,13 @@ def _over(statistics: Columns, mark: int, begin: float, end: float, *, irregular
     alike = max(float(centred[1:] @ centred[:-1]) / square + 1.0 / count, 0.0)  # Kendall 1954
     if changes or irregular or count < WINDOWS or alike > LIKE:
         spread = float(means.min()), float(means.max())
-        return found._replace(interval_hz=spread, changes=True if changes and not irregular else None)
+        still = True if changes and not irregular else None
+        return replace(found, whirl_frequency_interval_hz=spread, whirl_frequency_changes=still)
     from scipy import special  # takes 0.1 s, which a run without a steady whirl does not need
 
     error = math.sqrt(square / (count - 1) / count * (1.0 + alike) / (1.0 - alike))
     half = float(special.stdtrit(count - 1, 0.5 + 0.5 * SHARE)) * error
-    return found._replace(interval_hz=(hz - half, hz + half), changes=False)
+    return replace(found, whirl_frequency_interval_hz=(hz - half, hz + half), whirl_frequency_changes=False)
 
 
 def _trend(means: Array) -> float:

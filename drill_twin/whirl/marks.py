@@ -40,16 +40,14 @@ class MarkInfo:
     """True where the hole is inclined, so that the string falls to its low side first; unknown counts as not."""
 
     def __post_init__(self) -> None:
-        if self.on not in {"wall", "centre"}:
-            raise AnalysisError(f"mark {self.name}: expected on = 'wall' or 'centre', found {self.on!r}")
-        if not (math.isfinite(self.clearance) and self.clearance > 0):
-            raise AnalysisError(f"mark {self.name}: expected a clearance above 0 m, found {self.clearance!r}")
-        if not (math.isfinite(self.wall_offset) and self.wall_offset >= 0):
-            raise AnalysisError(f"mark {self.name}: expected a wall offset of 0 m or more, found {self.wall_offset!r}")
-        if not math.isfinite(self.distance_from_bit):
-            raise AnalysisError(
-                f"mark {self.name}: expected a finite distance from the bit, found {self.distance_from_bit!r}"
-            )
+        for good, expected, found in (
+            (self.on in {"wall", "centre"}, "on = 'wall' or 'centre'", self.on),
+            (0.0 < self.clearance < math.inf, "a clearance above 0 m", self.clearance),
+            (0.0 <= self.wall_offset < math.inf, "a wall offset of 0 m or more", self.wall_offset),
+            (math.isfinite(self.distance_from_bit), "a finite distance from the bit", self.distance_from_bit),
+        ):
+            if not good:
+                raise AnalysisError(f"mark {self.name}: expected {expected}, found {found!r}")
 
     @property
     def rolling_ratio(self) -> float:

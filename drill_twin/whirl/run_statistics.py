@@ -49,9 +49,6 @@ def new_statistics(m: int) -> Columns:
         whirled=False,  # True after the onset
         counted=False,  # True after the first bin since the onset
         estimated=False,  # True where the orbit was estimated with the newest bin
-        last_time=0.0,  # of the last bin [s]
-        last_angle=0.0,  # of the last bin [rad]
-        last_revolutions=0.0,  # of the last bin [rev]
     )
 
 
@@ -112,10 +109,6 @@ def add_bin(
         motion: Two lines of each mark, and whether its motion is irregular, as a growing orbit with two lines is not.
     """
     begun, statistics.begun[0] = statistics.begun[0], True
-    seconds, angle = full.time[0] - statistics.last_time[0], full.angle[0] - statistics.last_angle[0]
-    revolutions = full.revolutions[0] - statistics.last_revolutions[0]
-    statistics.last_time[0], statistics.last_angle[0] = full.time[0], full.angle[0]
-    statistics.last_revolutions[0] = full.revolutions[0]
     if statistics.whirled[0] and not statistics.counted[0]:
         statistics.counted[0] = True
         statistics.seconds[0] = statistics.turns[0] = 0.0
@@ -124,10 +117,10 @@ def add_bin(
         statistics.unwrapped[:] = math.nan  # the angle over a gap is not known
         return
     if abs(orbit.recent_rotation[0]) >= criteria.REST_ROTATION:
-        statistics.seconds[0] += seconds
-        statistics.turns[0] += angle / math.tau
+        statistics.seconds[0] += full.seconds[0]
+        statistics.turns[0] += full.turned[0] / math.tau
         statistics.samples[0] += full.samples[0]
-        statistics.revolutions[0] += revolutions
+        statistics.revolutions[0] += full.elapsed[0]
         if statistics.revolutions[0] > 1.0 / BINS:
             statistics.per_revolution[0] = statistics.samples[0] / statistics.revolutions[0]
     if not statistics.estimated[0]:

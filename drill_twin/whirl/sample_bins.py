@@ -113,6 +113,9 @@ def new_bin(m: int) -> Columns:
         time=np.zeros(1),  # since the first sample [s]
         angle=np.zeros(1),  # of rotation [rad]
         revolutions=np.zeros(1),  # since the first sample [rev]
+        seconds=np.zeros(1),  # since the bin before [s]
+        turned=np.zeros(1),  # rotation since the bin before [rad], signed
+        elapsed=np.zeros(1),  # since the bin before [rev]
         samples=np.zeros(1, np.int64),
         position=0j,  # of the marked point x + i y [m]
         phasor=0j,  # unit vector of the spin, exp(i spin)
@@ -187,7 +190,10 @@ def add(
 def close(bins: Columns, full: Columns) -> None:
     """Write the means of the present bin to `full` and start a new one."""
     n = full.samples[0] = bins.samples[0]
-    full.time[0], full.angle[0], full.revolutions[0] = bins.time[0] / n, bins.angle[0] / n, bins.revolutions[0] / n
+    time, angle, revolutions = bins.time[0] / n, bins.angle[0] / n, bins.revolutions[0] / n
+    full.seconds[0], full.turned[0] = time - full.time[0], angle - full.angle[0]
+    full.elapsed[0] = revolutions - full.revolutions[0]
+    full.time[0], full.angle[0], full.revolutions[0] = time, angle, revolutions
     bins.time[0] = bins.angle[0] = bins.revolutions[0] = 0.0
     for k in range(full.valid.size):
         found = n - bins.missed[k]

@@ -44,14 +44,12 @@ class Spectrum:
     resolution: float
     """Width of a line [Hz]."""
 
-    def peak(self, low: float, high: float, *, beside: float | None = None) -> Peak | None:
-        """Highest line between two frequencies [Hz], not within two widths of `beside`; None if there is none.
+    def peak(self, low: float, high: float) -> Peak | None:
+        """Highest line between two frequencies [Hz]; None if there is none.
 
         The frequency is refined by a parabola through the logarithm of the three highest points.
         """
         inside = (self.frequency >= low) & (self.frequency <= high)
-        if beside is not None:
-            inside &= np.abs(self.frequency - beside) > 2.0 * self.resolution
         if not inside.any():
             return None
         at = int(np.argmax(np.where(inside, self.radius, -1.0)))

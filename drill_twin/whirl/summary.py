@@ -3,8 +3,9 @@
 
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 
-from drill_twin.core.arrays import Array, number_or_none
+from drill_twin.core.arrays import number_or_none
 from drill_twin.whirl import criteria
 from drill_twin.whirl.columns import Columns
 from drill_twin.whirl.criteria import MotionState
@@ -15,44 +16,31 @@ from drill_twin.whirl.motion.states import lasting_motion, whirl_end
 from drill_twin.whirl.motion.stick_slip import StickSlip
 
 
-def summarise(
-    statistics: Columns,
-    names: Sequence[str],
-    decisions: Decisions,
-    largest: Array,
-    bit: StickSlip,
-    quality: Quality,
-) -> Summary:
+def summarise(state: Columns, names: Sequence[str], decisions: Decisions, bit: StickSlip, quality: Quality) -> Summary:
     """The findings of the run so far.
 
     Args:
-        statistics: Sums over its bins.
+        state: State of the analysis.
         names: Of the marks.
         decisions: Onset and motion states.
-        largest: Largest radius of each mark [m], shape (m,); nan for one never seen.
         bit: Motion of the bit.
         quality: Counts of samples.
     """
-    timelines = decisions.timelines
+    statistics, largest, timelines = state.statistics, state.samples.largest.tolist(), decisions.timelines
     motion, onset = timelines[-1].periods, decisions.onset
     seconds, turns = statistics.seconds.item(), statistics.turns.item()
-    end = decisions.origin + float(statistics.last_time[0])
+    end = decisions.origin + float(state.full.time[0])
     lasting, over = lasting_motion(motion, decisions.origin if onset is None else onset.time_s, end), whirl_end(motion)
     irregular = lasting is MotionState.IRREGULAR
     whirl = onset and whirl_frequency(
-        statistics, timelines, onset.time_s, over or end, decisions.origin, irregular=irregular
+        statistics, names, timelines, onset.time_s, over or end, decisions.origin, irregular=irregular
     )
-    unseen = [name for name, radius in zip(names, largest.tolist(), strict=True) if not math.isfinite(radius)]
-    return Summary(
+    unseen = [name for name, radius in zip(names, largest, strict=True) if not math.isfinite(radius)]
+    return replace(
+        whirl or Summary(),
         onset=onset,
         mark_onset_s=dict(zip(names, decisions.crossed, strict=True)),
-        whirl_frequency_hz=whirl.hz if whirl and not irregular else None,
-        whirl_ratio=whirl.ratio if whirl and not irregular else None,
-        whirl_frequency_window_s=whirl.window_s if whirl else None,
-        whirl_frequency_interval_hz=whirl.interval_hz if whirl else None,
-        whirl_frequency_changes=whirl.changes if whirl else None,
-        frequency_mark=names[whirl.mark] if whirl else None,
-        max_radius_m=dict(zip(names, map(number_or_none, largest.tolist()), strict=True)),
+        max_radius_m=dict(zip(names, map(number_or_none, largest), strict=True)),
         rotation_rev_s=turns / seconds if seconds > 0.0 else None,
         motion=motion,
         mark_motion={name: timeline.periods for name, timeline in zip(names, timelines[:-1], strict=True)},
@@ -63,9 +51,6 @@ def summarise(
         quality=quality,
         lasting_motion=lasting,
         whirl_end_s=over,
-        mean_frequency_hz=whirl.hz if whirl else None,
-        mean_ratio=whirl.ratio if whirl else None,
-        irregular_share=whirl.irregular_share if whirl else None,
         notes=_notes(
             quality, timelines[-1].dropped, decisions.rolling_ratio, unseen, unknown=onset is not None and whirl is None
         ),

@@ -6,6 +6,7 @@ import re
 
 import numpy as np
 import pytest
+from summaries import summarise
 
 import drill_twin as dt
 from drill_twin.io.bag.reader import Bag
@@ -13,7 +14,6 @@ from drill_twin.io.messages.diagnostics import Level, Status, encode_diagnostics
 from drill_twin.io.messages.topics import DIAGNOSTICS, OF_EVERY_RUN, REALTIME_FACTOR, TWIN_SCENE, TWIN_SUMMARY
 from drill_twin.report.figures import FIGURES
 from drill_twin.report.run_log import RunLog
-from drill_twin.report.summary import summarise
 
 TEXTS = {TWIN_SCENE, DIAGNOSTICS, REALTIME_FACTOR}
 """Topics that hold wall-clock times."""

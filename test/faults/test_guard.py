@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from poison import Poison, install, poisoned
 from rod_scenes import WALLED, rod_scene
+from summaries import summarise
 
 from drill_twin.core.compile.jit import as_python
 from drill_twin.core.errors import RunError, StoppedError
@@ -21,7 +22,6 @@ from drill_twin.io.bag.reader import Bag
 from drill_twin.io.messages import topics
 from drill_twin.io.messages.decode import JointStateReader, read_pose_array
 from drill_twin.io.messages.diagnostics import Level, decode_diagnostics
-from drill_twin.report.summary import summarise
 from drill_twin.runs import Session
 from drill_twin.scene import Scene
 from drill_twin.scene.set_points import Command

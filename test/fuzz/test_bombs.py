@@ -19,6 +19,7 @@ from mcap.writer import MCAP0_MAGIC
 sys.path.insert(0, str(Path(__file__).parent))
 
 from limited import harmless
+from summaries import summarise
 
 from drill_twin.dynamics.twin.checkpoint import Checkpoint
 from drill_twin.io.bag.writer import BagWriter
@@ -26,7 +27,6 @@ from drill_twin.io.messages.diagnostics import Level, Status, encode_diagnostics
 from drill_twin.io.messages.encode import encode_string
 from drill_twin.io.messages.topics import DIAGNOSTICS, TWIN_SCENE
 from drill_twin.report.recording import read_recording
-from drill_twin.report.summary import summarise
 from drill_twin.runs import Session
 from drill_twin.scene import load_scene
 from drill_twin.scene.set_points.tables import read_table

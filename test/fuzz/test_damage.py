@@ -23,13 +23,13 @@ from companion_parts import part
 sys.path.insert(0, str(Path(__file__).parent))
 
 from limited import MEMORY, SECONDS
+from summaries import summarise
 
 from drill_twin.core.errors import DrillTwinError
 from drill_twin.dynamics.twin.checkpoint import Checkpoint
 from drill_twin.dynamics.twin.twin import Twin
 from drill_twin.io.bag.reader import Bag
 from drill_twin.report.recording import read_recording
-from drill_twin.report.summary import summarise
 from drill_twin.runs import Session
 from drill_twin.scene import load_scene
 

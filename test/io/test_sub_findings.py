@@ -6,6 +6,7 @@ import math
 
 import numpy as np
 import pytest
+from summaries import summarise
 
 import drill_twin as dt
 from drill_twin.cli import run_command
@@ -21,7 +22,6 @@ from drill_twin.io.samples import STUCK
 from drill_twin.io.whirl_pipeline import WhirlPipeline
 from drill_twin.report.recording import Recording
 from drill_twin.report.selection import Selection
-from drill_twin.report.summary import summarise
 from drill_twin.scene import load_scene, parse_scene
 from drill_twin.whirl import AnalysisError
 

@@ -10,7 +10,7 @@ import pytest
 from drill_twin.core.errors import DrillTwinError
 from drill_twin.core.severity import DEFAULT, Grade, worst
 from drill_twin.io.bag.reader import Bag
-from drill_twin.io.findings_encoder import FindingsEncoder, Motion, TwinSummary
+from drill_twin.io.findings_encoder import FindingsEncoder, TwinSummary
 from drill_twin.io.messages.decode import read_joint_state, read_string
 from drill_twin.io.messages.diagnostics import Level
 from drill_twin.io.messages.encode import encode_string
@@ -108,7 +108,7 @@ def test_the_live_severity_has_the_bounds_of_the_scene_and_is_unknown_where_it_i
             centre += 0.01 * np.exp(6.0j * stamp * 1e-9)  # 0.36 m/s^2
             summary.add(stamp, RigSample(6.0, 6.0, 1e3), centre)
             summary.add(stamp, RigSample(6.0, 6.0, 1e3), centre + 1.0)  # late: left out
-        found = read_joint_state(summary.encode(stamp, Motion(state, BitMotion.STEADY, 0.1), "hole"))
+        found = read_joint_state(summary.encode(stamp, "hole", state, BitMotion.STEADY, 0.1))
         told = dict(zip(found.names, found.position, strict=True))
         assert told["lateral_severity"] == grade
         assert told["severity"] == max(grade, 0)  # the bit turns steadily
@@ -130,20 +130,20 @@ def test_the_live_severity_has_the_bounds_of_the_scene_and_is_unknown_where_it_i
 def test_torsion_is_graded_by_its_kind(motion, index, bit, grade):
     summary = TwinSummary([])
     summary.add(10_000_000, RigSample(6.0, bit, 1e3))
-    found = read_joint_state(summary.encode(10_000_000, Motion(MotionState.NOT_OBSERVABLE, motion, index), "hole"))
+    found = read_joint_state(summary.encode(10_000_000, "hole", MotionState.NOT_OBSERVABLE, motion, index))
     assert found.position[found.names.index("severity")] == grade
     assert found.position[found.names.index("lateral_severity")] == -1
 
 
 def test_the_rate_of_penetration_is_that_of_the_depth_and_what_a_rig_lacks_is_left_out():
     marks = [MarkInfo("mark", 1.0, "centre", 0.0, 0.01)]
-    calm = Motion(MotionState.FIXED_AXIS, BitMotion.STEADY, np.nan)
+    calm = MotionState.FIXED_AXIS, BitMotion.STEADY, np.nan
     summary, poor = TwinSummary(marks), TwinSummary(marks)
     for stamp in range(10_000_000, 400_000_001, 10_000_000):
         if summary.add(stamp, RigSample(6.0, 6.0, 1e3, 0.01 * stamp * 1e-9)):
-            last = read_joint_state(summary.encode(stamp, calm, "hole"))
+            last = read_joint_state(summary.encode(stamp, "hole", *calm))
         if poor.add(stamp, RigSample(6.0, np.nan)):
-            least = read_joint_state(poor.encode(stamp, calm, "hole"))
+            least = read_joint_state(poor.encode(stamp, "hole", *calm))
     told = dict(zip(last.names, last.position, strict=True))
     assert [told[name] for name in ("rate_of_penetration", "weight_on_bit", "rotation", "whirl", "stick_slip")] == [
         pytest.approx(0.01), 1e3, 6.0, MotionCode.FIXED_AXIS, StickSlipCode.STEADY
@@ -155,7 +155,7 @@ def test_a_bag_gives_what_was_found_live_byte_for_byte(inputs, live):
     pipeline, found = fed(inputs)
     assert found == live
     assert pipeline.findings.quality.accepted == 300
-    assert (pipeline.malformed, pipeline.unpaired, pipeline.trouble, pipeline.runs) == (0, 0, "", 1)
+    assert (pipeline.malformed, pipeline.pairing.unpaired, pipeline.trouble, pipeline.runs) == (0, 0, "", 1)
 
 
 @pytest.mark.parametrize("seed", range(5))
@@ -244,7 +244,7 @@ def test_samples_without_a_partner_are_dropped_in_the_end_and_counted(inputs):
     lone = [(topic, raw) for topic, raw in inputs if topic != RIG_STATE]
     pipeline, found = fed(lone)
     assert [topic for topic, _ in found] == [WHIRL_ONSET]
-    assert pipeline.unpaired == 300 - WAITING
+    assert pipeline.pairing.unpaired == 300 - WAITING
 
 
 def test_lost_samples_of_one_topic_cost_only_themselves(inputs):
@@ -315,5 +315,5 @@ def test_some_of_the_marks(inputs):
 def test_diagnostics_warn_of_a_high_severity(bit, index, told):
     encoder = FindingsEncoder(())
     encoder.summary.add(0, UNKNOWN_RIG[0])
-    encoder.summary.encode(0, Motion(MotionState.NOT_OBSERVABLE, bit, index), "world")
+    encoder.summary.encode(0, "world", MotionState.NOT_OBSERVABLE, bit, index)
     assert encoder.severity == told

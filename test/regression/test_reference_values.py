@@ -60,7 +60,7 @@ def _hashes_with_checkpoint(scene):
     schedule, twin = Schedule.from_scene(scene), Twin(scene)
     period = scene.numerics.frame_period_ns
     frames = round(DURATION * NANOSECONDS / period)
-    encoder = TwinEncoder(string_geometry(twin))
+    encoder = TwinEncoder(string_geometry(twin.scene, twin.rod.arc))
     encoders = {RIG_STATE: encoder.rig_state, MARKS_STATE: encoder.marks, STRING_POSES: encoder.poses}
     digests = {topic: hashlib.sha256() for topic in encoders}
     for number in range(1, frames + 1):

@@ -64,7 +64,7 @@ def known_messages(scene: Scene) -> Iterator[Message]:
         nodes = np.stack((z.real * shape, z.imag * shape, height), axis=1)
         tangents = np.gradient(nodes, height, axis=0)
         tangents /= np.linalg.norm(tangents, axis=1, keepdims=True)
-        turned = orientation(tangents, np.full(11, spin), np.empty((11, 4)))
+        turned = orientation(tangents, np.full(11, spin))
         yield STRING_POSES, stamp, poses.fill(stamp, nodes, turned)
     cost = Status("simulator", Level.OK, "fine", {"realtime_factor": "0.998", "physics_speed": "12.500", **STEPS})
     yield DIAGNOSTICS, stamp, encode_diagnostics(stamp, [cost])

@@ -7,6 +7,7 @@ import math
 import numpy as np
 import pytest
 from companion_parts import part
+from summaries import summarise
 from variants import one_of
 
 import drill_twin as dt
@@ -28,7 +29,6 @@ from drill_twin.io.messages.topics import (
     WHIRL_STATE,
 )
 from drill_twin.report import build_report
-from drill_twin.report.summary import summarise
 
 PAGE, PLAYER = (part(f"drill_twin_dashboard.live.{name}") for name in ("page_state", "player"))
 

@@ -3,6 +3,7 @@
 
 import numpy as np
 import pytest
+from summaries import summarise
 
 from drill_twin.io.bag.reader import Bag
 from drill_twin.io.bag.virtual_bags import MemoryBag
@@ -11,7 +12,6 @@ from drill_twin.io.messages.decode import read_joint_state
 from drill_twin.io.messages.rig_messages import read_rig_state
 from drill_twin.report import selection
 from drill_twin.report.recording import Recording
-from drill_twin.report.summary import summarise
 
 ODD = {
     "nothing": None,

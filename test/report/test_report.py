@@ -12,15 +12,15 @@ import numpy as np
 import pytest
 from matplotlib.patches import Circle
 from PIL import Image
+from summaries import summarise
 
 from drill_twin.core.errors import BagError
-from drill_twin.report import build_report
+from drill_twin.report import build_report, draw
 from drill_twin.report.charts import CHARTS
-from drill_twin.report.figures import FIGURES, OVER_TIME, drawing
-from drill_twin.report.figures.style import STATE_COLOURS, styled
+from drill_twin.report.figures import FIGURES, OVER_TIME
+from drill_twin.report.figures.style import STATE_COLOURS
 from drill_twin.report.page import ON_THE_JOINT, build_page
 from drill_twin.report.recording import read_recording
-from drill_twin.report.summary import summarise
 from drill_twin.report.text import NOT_VALIDATED
 from drill_twin.scene import load_scene
 from drill_twin.whirl import MotionState
@@ -80,11 +80,6 @@ def test_a_page_has_the_note_on_the_joint_outside_of_its_warnings(recording, fil
     assert "a trouble" in box
     assert note not in box
     assert f'<p class="lead">Note: {note}</p>' in text
-
-
-def drawn(name, recording):
-    with styled():
-        return drawing(name)(recording)
 
 
 def test_all_files_are_there(files, known_bag):
@@ -180,7 +175,7 @@ def test_figures_over_time_share_their_axis_and_draw_the_onset(recording):
     onset = recording.summary.onset.time_s
     edges = set()
     for name in OVER_TIME:
-        figure = drawn(name, recording)
+        figure = draw(name, recording)
         for panel in figure.axes:
             place = panel.get_position()
             edges.add((round(place.x0, 6), round(place.x1, 6), *panel.get_xlim()))
@@ -193,7 +188,7 @@ def test_figures_over_time_share_their_axis_and_draw_the_onset(recording):
 
 @pytest.mark.parametrize("name", FIGURES)
 def test_figures_have_titles_and_units(recording, name):
-    figure = drawn(name, recording)
+    figure = draw(name, recording)
     assert figure.get_suptitle()
     labels = [text for panel in figure.axes for text in (panel.get_xlabel(), panel.get_ylabel()) if text]
     assert any("[" in label for label in labels)
@@ -201,7 +196,7 @@ def test_figures_have_titles_and_units(recording, name):
 
 def test_displacement_is_that_of_the_centre_line(recording):
     """The spin of a wall mark, 8.25 mm, would show where the bow of 1 mm is."""
-    figure = drawn("displacement", recording)
+    figure = draw("displacement", recording)
     assert len(figure.axes) == 3  # marks 3 and 4 are at one place
     for panel in figure.axes:
         x = next(line.get_ydata() for line in panel.get_lines() if line.get_label() == "x")
@@ -210,7 +205,7 @@ def test_displacement_is_that_of_the_centre_line(recording):
 
 
 def test_spectrum_marks_rotation_and_whirl_and_has_its_peak_there(recording):
-    panel = drawn("spectrum", recording).axes[0]
+    panel = draw("spectrum", recording).axes[0]
     upright = [line.get_xdata()[0] for line in panel.get_lines() if len(line.get_xdata()) == 2]
     assert sorted(upright) == pytest.approx([-0.6, 2.0], abs=0.02)
     curve = max(panel.get_lines(), key=lambda line: len(line.get_xdata()))
@@ -224,7 +219,7 @@ def circles(panel):
 
 def test_orbits_draw_wall_reach_and_pipe_at_their_size_one_panel_a_depth(recording):
     """Marks 3 and 4 are at one depth."""
-    panels = [panel for panel in drawn("orbits", recording).axes if panel.get_title()]
+    panels = [panel for panel in draw("orbits", recording).axes if panel.get_title()]
     assert [panel.get_title().partition(" m from")[0] for panel in panels] == [
         "mark_1, 4.4", "mark_2, 2.5", "mark_3, mark_4, 0.5",
     ]  # fmt: skip
@@ -239,7 +234,7 @@ def test_orbits_draw_wall_reach_and_pipe_at_their_size_one_panel_a_depth(recordi
 
 def test_small_orbits_are_enlarged_with_the_whole_hole_beside_them(messages, write):
     small = read_recording(write([row for row in messages if row[1] <= 2_500_000_000]))
-    for panel in (panel for panel in drawn("orbits", small).axes if panel.get_title()):
+    for panel in (panel for panel in draw("orbits", small).axes if panel.get_title()):
         assert panel.get_xlim() == pytest.approx((-1.6, 1.6), rel=0.01)  # the bow is 1 mm
         assert "enlarged 60 times" in panel.get_title()
         (beside,) = panel.child_axes
@@ -250,14 +245,14 @@ def test_small_orbits_are_enlarged_with_the_whole_hole_beside_them(messages, wri
 def test_orbits_of_an_inclined_hole_name_the_low_side(recording, known_bag):
     inclined = read_recording(known_bag, load_scene("pa6_bench", overrides={"hole.inclination": "60 deg"}))
     for recorded, arrows in ((recording, 0), (inclined, 3)):
-        texts = [text for panel in drawn("orbits", recorded).axes for text in panel.texts]
+        texts = [text for panel in draw("orbits", recorded).axes for text in panel.texts]
         found = [text for text in texts if text.get_text() == "low side"]
         assert len(found) == arrows
         assert all(text.xy == pytest.approx((0.99, 0.5)) for text in found)
 
 
 def test_spectrum_over_time_reaches_the_end_of_the_run(recording):
-    (mesh,) = drawn("spectrum_over_time", recording).axes[0].collections
+    (mesh,) = draw("spectrum_over_time", recording).axes[0].collections
     edges = mesh.get_coordinates()[..., 0]
     assert edges.min() <= recording.marks.time[0]
     assert edges.max() >= 12.0
@@ -290,7 +285,7 @@ def test_rotation_to_the_left_turns_the_spectrum_round(recording, messages, writ
     mirrored = read_recording(write(rows))
     assert mirrored.summary.whirl_frequency_hz == pytest.approx(recording.summary.whirl_frequency_hz)
     assert mirrored.summary.rotation_rev_s == pytest.approx(-2.0, rel=1e-3)
-    panel = drawn("spectrum", mirrored).axes[0]
+    panel = draw("spectrum", mirrored).axes[0]
     curve = max(panel.get_lines(), key=lambda line: len(line.get_xdata()))
     assert curve.get_xdata()[np.argmax(curve.get_ydata())] == pytest.approx(-0.6, abs=0.05)
 
@@ -300,7 +295,7 @@ def test_rotation_to_the_left_turns_the_spectrum_round(recording, messages, writ
 def test_short_bags_without_whirl_are_drawn_too(messages, write, last):
     short = read_recording(write([row for row in messages if row[1] <= last]))
     for name in FIGURES:
-        assert drawn(name, short).get_suptitle()
+        assert draw(name, short).get_suptitle()
 
 
 def test_bag_without_poses_is_drawn_without_the_view(messages, write, tmp_path):

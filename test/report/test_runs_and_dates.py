@@ -4,6 +4,7 @@
 import re
 
 import pytest
+from summaries import summarise
 
 import drill_twin
 from drill_twin.core.errors import BagError
@@ -15,7 +16,6 @@ from drill_twin.io.messages.topics import MARKS_STATE, RIG_STATE, STRING_POSES, 
 from drill_twin.report import build_report
 from drill_twin.report.recording import read_recording
 from drill_twin.report.selection import Selection
-from drill_twin.report.summary import summarise
 
 EPOCH = 1_700_000_000 * NANOSECONDS
 

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from summaries import summarise
 
 from drill_twin.core.errors import BagError
 from drill_twin.core.rig_channels import RIG_JOINTS
@@ -17,7 +18,6 @@ from drill_twin.io.messages.topics import MARKS_STATE, RIG_STATE, TWIN_SCENE, WH
 from drill_twin.report import build_report
 from drill_twin.report.recording import read_recording
 from drill_twin.report.selection import Selection
-from drill_twin.report.summary import summarise
 
 RPM = 2.0 * math.pi / 60.0
 
@@ -137,6 +137,16 @@ def test_marks_alone_are_drawn(messages, write, tmp_path):
     assert recording.rotation_from_spin
     assert build_report(recording, tmp_path / "report").page.exists()
     assert recording.summary.whirl_ratio == pytest.approx(-0.3, abs=0.01)
+
+
+def test_marks_without_a_scene_are_drawn_without_the_hole(messages, write, tmp_path):
+    """The clearance is given; orbits and shapes need the hole of a scene."""
+    bag = write([row for row in messages if row[0] != TWIN_SCENE])
+    recording = read_recording(bag, selection=Selection(clearance=0.08175, outer_radius=0.00825))
+    files = build_report(recording, tmp_path / "report")
+    assert "displacement" in files.figures
+    assert not {"orbits", "string_shapes", "well"} & files.figures.keys()
+    assert "no scene" in files.page.read_text("utf-8")
 
 
 # --- no marks

@@ -7,6 +7,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from summaries import summarise
 
 import drill_twin as dt
 from drill_twin.core.errors import SceneError
@@ -19,7 +20,6 @@ from drill_twin.report.recording import read_recording
 from drill_twin.report.selection import Selection
 from drill_twin.report.severity import severity
 from drill_twin.report.string_forces import JOINT, fibre_stress, force_on_joint
-from drill_twin.report.summary import summarise
 from drill_twin.scene import load_scene, parse_scene
 from drill_twin.whirl.severity import accelerations, sizes, turns_backwards
 

@@ -12,7 +12,7 @@ from drill_twin.scene import load_scene
 
 def test_tangents_come_back_from_orientations(make_frame):
     frame = make_frame(nodes=17)
-    turned = orientation(frame.tangents, frame.spin, np.empty((17, 4)))
+    turned = orientation(frame.tangents, frame.spin)
     assert tangent_of(turned) == pytest.approx(frame.tangents, abs=1e-12)
 
 
@@ -44,9 +44,12 @@ def test_low_side_is_where_gravity_points():
     straight = {"hole.inclination": "60 deg"}
     depth = np.array([0.0, 2.5, 5.0])
     assert np.abs(low_side(load_scene("pa6_bench"), depth)).max() == 0.0
-    assert low_side(load_scene("pa6_bench", overrides=straight), depth) == pytest.approx(np.sin(np.radians(60.0)))
+    low, angle = low_side(load_scene("pa6_bench", overrides=straight), depth)
+    assert low == pytest.approx(np.sin(np.radians(60.0)))
+    assert angle == pytest.approx(np.radians(60.0))
     scene = load_scene("pa6_bench", overrides=built)
-    found = low_side(scene, depth)
-    assert np.abs(found) == pytest.approx(np.sin(np.radians([0.0, 10.0, 20.0])), abs=1e-9)
+    found, angle = low_side(scene, depth)
+    assert angle == pytest.approx(np.radians([0.0, 10.0, 20.0]), abs=1e-9)
+    assert np.abs(found) == pytest.approx(np.sin(angle), abs=1e-9)
     down = survey_of(scene.hole).down[-1]  # the hole builds towards where it leads, so the low side is opposite
     assert found[-1] * abs(complex(*down[:2])) == pytest.approx(-abs(found[-1]) * complex(*down[:2]))

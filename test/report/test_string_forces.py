@@ -30,7 +30,7 @@ def frame_and_scene():
 
 def seen(frame, scene):
     """What a bag would hold of a frame."""
-    turned = orientation(frame.tangents, frame.spin, np.empty((len(frame.spin), 4)))
+    turned = orientation(frame.tangents, frame.spin)
     poses = SimpleNamespace(
         position=frame.positions[None], tangent=tangent_of(turned)[None], spin=spin_of(turned)[None],
         time=np.array([frame.time]),

@@ -7,6 +7,7 @@ import shutil
 
 import numpy as np
 import pytest
+from summaries import summarise
 
 from drill_twin.api.scenes import override
 from drill_twin.core.errors import BagError
@@ -17,7 +18,7 @@ from drill_twin.io.messages.encode import MARK_AXES, encode_string
 from drill_twin.io.messages.topics import MARKS_STATE, RIG_STATE, STRING_POSES, TWIN_SCENE, WHIRL_STATE
 from drill_twin.report.quantities import settled_from
 from drill_twin.report.recording import read_recording
-from drill_twin.report.summary import summarise, timeline
+from drill_twin.report.summary import timeline
 from drill_twin.report.text import findings, provenance
 from drill_twin.runs import Session
 from drill_twin.scene import load_scene

@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from scipy.signal import lfilter
+from summaries import summarise
 
 from drill_twin.core.errors import TableError
 from drill_twin.dynamics.discretisation.discretise import tubes_of
@@ -15,7 +16,6 @@ from drill_twin.report.figures.style import unbridged
 from drill_twin.report.load_text import answers
 from drill_twin.report.recording import read_recording
 from drill_twin.report.selection import Selection
-from drill_twin.report.summary import summarise
 from drill_twin.report.surface import index_by_torque, regular_line
 from drill_twin.report.text import findings, provenance
 from drill_twin.report.verdict import verdict as on_top

@@ -2,6 +2,7 @@
 """Who types pounds reads pounds: one system for tables, axes and pages, and SI in the numbers for machines."""
 
 import pytest
+from summaries import summarise
 
 from drill_twin.core.units.system import SYSTEMS
 from drill_twin.report import draw
@@ -9,7 +10,6 @@ from drill_twin.report.charts import view_data
 from drill_twin.report.load_text import applied
 from drill_twin.report.recording import read_recording
 from drill_twin.report.selection import Selection
-from drill_twin.report.summary import summarise
 from drill_twin.report.text import findings
 from drill_twin.scene import load_scene
 

@@ -2,8 +2,8 @@
 """The verdict on top says what the string does, how severe it is, and nothing that the summary does not hold."""
 
 import pytest
+from summaries import summarise
 
-from drill_twin.report.summary import summarise
 from drill_twin.report.verdict import first_rows, verdict
 from drill_twin.whirl import MotionState
 

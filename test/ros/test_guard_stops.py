@@ -9,13 +9,13 @@ import numpy as np
 import pytest
 from rod_scenes import rod_scene
 from std_msgs.msg import Float64
+from summaries import summarise
 
 from drill_twin.dynamics.twin.checkpoint import Checkpoint
 from drill_twin.io.bag.reader import Bag
 from drill_twin.io.messages.decode import JointStateReader, read_pose_array
 from drill_twin.io.messages.diagnostics import Level, decode_diagnostics
 from drill_twin.io.messages.topics import DIAGNOSTICS, RIG_STATE, STRING_POSES, WOB_COMMAND
-from drill_twin.report.summary import summarise
 
 POISON = Path(__file__).parents[1] / "faults" / "poison.py"
 

@@ -9,7 +9,7 @@ import pytest
 
 from drill_twin.io.messages.decode import read_float64
 from drill_twin.io.messages.diagnostics import Level
-from drill_twin.io.messages.stamps import unpack_stamp
+from drill_twin.io.messages.stamps import raw_header_stamp
 from drill_twin.io.messages.topics import CLOCK_TOPIC, REALTIME_FACTOR
 from drill_twin.ros.core import pacing
 from drill_twin.ros.core.pacing import Pacer, Tick
@@ -142,7 +142,7 @@ def test_a_tick_is_due_once_after_a_stall(monkeypatch):
 def test_simulated_time_drifts_less_than_a_millisecond_a_minute(bench):
     """By the earliest arrivals of each second: what is late says how busy the machine is, not how the pacing is."""
     arrivals = []
-    bench.subscribe(CLOCK_TOPIC, lambda raw: arrivals.append((unpack_stamp(raw) * 1e-9, time.monotonic())))
+    bench.subscribe(CLOCK_TOPIC, lambda raw: arrivals.append((raw_header_stamp(raw) * 1e-9, time.monotonic())))
     simulator = bench.start("simulator", wait_for_command=False)
     bench.until(lambda: len(arrivals) > 6000, 120.0, "a minute of real time")
     status = bench.until_status("simulator", bool)

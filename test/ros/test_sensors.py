@@ -2,11 +2,11 @@
 """Sensors over DDS: the simulator publishes its subs, the recorder finds their topics and records every message."""
 
 import pytest
+from summaries import summarise
 
 import drill_twin as dt
 from drill_twin.io.messages.topics import RIG_STATE, SURFACE_STATE, TOPICS, WHIRL_STATE, imu_topic, summary_topic
 from drill_twin.io.messages.type_store import deserialize
-from drill_twin.report.summary import summarise
 
 SCENE = """
 base: pa6_bench

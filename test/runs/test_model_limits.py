@@ -2,8 +2,8 @@
 """A run that called for an effect which its scene leaves out says so, in the bag's diagnostics and in the summary."""
 
 import pytest
+from summaries import summarise
 
-from drill_twin.report.summary import summarise
 from drill_twin.runs import Session
 from drill_twin.scene import load_scene
 

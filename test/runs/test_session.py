@@ -58,7 +58,7 @@ def test_frames_are_stamped_on_the_grid_of_the_frame_rate(bench_run):
 
 def test_bytes_are_those_of_the_twin_stepped_by_hand(bench_run, bench_scene):
     twin, schedule = Twin(bench_scene), Schedule.from_scene(bench_scene)
-    encoder = TwinEncoder(string_geometry(twin))
+    encoder = TwinEncoder(string_geometry(twin.scene, twin.rod.arc))
     marks, poses, rig = (
         recorded(bench_run.bag, topic) for topic in (topics.MARKS_STATE, topics.STRING_POSES, topics.RIG_STATE)
     )

@@ -17,7 +17,7 @@ def orbit(radius, frequency):
 def test_forward_and_backward_lines_apart(segment):
     z = 0.02 + orbit(0.01, 2.0) + orbit(0.05, 1.03) + orbit(0.03, -0.402)
     spectrum = two_sided_spectrum(TIME, z, segment=segment)
-    forward, backward = spectrum.peak(0.1, np.inf, beside=2.0), spectrum.peak(-np.inf, -0.1)
+    forward, backward = spectrum.peak(0.1, 1.5), spectrum.peak(-np.inf, -0.1)
     assert forward.frequency == pytest.approx(1.03, abs=0.005)
     assert backward.frequency == pytest.approx(-0.402, abs=0.01)
     assert forward.radius == pytest.approx(0.05, rel=0.02)
@@ -26,10 +26,10 @@ def test_forward_and_backward_lines_apart(segment):
     assert spectrum.peak(-0.02, 0.02).radius < 0.005  # the offset, 0.02, is taken out
 
 
-def test_beside_hides_the_rotation_line():
+def test_the_highest_line_of_a_band():
     spectrum = two_sided_spectrum(TIME, orbit(0.05, 2.0) + orbit(0.01, 0.9))
     assert spectrum.peak(0.1, np.inf).frequency == pytest.approx(2.0, abs=0.005)
-    assert spectrum.peak(0.1, np.inf, beside=2.0).frequency == pytest.approx(0.9, abs=0.005)
+    assert spectrum.peak(0.1, 1.5).frequency == pytest.approx(0.9, abs=0.005)
 
 
 def test_irregular_and_broken_records():

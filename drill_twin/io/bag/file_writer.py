@@ -92,7 +92,6 @@ class FileWriter:
         self.end = 0
         self.count = self.lost = 0
         self._kept = self._kept_size = 0  # messages and bytes that the operating system has
-        self._open_since: int | None = None  # ns; earliest message that it does not have
         self._stream = CheckedStream(path)
         self._writer = Writer(self._stream, chunk_size=_CHUNK_SIZE, compression=CompressionType.ZSTD)
         setattr(self._writer, _LIST, PackedIndices())
@@ -124,9 +123,7 @@ class FileWriter:
     def write(self, messages: Sequence[tuple[str, int, bytes, int]]) -> None:
         """Append messages: topic, time of recording [ns], bytes and number on the topic of each."""
         stamps = [stamp for _, stamp, _, _ in messages]
-        earliest = min(stamps)
-        self.start = earliest if self.start is None else min(self.start, earliest)
-        self._open_since = earliest if self._open_since is None else min(self._open_since, earliest)
+        self.start = min(stamps if self.start is None else (self.start, *stamps))
         self.end = max(self.end, *stamps)
         self.count += len(messages)
         channels = self._channels
@@ -135,7 +132,6 @@ class FileWriter:
             if self._stream.tell() > self._kept_size:  # a chunk was full
                 self._stream.flush()
                 self._kept, self._kept_size = self.count - opened, self._stream.tell()
-                self._open_since = min(stamps[-opened:]) if opened else None
         except OSError as error:
             raise self.broken(error) from error
 
@@ -146,7 +142,7 @@ class FileWriter:
             self._stream.flush()
         except OSError as error:
             raise self.broken(error) from error
-        self._kept, self._kept_size, self._open_since = self.count, self._stream.tell(), None
+        self._kept, self._kept_size = self.count, self._stream.tell()
 
     def change(self) -> str:
         """Another program's change of the file since its last flush, in words; empty if there is none."""
@@ -172,10 +168,9 @@ class FileWriter:
         """Close the file after an error of the disk, behind its last whole chunk, and return the error to raise."""
         self._stream.close_at(self._kept_size)
         self.lost = self.count - self._kept
-        since = "" if self._open_since is None else f" from {self._open_since / 1e9:.3f} s on"
         return BagError(
-            f"{self.path}: expected to go on writing the bag, found {error.strerror or error}; messages{since} are "
-            f"lost, {self.lost} so far; {self._kept} earlier messages can be read; make room, or choose another folder"
+            f"{self.path}: expected to go on writing the bag, found {error.strerror or error}; messages are lost, "
+            f"{self.lost} so far; {self._kept} earlier messages can be read; make room, or choose another folder"
         )
 
 
@@ -211,11 +206,6 @@ class PackedIndices:
                 stream.read8()  # length
                 yield ChunkIndex.read(stream)
         yield from self._open
-
-    @property
-    def size(self) -> int:
-        """Size of the compressed indices [bytes]."""
-        return sum(map(len, self._packed))
 
 
 _HEAD = struct.Struct("<BQHIQQ")  # opcode, length of the rest, channel, sequence, time of recording and of publishing

@@ -34,8 +34,7 @@ def contract_qos(topic: Topic) -> Qos:
 
 def to_yaml(content: Any) -> str:
     """YAML text in block style, without aliases, keys in their order, as rosbag2 writes it."""
-    text: str = yaml.dump(content, Dumper=_Dumper, sort_keys=False, allow_unicode=True, width=4096)
-    return text
+    return str(yaml.dump(content, Dumper=_Dumper, sort_keys=False, allow_unicode=True, width=4096))
 
 
 _SAFE: Any = getattr(yaml, "CSafeDumper", yaml.SafeDumper)  # the same text, in C where PyYAML was built with it

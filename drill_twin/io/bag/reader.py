@@ -15,7 +15,7 @@ from drill_twin.io.bag.reading.files import open_files
 from drill_twin.io.bag.skipped import stray_stamps
 from drill_twin.io.messages.decode import read_string
 from drill_twin.io.messages.stamps import DATED, counted_from, raw_header_stamp
-from drill_twin.io.messages.topic_row import IMU, JOINT_STATE, POSE_ARRAY
+from drill_twin.io.messages.topic_row import WITH_HEADER
 from drill_twin.io.messages.topics import (
     DIAGNOSTICS,
     GENERIC,
@@ -28,7 +28,6 @@ from drill_twin.io.messages.topics import (
 
 _HARDWARE = "drill_twin"
 _NAMED = 8  # namespaces in an error
-_STAMPED = frozenset({JOINT_STATE, POSE_ARRAY, IMU})
 _FIRST = 64  # messages that tell whether stamps are dates
 
 
@@ -203,7 +202,7 @@ class Bag:
 
     def count_from_start(self) -> bool:
         """Count stamps from the first, where they are dates; False without stamps."""
-        self._stamped = {name for name, topic in self.topics.items() if topic.type_name in _STAMPED}
+        self._stamped = {name for name, topic in self.topics.items() if topic.type_name in WITH_HEADER}
         first = [raw_header_stamp(raw) for _, _, raw in islice(self.recorded_messages(self._stamped), _FIRST)]
         stray = stray_stamps(first)
         earliest = min((stamp for k, stamp in enumerate(first) if k not in stray and stamp > 0), default=0)

@@ -62,13 +62,13 @@ class Series:
         """Names of the parts of a row, such as marks; empty where the parts are fixed."""
         return self._main_layout[0]
 
-    def append(self, stamp: int, row: Any, names: tuple[str, ...] = (), *, keep: bool = True) -> None:
-        """Append a row at a stamp [ns], or only count it.
+    def append(self, stamp: int, row: Any, names: tuple[str, ...] = ()) -> None:
+        """Append a row at a stamp [ns].
 
         Raises:
             MessageError: A number is infinite or beyond all reason.
         """
-        self.extend(checked(Rows([stamp], np.asarray([row], np.float64), names, [keep])))
+        self.extend(checked(Rows([stamp], np.asarray([row], np.float64), names)))
 
     def extend(self, found: Rows) -> None:
         """Append rows, or only count rows that are not kept."""

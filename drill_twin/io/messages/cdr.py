@@ -155,7 +155,7 @@ class ClockTemplate(Template):
 
 
 def check_finite(topic: str, values: Array) -> None:
-    """Check that all values are finite.
+    """Check that all values of a message, or of several, one a row, are finite.
 
     Raises:
         NotFiniteError: A value is not finite; names the first one.
@@ -167,17 +167,6 @@ def check_finite(topic: str, values: Array) -> None:
             f"{topic}: expected finite numbers, found {values[place]} at place {at} of an array of {shape}; "
             "it was not sent"
         )
-
-
-def check_rows(topic: str, values: Array) -> None:
-    """Check that all values of several messages are finite, one message a row.
-
-    Raises:
-        NotFiniteError: A value is not finite; names the first one, in the first such message.
-    """
-    if not np.isfinite(values).all():
-        for row in values:
-            check_finite(topic, row)
 
 
 def finite_number(topic: str, what: str, value: float) -> float:

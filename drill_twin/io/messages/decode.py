@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from drill_twin.core.arrays import Array, Mask
 from drill_twin.core.errors import MessageError
+from drill_twin.core.rig_channels import ARRAYS
 from drill_twin.io.messages.cdr import JointStateTemplate
 from drill_twin.io.messages.stamps import NANOSECONDS, header_stamp
 from drill_twin.io.messages.topic_row import CLOCK, FLOAT64, JOINT_STATE, POSE_ARRAY, STRING
@@ -123,9 +124,6 @@ class _Layout:
         return stamps, rows
 
 
-_ARRAYS = ("position", "velocity", "effort")
-
-
 class JointStateReader:
     """Decoder of the JointStates of one publisher, 13 us for each message after the first.
 
@@ -165,13 +163,13 @@ class JointStateReader:
         if found is None or self._like is None:
             return None
         stamps, rows = found
-        position, velocity, effort = (rows[name].copy() for name in _ARRAYS)
+        position, velocity, effort = (rows[name].copy() for name in ARRAYS)
         return JointStates(self._like.names, position, velocity, effort, self._like.frame_id, stamps)
 
     def _by_rosbags(self, raw: bytes) -> JointState:
         """Decode a message, and keep its layout if a template of the layout gives exactly these bytes."""
         state = read_joint_state(raw)
-        arrays = [getattr(state, name) for name in _ARRAYS]
+        arrays = [getattr(state, name) for name in ARRAYS]
         sizes = [values.size for values in arrays]
         layout = (state.names, state.frame_id, *sizes)
         if layout == self._refused or not state.position.size:
@@ -182,7 +180,7 @@ class JointStateReader:
         if template.fill(state.stamp, *arrays) != raw:
             self._refused = layout
             return state
-        places = zip(_ARRAYS, template.places, strict=True)
+        places = zip(ARRAYS, template.places, strict=True)
         self._layout, self._like = _Layout(raw, *((name, at, (size,)) for name, (size, at) in places)), state
         return state
 
@@ -195,8 +193,8 @@ def read_joint_state(raw: bytes) -> JointState:
     """
     content = deserialize(raw, JOINT_STATE)
     names = tuple(content.name)
-    arrays = [np.array(values, np.float64) for values in (content.position, content.velocity, content.effort)]
-    for label, values in zip(("position", "velocity", "effort"), arrays, strict=True):
+    arrays = [np.array(getattr(content, name), np.float64) for name in ARRAYS]
+    for label, values in zip(ARRAYS, arrays, strict=True):
         if values.size not in {0, len(names)}:
             raise MessageError(
                 f"expected a JointState with no or {len(names)} values of {label}, one a name, found {values.size}"

@@ -13,10 +13,7 @@ from drill_twin.io.messages.type_store import deserialize, message, serialize
 class Level(IntEnum):
     """Levels of diagnostic_msgs/DiagnosticStatus."""
 
-    OK = 0
-    WARN = 1
-    ERROR = 2
-    STALE = 3
+    OK, WARN, ERROR, STALE = range(4)
 
 
 @dataclass(frozen=True)

@@ -6,7 +6,7 @@ import numpy as np
 from drill_twin.core.arrays import Array
 from drill_twin.core.rig_channels import ARRAYS, RIG_CHANNELS, RIG_JOINTS
 from drill_twin.dynamics.twin.frame import Frames, RigState
-from drill_twin.io.messages.cdr import ClockTemplate, JointStateTemplate, PoseArrayTemplate, check_rows
+from drill_twin.io.messages.cdr import ClockTemplate, JointStateTemplate, PoseArrayTemplate, check_finite
 from drill_twin.io.messages.drawing.geometry import StringGeometry, default_exaggeration
 from drill_twin.io.messages.drawing.markers import MarkerArrayTemplate
 from drill_twin.io.messages.drawing.transforms import orientation
@@ -33,7 +33,7 @@ class TwinEncoder:
 
     def __init__(self, geometry: StringGeometry) -> None:
         self._geometry = geometry
-        self._poses = PoseArrayTemplate(geometry.node_count, geometry.frame_id)
+        self._poses = PoseArrayTemplate(len(geometry.node_distances), geometry.frame_id)
         joints = [f"{name}/{axis}" for name in geometry.mark_names for axis in MARK_AXES]
         self._mark_state = JointStateTemplate(joints, frame_id=geometry.frame_id)
         sections = [f"{name}/{scalar}" for name in geometry.section_names for scalar in SCALARS]
@@ -45,9 +45,9 @@ class TwinEncoder:
 
     def poses(self, frames: Frames) -> list[bytes]:
         """`/string/poses`."""
-        turned = orientation(frames.tangents, frames.spin, np.empty((*frames.spin.shape, 4)))
-        check_rows(STRING_POSES, frames.positions)
-        check_rows(STRING_POSES, turned)
+        turned = orientation(frames.tangents, frames.spin)
+        check_finite(STRING_POSES, frames.positions)
+        check_finite(STRING_POSES, turned)
         return self._poses.rows(stamps_ns(frames.time), frames.positions, turned)
 
     def marks(self, frames: Frames) -> list[bytes]:
@@ -57,19 +57,19 @@ class TwinEncoder:
         values[0, ..., :3], values[0, ..., 3] = marks.position, marks.spin
         values[1, ..., :3], values[1, ..., 3] = marks.velocity, marks.spin_rate
         values[2, ..., :2] = wall_push(marks.centre, marks.wall_force)
-        check_rows(MARKS_STATE, values.swapaxes(0, 1))
+        check_finite(MARKS_STATE, values)
         return self._mark_state.rows(stamps_ns(frames.time), *values)
 
     def stress(self, frames: Frames) -> list[bytes]:
         """`/string/stress` of a scene with `fatigue`."""
         values = np.zeros((len(frames.time), 0)) if frames.stress is None else frames.stress
-        check_rows(STRING_STRESS, values.reshape(len(values), -1))
+        check_finite(STRING_STRESS, values.reshape(len(values), -1))
         return self._stress.rows(stamps_ns(frames.time), values)
 
     def rig_state(self, frames: Frames) -> list[bytes]:
         """`/rig/state`."""
         values = frames.rig[:, RIG_COLUMNS]
-        check_rows(RIG_STATE, values)
+        check_finite(RIG_STATE, values)
         return self._rig.rows(stamps_ns(frames.time), *values.swapaxes(0, 1))
 
     def markers(self, frames: Frames, exaggeration: float | None = None) -> list[bytes]:
@@ -79,7 +79,7 @@ class TwinEncoder:
             self._exaggeration = wanted
             self._markers = MarkerArrayTemplate(self._geometry, wanted)
         for values in (frames.positions, frames.marks.position, frames.wall_force):
-            check_rows(STRING_MARKERS, values)
+            check_finite(STRING_MARKERS, values)
         return self._markers.rows(stamps_ns(frames.time), frames.positions, frames.marks.position, frames.wall_force)
 
     def clock(self, time: Array) -> list[bytes]:
@@ -98,8 +98,7 @@ def wall_push(centre: Array, wall_force: Array) -> Array:
     """
     outwards = centre[..., :2]
     radius = np.maximum(np.hypot(outwards[..., 0], outwards[..., 1]), np.finfo(float).tiny)
-    push: Array = -wall_force[..., None] * (outwards / radius[..., None])  # first the direction: a force may overflow
-    return push
+    return np.asarray(-wall_force[..., None] * (outwards / radius[..., None]))  # direction first: a force may overflow
 
 
 def encode_string(text: str) -> bytes:

@@ -26,8 +26,6 @@ class ImuReading(NamedTuple):
     """Header stamp [ns]."""
     values: Array
     """Specific force [m/s^2] and rate of rotation [rad/s] about the axes of the sub, shape (6,)."""
-    noise: Array
-    """Standard deviation of the noise of force and rate, 0 where it is unknown, shape (2,)."""
     frame_id: str = ""
     """Frame of the sub."""
 
@@ -124,8 +122,7 @@ def read_imu(raw: bytes) -> ImuReading:
     content = deserialize(raw, IMU)
     force, rate = content.linear_acceleration, content.angular_velocity
     values = np.array([force.x, force.y, force.z, rate.x, rate.y, rate.z])
-    covariances = (content.linear_acceleration_covariance[0], content.angular_velocity_covariance[0])
-    return ImuReading(header_stamp(content), values, np.sqrt(np.maximum(covariances, 0.0)), content.header.frame_id)
+    return ImuReading(header_stamp(content), values, content.header.frame_id)
 
 
 def read_summary(states: JointArrays) -> Array:

@@ -76,17 +76,15 @@ def pack_stamp(buffer: bytearray, offset: int, stamp: int) -> None:
         ) from error
 
 
-def unpack_stamp(raw: bytes) -> int:
-    """Stamp [ns] at the start of a message in little-endian CDR, as in a header; 0 where there are too few bytes."""
-    if len(raw) < _STAMP_AT + TIME.size:
+def raw_header_stamp(raw: bytes) -> int:
+    """Stamp [ns] at the start of a message, as in a header.
+
+    0 where there are too few bytes, or its numbers are big-endian, which only the general decoder reads.
+    """
+    if len(raw) < _STAMP_AT + TIME.size or raw[:_STAMP_AT] != CDR_LITTLE_ENDIAN:
         return 0
     whole, part = TIME.unpack_from(raw, _STAMP_AT)
     return int(whole) * NANOSECONDS + int(part)
-
-
-def raw_header_stamp(raw: bytes) -> int:
-    """Header stamp [ns] of a message; 0 where its numbers are big-endian, which only the general decoder reads."""
-    return unpack_stamp(raw) if raw[:_STAMP_AT] == CDR_LITTLE_ENDIAN else 0
 
 
 def time_message(stamp: int) -> Any:

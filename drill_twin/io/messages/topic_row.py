@@ -13,6 +13,8 @@ STRING = "std_msgs/msg/String"
 CLOCK = "rosgraph_msgs/msg/Clock"
 TIME_REFERENCE = "sensor_msgs/msg/TimeReference"
 TF_TYPE = "tf2_msgs/msg/TFMessage"
+WITH_HEADER = frozenset({JOINT_STATE, POSE_ARRAY, IMU})
+"""Types that begin with a header, by whose stamps messages are selected."""
 
 
 @dataclass(frozen=True)

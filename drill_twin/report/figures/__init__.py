@@ -6,7 +6,6 @@ Figures over time have the same width and margins, so that they share a time axi
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from importlib import import_module
 from typing import TYPE_CHECKING
 
@@ -42,10 +41,13 @@ _FILES = {
 """Module of each drawing function that is not in a module of its own name."""
 
 
-def drawing(name: str) -> Callable[[Recording], Figure]:
-    """Function that draws one of `FIGURES`; matplotlib is imported with it."""
-    function: Callable[[Recording], Figure] = getattr(import_module(f"{__name__}.{_FILES.get(name, name)}"), name)
-    return function
+def draw(name: str, recording: Recording) -> Figure:
+    """One of `FIGURES`; matplotlib is imported with it."""
+    from drill_twin.report.figures.style import styled
+
+    with styled():
+        figure: Figure = getattr(import_module(f"{__name__}.{_FILES.get(name, name)}"), name)(recording)
+    return figure
 
 
 def left_out(recording: Recording) -> dict[str, str]:
@@ -55,6 +57,6 @@ def left_out(recording: Recording) -> dict[str, str]:
         rig: () if len(recording.rig) else ("set_points",),
         marks: () if recording.places else ("displacement", "motion", "spectrum_over_time", "orbits", "spectrum"),
         shape: () if len(recording.poses) else ("string_shapes", "well"),
-        scene: () if recording.scene_known else ("well",),
+        scene: () if recording.scene_known else ("orbits", "string_shapes", "well"),
     }
     return {name: why for why, names in lacks.items() for name in names}

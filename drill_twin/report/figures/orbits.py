@@ -94,7 +94,7 @@ def _orbits_at(panel: Axes, recording: Recording, marks: list[int], norm: Normal
     for column in range(len(marks)):
         _path(panel, recording.marks.time, centre[:, column], norm)
     _limits(panel, edge)
-    _mark_low_side(panel, complex(low_side(scene, np.array([scene.length - distance]))[0]))
+    _mark_low_side(panel, complex(low_side(scene, np.array([scene.length - distance]))[0][0]))
     panel.grid(visible=False)
     panel.tick_params(labelsize=8.5)
     panel.set_title(title, fontsize=9.5, loc="center", pad=4)
@@ -145,12 +145,9 @@ def string_shapes(recording: Recording) -> Figure:
 
     Of a string of more than `FLAT` the assembly, flat.
     """
-    if len(recording.poses) and recording.scene.length > FLAT:
+    if recording.scene.length > FLAT:
         return _flat_shapes(recording)
     figure = blank(6.6, "The string in the hole (lateral axes stretched)")
-    if not len(recording.poses):
-        figure.text(0.5, 0.5, "the bag holds no poses of the string", ha="center", color=GREY)
-        return figure
     time, units = recording.poses.time, recording.units
     shapes = recording.shapes() * units.show(1.0, "offset")
     shapes[..., 2] *= units.show(1.0, "length") / units.show(1.0, "offset")

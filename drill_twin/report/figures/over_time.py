@@ -48,7 +48,8 @@ _Panel = tuple[str, str, dict[str, Array], Array | None]
 def set_points(recording: Recording) -> Figure:
     """One panel a quantity of the rig that the recording holds."""
     found = list(rig_panels(recording))
-    figure, panels = over_time(recording.duration, [1.35] * len(found), title=_title(found))
+    title = ", ".join(label for label, *_ in found).capitalize()
+    figure, panels = over_time(recording.duration, [1.35] * len(found), title=title)
     units = recording.units
     if not recording.places and len(recording.rig):
         panels[0].set_xlim(left=float(recording.rig.time[0]))
@@ -82,11 +83,6 @@ def rig_panels(recording: Recording) -> Iterator[_Panel]:
     ):  # fmt: skip
         if known := {name: values for name, values in lines.items() if np.isfinite(values).any()}:
             yield label, quantity, known, commanded
-
-
-def _title(found: list[_Panel]) -> str:
-    names = [label for label, *_ in found]
-    return f"{', '.join(names[:-1])} and {names[-1]}".capitalize() if len(names) > 1 else names[0].capitalize()
 
 
 def displacement(recording: Recording) -> Figure:
@@ -190,33 +186,23 @@ def _legend(figure: Figure, states: list[MotionState]) -> None:
                   handlelength=1.0, columnspacing=1.2)  # fmt: skip
 
 
-_RECORDED: dict[str, Any] = {"color": BLUE, "linewidth": 2.2, "alpha": 0.45}
-_COMPUTED: dict[str, Any] = {"color": VERMILION, "linewidth": 0.9}
 _COMPARED = (
     ("hookload", "hookload", "force"), ("top_drive_torque", "torque of the top drive", "torque"),
     ("bit_speed", "speed of the bit", "rotation"),
 )  # fmt: skip
-_BESIDE = tuple({"color": colour, "linewidth": 1.2, "alpha": 0.85} for colour in (BLUE, VERMILION, GREEN, PURPLE))
+_BESIDE: tuple[dict[str, Any], ...] = (
+    {"color": BLUE, "linewidth": 2.2, "alpha": 0.45},
+    *({"color": colour, "linewidth": 0.9} for colour in (VERMILION, GREEN, PURPLE)),
+)
+"""Styles of the lines of runs: the first is seen under others that are the same."""
 
 
-def draw_comparison(recorded: Recording, computed: Recording) -> Figure:
-    """Both runs over time: distance of the marks from the axis, hookload, torque and speed of the bit."""
-    runs = [("recorded", recorded), ("computed again", computed)]
-    return draw_runs(runs, "Recorded, and computed again", (_RECORDED, _COMPUTED), computed.units)
-
-
-def draw_runs(
-    runs: Sequence[tuple[str, Recording]],
-    title: str,
-    styles: Sequence[dict[str, Any]] = _BESIDE,
-    units: UnitSystem | None = None,
-) -> Figure:
+def draw_runs(runs: Sequence[tuple[str, Recording]], title: str, units: UnitSystem | None = None) -> Figure:
     """Runs over time: distance of the marks that all have from the axis, hookload, torque and speed of the bit.
 
     Args:
         runs: Name and recording.
         title: Of the figure.
-        styles: Styles of the lines of each run.
         units: Units of the axes; by default the first run's.
     """
     with_marks = all(len(run.marks) for _, run in runs)
@@ -226,7 +212,7 @@ def draw_runs(
         units = units or runs[0][1].units
         longest = max(run.duration for _, run in runs)
         figure, panels = over_time(longest, [1.1] * (len(marks) + len(_COMPARED)), title=title, headed=True)
-        styled_runs = [(run, styles[k % len(styles)]) for k, (_, run) in enumerate(runs)]
+        styled_runs = [(run, _BESIDE[k % len(_BESIDE)]) for k, (_, run) in enumerate(runs)]
         for panel, name in zip(panels, marks, strict=False):
             for (run, style), table in zip(styled_runs, tables, strict=True):
                 radius = units.show(np.abs(run.centre_lines()[:, table.index(name)]), "offset")

@@ -15,7 +15,7 @@ from drill_twin.core.arrays import Array, ComplexArray
 from drill_twin.dynamics.discretisation.discretise import contact_radius
 from drill_twin.report.figures.style import BLUE, GREY, INK, LIGHT, VERMILION, blank
 from drill_twin.report.recording import Recording
-from drill_twin.report.string_curve import VERTICAL, inclination, low_side
+from drill_twin.report.string_curve import VERTICAL, low_side
 from drill_twin.report.string_forces import string_forces
 
 _WIDE = 0.05
@@ -31,13 +31,13 @@ def well(recording: Recording) -> Figure:
     figure = blank(6.8, f"The string in the well at {recording.duration:.2f} s")
     depth = np.linspace(0.0, scene.length, _POINTS)
     hole = np.array([scene.hole.radius_at(at) for at in depth.tolist()])
-    pipe, low = contact_radius(scene, scene.length - depth), low_side(scene, depth)
+    pipe, (low, angle) = contact_radius(scene, scene.length - depth), low_side(scene, depth)
     inclined, offset = bool(np.abs(low).max() > VERTICAL), _offset(recording, depth)
     along = (offset * np.conj(_directions(low))).real
     right = -1.0 if inclined else 1.0  # the low side of a hole that builds to the right is on its left
     panel = figure.add_axes((0.065, 0.09, 0.22, 0.775))
     deep, wide, thick, off = (units.show(row, "length") for row in (depth, hole, pipe, right * along))
-    _section(panel, inclination(scene, depth), deep, wide, thick, off, units.length)
+    _section(panel, angle, deep, wide, thick, off, units.length)
     places = ((0.36, 0.145), (0.53, 0.09), (0.65, 0.09), (0.77, 0.09), (0.89, 0.09))
     tracks = [figure.add_axes((left, 0.09, width, 0.775)) for left, width in places]
     across, gap, side, tension, torque = tracks
@@ -96,9 +96,7 @@ def _directions(low: ComplexArray) -> ComplexArray:
 
 
 def _offset(recording: Recording, depth: Array) -> ComplexArray:
-    """Offset x + i y of the centre line from the axis at the last pose [m]; NaN where the bag holds no poses."""
-    if not len(recording.poses):
-        return np.full(depth.size, complex(np.nan, np.nan))
+    """Offset x + i y of the centre line from the axis at the last pose [m]."""
     curve = recording.shapes()[-1]
     curve = curve[np.argsort(-curve[:, 2])]
     return np.asarray(np.interp(depth, -curve[:, 2], curve[:, 0] + 1j * curve[:, 1]))
@@ -122,9 +120,8 @@ def _section(panel: Axes, angle: Array, depth: Array, hole: Array, pipe: Array, 
         (-hole, hole, {"facecolor": "none", "edgecolor": INK, "linewidth": 1.4}),  # on top: it holds the string
     )
     for near, far, looks in bands:
-        if np.isfinite(near).all():
-            left, right = shifted(near), shifted(far)
-            panel.fill(np.append(left[0], right[0][::-1]), np.append(left[1], right[1][::-1]), **looks)
+        left, right = shifted(near), shifted(far)
+        panel.fill(np.append(left[0], right[0][::-1]), np.append(left[1], right[1][::-1]), **looks)
     room = 0.5 * size + 1.6 * _WIDE * size
     centre = 0.5 * float(out.max() + out.min())
     panel.set(

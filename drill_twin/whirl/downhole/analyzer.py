@@ -47,7 +47,6 @@ class SubAnalyzer:
         self._duplicate = self._late = self._incomplete = 0
         self._last = -1
         self._dated = False
-        self._position, self._spin = np.zeros((1, 2)), np.zeros(1)
         self.findings = self._without_place(self._analyzer.findings)
         """The findings so far."""
 
@@ -120,9 +119,8 @@ class SubAnalyzer:
         return replace(found, state=(unknown,), criterion=(WAITING,), motion=unknown, motion_criterion=WAITING)
 
     def _analyse(self, place: Place) -> Findings:
-        self._position[0] = place.position.real, place.position.imag
-        self._spin[0] = place.spin
-        found = self._analyzer.push(place.stamp, self._position, self._spin, place.speed, None, place.speed)
+        position = np.array([[place.position.real, place.position.imag]])
+        found = self._analyzer.push(place.stamp, position, np.array([place.spin]), place.speed, None, place.speed)
         if found.onset is not None and not self._dated:
             self._dated = True
             self._date(found.onset)

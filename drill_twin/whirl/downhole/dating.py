@@ -189,22 +189,18 @@ def _drift(time: Array, interval: float, noise: ToolNoise) -> Array:
     low, high = np.minimum.outer(time, time), np.maximum.outer(time, time)
     force = low**2 * (3.0 * high - low) / 6.0  # integral of (low - t) (high - t)
     tilt = low**3 * (10.0 * high**2 - 5.0 * high * low + low**2) / 120.0  # integral of their squares over 4
-    found: Array = interval * (noise.force**2 * force + (GRAVITY * noise.rate) ** 2 * tilt)
-    return found
+    return np.asarray(interval * (noise.force**2 * force + (GRAVITY * noise.rate) ** 2 * tilt))
 
 
 def _twice(acceleration: ComplexArray) -> ComplexArray:
     """Integral of the integral of means over intervals, at their ends, in units of the interval squared."""
-    velocity = np.cumsum(acceleration)
-    found: ComplexArray = np.cumsum(velocity - 0.5 * acceleration)
-    return found
+    return np.asarray(np.cumsum(np.cumsum(acceleration) - 0.5 * acceleration))
 
 
 def _running_mean(values: Array, width: int) -> Array:
     """Mean over a window about each value, shorter at the ends."""
     window = np.ones(width)
-    found: Array = np.convolve(values, window, "same") / np.convolve(np.ones(values.size), window, "same")
-    return found
+    return np.asarray(np.convolve(values, window, "same") / np.convolve(np.ones(values.size), window, "same"))
 
 
 def _first_crossing(radius: Array, revolutions: Array, sustain: float) -> float | None:

@@ -93,8 +93,6 @@ class SubMotion:
             noise: Noise of the instruments.
         """
         self._radius, self._clearance, self._noise = radius, clearance, noise
-        self.gaps = 0
-        """Gaps after which the fit began anew."""
         self.impacts = ImpactCounter(clearance, noise)
         """Impacts on the wall."""
         self.torsion = TorsionEstimator()
@@ -136,7 +134,6 @@ class SubMotion:
         self._interval = self._interval or step
         missing = round(step / self._interval) - 1 if step > (1.0 + UNEVEN) * self._interval else 0
         if missing and (step * 1e-9 * abs(values[5]) > LONGEST_GAP * math.tau or len(self._waiting) < 2):
-            self.gaps += self._filter is not None
             self._restart()
             self._waiting = [(stamp, values)]
             return []

@@ -91,6 +91,4 @@ def _from_area(vector: ComplexArray) -> float:
 
 def _smaller(one: float, other: float) -> float:
     """The smaller of two angles of one sign; 0 if their signs differ."""
-    if one * other <= 0.0:
-        return 0.0
-    return one if abs(one) < abs(other) else other
+    return min(one, other, key=abs) if one * other > 0.0 else 0.0

@@ -66,9 +66,6 @@ def new_carrier(clearance: Array) -> Columns:
         turned=0j,  # sum of a turned back over the bin [m]
         turns=0j,  # sum of the turns back over the bin
         in_bin=0.0,  # samples
-        bin_time=np.zeros(1),  # of the last bin [s]
-        bin_angle=np.zeros(1),  # of the last bin [rad]
-        bin_revolutions=np.zeros(1),  # of the last bin [rev]
         begin=np.full(1, math.nan),  # time of the first sample of the present bin [s]
         clearance=clearance,  # [m]
     )
@@ -124,11 +121,9 @@ def follow(
 @strict_kernel
 def restore(carrier: Columns, full: Columns) -> None:
     """Find what the mean of a full bin lacks of the orbits, then the rates for the next."""
-    elapsed, seconds = full.revolutions[0] - carrier.bin_revolutions[0], full.time[0] - carrier.bin_time[0]
-    slowest = math.tau * criteria.REST_ROTATION
-    turned = abs(full.angle[0] - carrier.bin_angle[0])
-    rotation = max(turned / seconds, slowest) if seconds > 0.0 else slowest
-    fade = math.exp(-max(elapsed, criteria.REST_ROTATION * seconds) / MEMORY)
+    seconds, slowest = full.seconds[0], math.tau * criteria.REST_ROTATION
+    rotation = max(abs(full.turned[0]) / seconds, slowest) if seconds > 0.0 else slowest
+    fade = math.exp(-max(full.elapsed[0], criteria.REST_ROTATION * seconds) / MEMORY)
     for k in range(carrier.rate.size):
         carrier.carried[k] = carrier.rate[k]
         before = carrier.orbit[k]
@@ -143,8 +138,7 @@ def restore(carrier: Columns, full: Columns) -> None:
         carrier.lengths[k] *= fade
         carrier.intervals[k] *= fade
         carrier.count[k] *= fade
-    carrier.bin_time[0], carrier.bin_angle[0] = full.time[0], full.angle[0]
-    carrier.bin_revolutions[0], carrier.begin[0] = full.revolutions[0], math.nan
+    carrier.begin[0] = math.nan
 
 
 @strict_kernel

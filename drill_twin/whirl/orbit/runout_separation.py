@@ -65,8 +65,6 @@ def new_separation(radius: Array) -> Columns:
         held=False,
         determinant=0.0,
         radius=radius,  # of wall marks r_o, else 0 [m]
-        last_time=np.zeros(1),  # of the last bin [s]
-        last_revolutions=np.zeros(1),  # of the last bin [rev]
         spin_given=np.full(1, NOT_KNOWN),  # 1 where the samples contain the spin of the marks, else 0
         known=np.zeros(1, bool),  # the arms are known
         calibrated=np.zeros(1, bool),  # the arms are calibrated
@@ -119,9 +117,7 @@ def separate(separation: Columns, full: Columns, left: ComplexArray, shift: Comp
     synchronous part, and the whole is given back then, by `shift` [m]: seen once a bin, an orbit of 16 or 15 turns in a
     revolution would pass for an offset or a synchronous part.
     """
-    elapsed = full.revolutions[0] - separation.last_revolutions[0]
-    elapsed = max(elapsed, SLOWEST * (full.time[0] - separation.last_time[0]))
-    separation.last_time[0], separation.last_revolutions[0] = full.time[0], full.revolutions[0]
+    elapsed = max(full.elapsed[0], SLOWEST * full.seconds[0])
     for k in range(left.size):
         full.position[k] -= left[k]
         _add_bin(separation, full, k, math.exp(-elapsed / separation.memory[k]))
@@ -284,8 +280,7 @@ def smoothed_radius(vector: ComplexArray, half_width: int, noise: float) -> Arra
     high = np.minimum(np.arange(n) + half_width + 1, n)
     width = high - low
     mean = (sums[high] - sums[low]) / width
-    radius: Array = np.sqrt(np.maximum(np.abs(mean) ** 2 - 2.0 * noise**2 / width, 0.0))
-    return radius
+    return np.asarray(np.sqrt(np.maximum(np.abs(mean) ** 2 - 2.0 * noise**2 / width, 0.0)))
 
 
 def _mean_rate(time: Array, orbit: ComplexArray, rate: float) -> float:

@@ -20,7 +20,9 @@ from drill_twin.dynamics.sensors.subs import SUMMARY, summary
 from drill_twin.io.bag.virtual_bags import MemoryBag
 from drill_twin.io.messages.decode import read_joint_state
 from drill_twin.io.messages.sensor_messages import read_imu, read_summary
+from drill_twin.io.messages.topic_row import IMU
 from drill_twin.io.messages.topics import SURFACE_STATE, TOPICS, imu_topic, sub_of, summary_topic
+from drill_twin.io.messages.type_store import deserialize
 from drill_twin.runs.session_run import SessionRun
 from drill_twin.scene import load_scene, parse_scene
 from drill_twin.scene.blocks.sensors import Accelerometer, SpeedChannel, Surface
@@ -105,10 +107,13 @@ def bag() -> MemoryBag:
 
 
 def test_a_run_records_its_sensors(bag: MemoryBag) -> None:
-    readings = [read_imu(raw) for _, _, raw in bag.messages([imu_topic("low")])]
+    raws = [raw for _, _, raw in bag.messages([imu_topic("low")])]
+    readings = [read_imu(raw) for raw in raws]
     assert len(readings) == 150
     assert readings[0].stamp == 10_000_000
-    np.testing.assert_allclose(readings[0].noise, [0.01, 0.0])
+    message = deserialize(raws[0], IMU)
+    assert message.linear_acceleration_covariance[0] == pytest.approx(0.01**2)
+    assert not message.angular_velocity_covariance.any()
     last = np.array([reading.values for reading in readings[-30:]])
     assert last[:, 5] == pytest.approx(12.0, abs=0.2)
     assert last[:, 0].mean() == pytest.approx(-0.005 * 144.0, rel=0.1)  # bow and mud of the bench are small

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from mcap.writer import IndexType
 from mcap.writer import Writer as McapWriter
+from summaries import summarise
 
 from drill_twin.core.rig_channels import RIG_JOINTS
 from drill_twin.io.bag.reader import Bag
@@ -14,7 +15,6 @@ from drill_twin.io.bag.reading import mcap_file, mcap_records
 from drill_twin.io.messages.cdr import JointStateTemplate
 from drill_twin.io.messages.topics import MARKS_STATE, RIG_STATE, TOPICS, TWIN_SCENE
 from drill_twin.report.recording import read_recording
-from drill_twin.report.summary import summarise
 
 FOUR = (0.0, 0.0, 0.0, 0.0)
 COUNT = 2000

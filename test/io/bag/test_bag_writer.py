@@ -341,7 +341,7 @@ def test_a_full_disk_leaves_whole_messages_and_the_number_of_those_lost(small_di
     assert written > 20
     assert writer.lost == 1
     said = str(failed.value)
-    assert f"messages from {1.0 + written * 1e-3:.3f} s on are lost, 1 so far; {written} earlier messages" in said
+    assert f"messages are lost, 1 so far; {written} earlier messages can be read" in said
     assert not [text for text in bag.damage if "cut" in text or "damaged" in text], bag.damage
     writer.close()  # a second end has no effect
 

@@ -12,11 +12,11 @@ import yaml
 import zstandard
 from mcap.writer import CompressionType
 from mcap.writer import Writer as McapWriter
+from summaries import summarise
 
 from drill_twin.io.bag.metadata import contract_topic
 from drill_twin.io.bag.reader import Bag
 from drill_twin.io.messages.topics import TWIN_SCENE
-from drill_twin.report.summary import summarise
 
 SCHEMA = """
 PRAGMA journal_mode=MEMORY; PRAGMA synchronous=OFF;

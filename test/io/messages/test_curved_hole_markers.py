@@ -70,7 +70,8 @@ def test_what_is_unrolled_can_be_rolled_again(line, off):
 @pytest.fixture(scope="module")
 def geometry(line):
     marks = (50.0, 120.0)
-    return StringGeometry(7, ("low", "high"), marks, 180.0, 0.1, 0.15, node_distances=180.0 - DEPTHS, axis_at=line.at)
+    hole, string = ((0.0, 180.0, 0.15),), ((0.0, 180.0, 0.1),)
+    return StringGeometry(180.0 - DEPTHS, ("low", "high"), marks, 180.0, 0.1, 0.15, hole, string, line.at)
 
 
 def test_lateral_motion_is_widened_about_the_axis(line, off, geometry):
@@ -165,9 +166,7 @@ def test_hole_and_string_have_their_radius_at_every_depth():
         for begin, end, radius in ((0, 1, 0.03), (1, 2.5, 0.00825), (2.5, 3, 0.015), (3, 4.5, 0.00825), (4.5, 5, 0.015))
     )
     arc = np.linspace(0.0, 5.0, 11)
-    geometry = StringGeometry(
-        11, (), (), 5.0, 0.03, 0.09, hole_steps=hole_steps(scene), string_steps=string_steps(scene), node_distances=arc
-    )
+    geometry = StringGeometry(arc, (), (), 5.0, 0.03, 0.09, hole_steps(scene), string_steps(scene))
     nodes = np.stack((0.01 * arc, 0.0 * arc, arc - 5.0), axis=1)
     raw = MarkerArrayTemplate(geometry, 2.0).rows([0], nodes[None], np.zeros((1, 0, 3)), np.zeros((1, 11)))[0]
     markers = deserialize(raw, MARKER_ARRAY).markers

@@ -137,10 +137,10 @@ def test_orientation_turns_z_into_the_tangent_after_the_spin():
     tangents[:3] = [(0, 0, 1), (0, 0, -1), (1e-9, 0, -1)]
     tangents /= np.linalg.norm(tangents, axis=1, keepdims=True)
     spin = random.uniform(-2.0 * np.pi, 2.0 * np.pi, 200)
-    quaternions = orientation(tangents, spin, np.empty((200, 4)))
+    quaternions = orientation(tangents, spin)
     np.testing.assert_allclose(np.linalg.norm(quaternions, axis=1), 1.0, atol=1e-6)
     np.testing.assert_allclose(Rotation.from_quat(quaternions).apply([0, 0, 1]), tangents, atol=1e-6)
-    upright = orientation(np.tile([0.0, 0.0, 1.0], (200, 1)), spin, np.empty((200, 4)))
+    upright = orientation(np.tile([0.0, 0.0, 1.0], (200, 1)), spin)
     expected = np.column_stack((np.cos(spin), np.sin(spin), np.zeros(200)))
     np.testing.assert_allclose(Rotation.from_quat(upright).apply([1, 0, 0]), expected, atol=1e-14)
     regular = tangents[:, 2] > -0.99
@@ -161,7 +161,7 @@ def test_a_number_that_is_none_reaches_no_topic(encoder, make_frame, bad):
         values[values.shape[0] // 2] = bad
         return frame
 
-    with pytest.raises(MessageError, match=r"/string/poses: expected finite numbers, found (nan|inf) at place 25"):
+    with pytest.raises(MessageError, match=r"/string/poses: expected finite numbers, found (nan|inf) at place 0, 25,"):
         encoder.poses(frames_of(with_bad("positions")))[0]
     for name in ("tangents", "spin"):
         with pytest.raises(MessageError, match="/string/poses"), np.errstate(invalid="ignore"):

@@ -9,11 +9,11 @@ import pytest
 from end_scenes import steel, with_rig
 from pydantic import ValidationError
 from rod_scenes import LENGTH, rod_scene
+from summaries import summarise
 
 from drill_twin.dynamics.discretisation.kernel_arguments import _torsion_of_the_string
 from drill_twin.dynamics.solver.boundary import STEADY
 from drill_twin.dynamics.twin.twin import Twin
-from drill_twin.report.summary import summarise
 from drill_twin.runs import Session
 from drill_twin.scene import Scene
 from drill_twin.scene.blocks.top_drive import TopDrive

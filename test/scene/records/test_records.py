@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from scipy.io import savemat
+from summaries import summarise
 
 import drill_twin as dt
 from drill_twin.cli.analyze import analyze, export
@@ -15,7 +16,6 @@ from drill_twin.io.bag.virtual_bags import RecordBag
 from drill_twin.report import build_report
 from drill_twin.report.recording import read_recording
 from drill_twin.report.selection import Selection
-from drill_twin.report.summary import summarise
 from drill_twin.scene.records import CHANNELS, Columns, read_columns
 from drill_twin.scene.set_points import read_table
 

@@ -21,7 +21,7 @@ from drill_twin.io.findings_encoder import UNKNOWN
 from drill_twin.io.messages.decode import JointStateReader
 from drill_twin.io.messages.drawing.geometry import ExaggeratedGeometry, default_exaggeration
 from drill_twin.io.messages.topics import TWIN_SUMMARY
-from drill_twin.io.scene_geometry import drawn_geometry
+from drill_twin.io.scene_geometry import string_geometry
 from drill_twin.physics.model.survey import top_frame
 from drill_twin.report.figures.over_time import rig_panels
 from drill_twin.report.recording import Recording, read_recording
@@ -80,11 +80,11 @@ def _well(rr: Any, stream: Any, run: Recording) -> Any:
     """Write hole, string and marks to north, east and down, and make a view of them."""
     scene, curves, hole = run.scene, smooth(run.poses.position, run.poses.tangent), run.scene.hole
     up = arc_of(curves[0])
-    geometry = drawn_geometry(scene, up * scene.length / up[-1])
+    geometry = string_geometry(scene, up * scene.length / up[-1])
     drawn = ExaggeratedGeometry(geometry, factor := default_exaggeration(scene.length, hole.radius))
     turn = top_frame(hole.top_inclination, hole.survey[0].azimuth if hole.survey else 0.0)
     stream.log("well", rr.ViewCoordinates.RIGHT_HAND_Z_DOWN, static=True)
-    depths = np.unique([*np.linspace(0.0, scene.length, RINGS), *(bottom for _, bottom, _ in geometry.holes)])
+    depths = np.unique([*np.linspace(0.0, scene.length, RINGS), *(bottom for _, bottom, _ in geometry.hole_steps)])
     radii = np.array([hole.radius_at(depth) for depth in depths.tolist()])
     rings = drawn.rings(depths, radii).reshape(depths.size, -1, 3) @ turn
     lines = [*rings, *rings[:, ::SEGMENTS].swapaxes(0, 1)]

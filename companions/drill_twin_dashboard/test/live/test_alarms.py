@@ -10,7 +10,7 @@ from one_frame import frames_of
 
 from drill_twin.core.errors import DrillTwinError
 from drill_twin.core.severity import Grade, Severity
-from drill_twin.io.findings_encoder import Motion, TwinSummary
+from drill_twin.io.findings_encoder import TwinSummary
 from drill_twin.io.messages.cdr import JointStateTemplate
 from drill_twin.io.messages.diagnostics import Level, Status, encode_diagnostics
 from drill_twin.io.messages.encode import TwinEncoder, encode_string
@@ -157,7 +157,7 @@ def test_the_lamp_of_whirl_has_the_severity_of_the_lateral_acceleration(state, s
     for stamp in range(step, 100 * step, step):
         orbit = size * 9.80665 / omega**2 * np.exp(1j * omega * stamp * 1e-9)
         summary.add(stamp, RigSample(1.0, 1.0, 1.0, 0.0), orbit * np.array([0.5, 1.0, 0.5, 0.5]))
-    page.update(TWIN_SUMMARY, summary.encode(stamp, Motion(state, BitMotion.STEADY, math.nan), "hole"))
+    page.update(TWIN_SUMMARY, summary.encode(stamp, "hole", state, BitMotion.STEADY, math.nan))
     shown = page.snapshot()["lamps"]["whirl"]
     assert shown == {"level": level, "text": state.value, "severity": told}
     ours = "of this program, not of a vendor, for tools of the field, not of a bench"

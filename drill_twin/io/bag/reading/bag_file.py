@@ -14,12 +14,10 @@ from rosbags.rosbag2.metadata import dump_qos_v9, parse_qos
 
 from drill_twin.core.files.yaml_reader import YamlError, plain_yaml
 from drill_twin.io.bag.metadata import Qos, RecordedTopic
-from drill_twin.io.bag.reading.decompression import decompressed_message
+from drill_twin.io.bag.reading.decompression import LARGEST_CHUNK, of_zstd
 from drill_twin.io.messages.stamps import seconds
 from drill_twin.io.messages.topics import TOPICS, TWIN_SCENE
 
-WITH_HEADER = frozenset({"sensor_msgs/msg/JointState", "geometry_msgs/msg/PoseArray"})
-"""Types of the contract that begin with a header, by whose stamps a window is searched."""
 LATCHED = tuple(name for name, topic in TOPICS.items() if topic.latched)
 """Ends of the names of topics whose messages are read wherever they are."""
 MOST_LATCHED = 50
@@ -83,7 +81,7 @@ class BagFile(ABC):
 
     def _message(self, raw: bytes) -> bytes:
         """CDR of a message as it is stored."""
-        return decompressed_message(raw) if self._compressed else raw
+        return of_zstd(raw, LARGEST_CHUNK) if self._compressed else raw
 
 
 def blocks_between(total: int, begin: float, end: float, stamps_at: Callable[[int], Sequence[int]]) -> range:

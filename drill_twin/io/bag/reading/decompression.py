@@ -1,10 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
 """Decompression of data of unknown origin: no more is written than was announced, and no more than the largest chunk.
 
-The size in the frame's own header is checked before, since the libraries reserve that much; the output is bounded too,
-since a frame may have no size in its header.
+The size in the header of an lz4 frame is checked before, since its library reserves that much; the output is bounded
+too, since a frame may have no size in its header. The content of zstd frames comes in blocks.
 """
 
+from collections.abc import Callable
 from io import BytesIO
 from typing import IO
 
@@ -33,27 +34,22 @@ def decompressed(kind: str, data: bytes, size: int) -> bytes:
     """
     if not 0 <= size <= LARGEST_CHUNK:
         raise ValueError(f"{size} bytes where at most {LARGEST_CHUNK} can be meant")
-    if not kind:
-        content = data
-    elif kind == "zstd":
-        content = _zstd(data, size)
-    elif kind == "lz4":
-        content = _lz4(data, size)
-    else:
+    if kind not in _CONTENT:
         raise ValueError(f"compression {kind[:20]!r}")
+    content = _CONTENT[kind](data, size)
     if len(content) != size:
         raise ValueError(f"{len(content)} bytes instead of {size}")
     return content
 
 
-def decompressed_message(data: bytes) -> bytes:
-    """Content of a message that rosbag2 compressed by itself, of at most the largest chunk.
+def of_zstd(data: bytes, largest: int) -> bytes:
+    """Content of zstd frames, of at most `largest` bytes.
 
     Raises:
         Exceptions of `DAMAGED`.
     """
     target = BytesIO()
-    decompress_stream(BytesIO(data), target, LARGEST_CHUNK)
+    decompress_stream(BytesIO(data), target, largest)
     return target.getvalue()
 
 
@@ -74,13 +70,6 @@ def decompress_stream(source: IO[bytes], target: IO[bytes], largest: int) -> Non
             target.write(block)
 
 
-def _zstd(data: bytes, size: int) -> bytes:
-    announced = zstandard.get_frame_parameters(data).content_size
-    if announced not in {size, zstandard.CONTENTSIZE_UNKNOWN}:
-        raise ValueError(f"a frame of {announced} bytes instead of {size}")
-    return zstandard.ZstdDecompressor().decompress(data, max_output_size=size) if size else b""
-
-
 def _lz4(data: bytes, size: int) -> bytes:
     announced = lz4.frame.get_frame_info(data)["content_size"]
     if announced not in {0, size}:
@@ -90,3 +79,7 @@ def _lz4(data: bytes, size: int) -> bytes:
     if not decompressor.eof:
         raise EOFError
     return content
+
+
+_CONTENT: dict[str, Callable[[bytes, int], bytes]] = {"": lambda data, _: data, "zstd": of_zstd, "lz4": _lz4}
+"""Decompression of data to a size [bytes], by kind."""

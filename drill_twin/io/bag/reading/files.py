@@ -77,11 +77,13 @@ def open_files(path: Path, window: Window = None) -> tuple[list[BagFile], list[s
     return opened, [*damage, *(f"left out: {error}" for error in unreadable)]
 
 
-def _open_file(path: Path, window: Window, *, compressed_messages: bool = False) -> BagFile:
+def _open_file(
+    path: Path, window: Window = None, *, name: Path | None = None, compressed_messages: bool = False
+) -> BagFile:
     if path.suffix == ".zstd":
         return _open_compressed(path, compressed_messages=compressed_messages)
     kind = SqliteFile if path.suffix == ".db3" else McapFile
-    return kind(path, compressed_messages=compressed_messages, window=window)
+    return kind(path, name, compressed_messages=compressed_messages, window=window)
 
 
 def _open_compressed(path: Path, *, compressed_messages: bool) -> BagFile:
@@ -94,8 +96,7 @@ def _open_compressed(path: Path, *, compressed_messages: bool) -> BagFile:
     except (OSError, *DAMAGED) as error:
         target.close()
         raise BagError(f"{path}: expected a file compressed by rosbag2, found {_reason(error)}") from error
-    kind = SqliteFile if path.stem.endswith(".db3") else McapFile
-    opened = kind(Path(target.name), name=path, compressed_messages=compressed_messages)
+    opened = _open_file(Path(target.name), name=path, compressed_messages=compressed_messages)
     opened.temporary = target
     return opened
 

@@ -20,7 +20,7 @@ from mcap.records import Channel, Schema
 
 from drill_twin.core.errors import BagError
 from drill_twin.io.bag.metadata import RecordedTopic
-from drill_twin.io.bag.reading.bag_file import WITH_HEADER, BagFile, qos_profiles
+from drill_twin.io.bag.reading.bag_file import BagFile, qos_profiles
 from drill_twin.io.bag.reading.decompression import LARGEST_CHUNK
 from drill_twin.io.bag.reading.mcap_records import (
     DAMAGED_RECORD,
@@ -33,6 +33,7 @@ from drill_twin.io.bag.reading.mcap_records import (
     record_blocks,
 )
 from drill_twin.io.messages.stamps import NANOSECONDS, raw_header_stamp
+from drill_twin.io.messages.topic_row import WITH_HEADER
 
 _MESSAGE = struct.Struct("<HIQQ")  # channel, sequence, log time, publish time
 _MOST_NOTES = 10

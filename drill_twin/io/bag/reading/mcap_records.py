@@ -7,6 +7,7 @@ Every complete, undamaged chunk is read. The index has topics, their counts, and
 import struct
 import zlib
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from io import SEEK_END, BytesIO
 from pathlib import Path
@@ -58,10 +59,6 @@ class Bounds:
         return self.records > self.file + _RECORDS_OF_ANY
 
 
-class _TooLargeError(Exception):
-    """Raised for a chunk that says that it is larger than the bounds."""
-
-
 def record_blocks(
     stream: BinaryIO, title: Path, bounds: Bounds, spans: Spans, note: Callable[[str], None]
 ) -> Iterator[tuple[int, int, bytes]]:
@@ -103,30 +100,17 @@ def record_blocks(
 
 
 def _chunk(record: bytes, place: int, bounds: Bounds, note: Callable[[str], None]) -> bytes:
-    """Content of a chunk; empty where it is damaged."""
-    try:
-        return _content(record, bounds)
-    except _TooLargeError:
-        note(f"has a chunk at byte {place} larger than any in {bounds.file} bytes, which is left out")
-    except DAMAGED_RECORD:
-        note(f"has a damaged chunk at byte {place}, which is left out")
+    """Content of a chunk; empty where it is damaged, not as large as it says, or larger than the bounds."""
+    with suppress(*DAMAGED_RECORD):
+        chunk = Chunk.read(ReadDataStream(BytesIO(record)))
+        if bounds.too_large(chunk.uncompressed_size):
+            note(f"has a chunk at byte {place} larger than any in {bounds.file} bytes, which is left out")
+            return b""
+        data = decompressed(chunk.compression, chunk.data, chunk.uncompressed_size)
+        if chunk.uncompressed_crc in {0, zlib.crc32(data)}:
+            return data
+    note(f"has a damaged chunk at byte {place}, which is left out")
     return b""
-
-
-def _content(record: bytes, bounds: Bounds) -> bytes:
-    """Records in a chunk.
-
-    Raises:
-        _TooLargeError: The content would be larger than the bounds.
-        Exceptions of `DAMAGED_RECORD`: The chunk is damaged, or not as large as it says.
-    """
-    chunk = Chunk.read(ReadDataStream(BytesIO(record)))
-    if bounds.too_large(chunk.uncompressed_size):
-        raise _TooLargeError
-    data = decompressed(chunk.compression, chunk.data, chunk.uncompressed_size)
-    if chunk.uncompressed_crc not in {0, zlib.crc32(data)}:
-        raise ValueError("another checksum")
-    return data
 
 
 _FOOTER = struct.Struct("<BQQQI")  # opcode, length, start of the summary, of its offsets, checksum

@@ -9,8 +9,9 @@ from typing import Any
 from drill_twin.core.errors import BagError
 from drill_twin.core.files.yaml_reader import YamlError, plain_yaml
 from drill_twin.io.bag.metadata import RecordedTopic
-from drill_twin.io.bag.reading.bag_file import LATCHED, MOST_LATCHED, WITH_HEADER, BagFile, blocks_between, qos_profiles
+from drill_twin.io.bag.reading.bag_file import LATCHED, MOST_LATCHED, BagFile, blocks_between, qos_profiles
 from drill_twin.io.messages.stamps import raw_header_stamp
+from drill_twin.io.messages.topic_row import WITH_HEADER
 from drill_twin.io.messages.topics import DIAGNOSTICS
 
 _TABLES = ("topics", "messages", "schema", "metadata", "message_definitions")

@@ -24,8 +24,8 @@ Step = tuple[float, float, float]
 class StringGeometry:
     """Dimensions of a scene that the markers need."""
 
-    node_count: int
-    """Nodes of the string, n + 1."""
+    node_distances: Array
+    """Distances of the nodes from the bit [m], shape (n + 1,)."""
     mark_names: tuple[str, ...]
     """Names of the marks."""
     mark_distances: tuple[float, ...]
@@ -36,14 +36,10 @@ class StringGeometry:
     """Outer radius of the string [m], the largest where it changes."""
     hole_radius: float
     """Radius of the hole [m]."""
-    hole_steps: tuple[Step, ...] = ()
-    """Hole by measured depth; empty: of one radius."""
-    string_steps: tuple[Step, ...] = ()
-    """String by distance from the bit, blades and joints included; empty: of one radius."""
-    contact_force: float = 10.0
-    """Wall force [N] drawn half way between the colours of light and hard contact."""
-    node_distances: Array | None = None
-    """Distances of the nodes from the bit [m], shape (n + 1,); needed in a curved hole."""
+    hole_steps: tuple[Step, ...]
+    """Hole by measured depth."""
+    string_steps: tuple[Step, ...]
+    """String by distance from the bit, blades and joints included."""
     axis_at: Callable[[Array], Axis] | None = None
     """Axis of a curved hole at measured depths [m]; None where it is straight."""
     section_names: tuple[str, ...] = ()
@@ -54,15 +50,8 @@ class StringGeometry:
     """Put before the names of all frames, so that two twins can share a tf tree."""
 
     @property
-    def holes(self) -> tuple[Step, ...]:
-        """Intervals of the hole."""
-        return self.hole_steps or ((0.0, self.length, self.hole_radius),)
-
-    @property
     def strings(self) -> list[tuple[slice, float]]:
         """Nodes of each interval of the string, ends included, and its radius [m]."""
-        if not self.string_steps or self.node_distances is None:
-            return [(slice(0, self.node_count), self.outer_radius)]
         ends = [int(np.abs(self.node_distances - end).argmin()) for _, end, _ in self.string_steps]
         spans = zip([0, *ends[:-1]], ends, self.string_steps, strict=True)
         return [(slice(begin, end + 1), radius) for begin, end, (_, _, radius) in spans if end > begin]
@@ -87,7 +76,7 @@ class ExaggeratedGeometry:
         self._geometry, self._factor = geometry, factor
         self._scale = np.array((factor, factor, 1.0))
         self._nodes = self._marks = None
-        if geometry.axis_at is not None and geometry.node_distances is not None:
+        if geometry.axis_at is not None:
             self._nodes = geometry.axis_at(geometry.length - geometry.node_distances)
             self._marks = geometry.axis_at(geometry.length - np.array(geometry.mark_distances))
 

@@ -35,6 +35,8 @@ _MARKS: tuple[Colour, ...] = (
     (0.80, 0.47, 0.65, 1.0),
     (0.34, 0.71, 0.91, 1.0),
 )
+_HALF_FORCE = 10.0
+"""Wall force drawn half way between the colours of light and hard contact [N]; chosen, not measured."""
 _LIGHT_TOUCH = np.array((0.94, 0.89, 0.26, 1.0), np.float32)
 _HARD_TOUCH = np.array((0.84, 0.15, 0.00, 1.0), np.float32)
 
@@ -44,8 +46,7 @@ class MarkerArrayTemplate:
 
     def __init__(self, geometry: StringGeometry, exaggeration: float) -> None:
         self._drawn_geometry = ExaggeratedGeometry(geometry, exaggeration)
-        self._half_force = geometry.contact_force
-        nodes, marks = geometry.node_count, len(geometry.mark_names)
+        nodes, marks = len(geometry.node_distances), len(geometry.mark_names)
         frame_id = geometry.frame_id
         self._strings = [part for part, _ in geometry.strings]
         lines = [sentinels(3 * len(range(*part.indices(nodes))), 10 + k) for k, part in enumerate(self._strings)]
@@ -88,7 +89,7 @@ class MarkerArrayTemplate:
         colours = np.zeros((*touching.shape, 4), np.float32)
         if touching.any():
             force = wall_force[touching]
-            share = (force / (force + self._half_force)).astype(np.float32)[:, None]
+            share = (force / (force + _HALF_FORCE)).astype(np.float32)[:, None]
             colours[touching] = (1.0 - share) * _LIGHT_TOUCH + share * _HARD_TOUCH
         values = [
             *(drawn[:, part] for part in self._strings),
@@ -101,7 +102,7 @@ class MarkerArrayTemplate:
 
 def _hole(geometry: StringGeometry, drawn_geometry: ExaggeratedGeometry, exaggeration: float) -> list[Any]:
     """Transparent wall (0, and 2 on for further radii), and rings (1): at steps, marks, and along a curved hole."""
-    length, steps = geometry.length, geometry.holes
+    length, steps = geometry.length, geometry.hole_steps
     walls = []
     for k, (top, bottom, radius) in enumerate(steps):
         wide, number = 2.0 * exaggeration * radius, k and k + 1

@@ -7,7 +7,6 @@ A section is turned by its spin about z, then by the shortest rotation of z onto
 """
 
 from collections.abc import Sequence
-from typing import NamedTuple
 
 import numpy as np
 
@@ -23,8 +22,8 @@ from drill_twin.io.messages.type_store import message
 _ANTIPARALLEL = 1e-12
 
 
-def orientation(tangents: Array, spin: Array, out: Array) -> Array:
-    """Unit quaternions x y z w of sections with these tangents and spins [rad].
+def orientation(tangents: Array, spin: Array) -> Array:
+    """Unit quaternions x y z w, shape (..., 4), of sections with these tangents and spins [rad].
 
     With a = (-t_y, t_x, 0, 1 + t_z)/sqrt(2 + 2 t_z), the shortest rotation of z onto t, the result is a times the
     rotation by the spin about z. A tangent straight down (t_z = -1) has no shortest rotation; the rotation about y is
@@ -33,7 +32,6 @@ def orientation(tangents: Array, spin: Array, out: Array) -> Array:
     Args:
         tangents: Unit tangents, shape (..., 3).
         spin: Spins [rad], shape (...,).
-        out: Result, written and returned, shape (..., 4).
     """
     half = 0.5 * spin
     cosine, sine = np.cos(half), np.sin(half)
@@ -44,11 +42,7 @@ def orientation(tangents: Array, spin: Array, out: Array) -> Array:
     down = up <= _ANTIPARALLEL
     if down.any():
         x[down], y[down], scalar[down] = 0.0, 1.0, 0.0
-    out[..., 0] = x * cosine + y * sine
-    out[..., 1] = y * cosine - x * sine
-    out[..., 2] = scalar * sine
-    out[..., 3] = scalar * cosine
-    return out
+    return np.stack((x * cosine + y * sine, y * cosine - x * sine, scalar * sine, scalar * cosine), axis=-1)
 
 
 def spin_of(quaternions: Array) -> Array:
@@ -70,29 +64,11 @@ It is the root of the twin's tree. `map` and `earth` (REP 105) are the site's, w
 BIT = "bit"
 
 
-class Transform(NamedTuple):
-    """Pose of a frame in its parent."""
-
-    parent: str
-    child: str
-    translation: Array
-    """Origin in the parent [m], shape (3,)."""
-    rotation: Array
-    """Unit quaternion x y z w, shape (4,)."""
-
-
 def static_message(inclination: float, prefix: str) -> bytes:
-    """`/tf_static` of a twin."""
-    hole = hole_transform(inclination, prefix)
-    return TransformsTemplate([hole[:2]]).fill(0, [hole])
-
-
-def hole_transform(inclination: float, prefix: str = "") -> Transform:
-    """Pose of the hole in `rig`: its axis is inclined [rad] so that +x of the hole is the low side."""
+    """`/tf_static` of a twin: the hole in `rig`, its axis inclined [rad] so that +x of the hole is the low side."""
     half = 0.5 * inclination
-    return Transform(
-        prefix + RIG_FRAME, prefix + FRAME_ID, np.zeros(3), np.array((0.0, np.sin(half), 0.0, np.cos(half)))
-    )
+    pose = np.array([[0.0, 0.0, 0.0, 0.0, np.sin(half), 0.0, np.cos(half)]])
+    return TransformsTemplate(prefix + RIG_FRAME, [prefix + FRAME_ID]).fill(0, pose)
 
 
 class StringTransforms:
@@ -102,46 +78,39 @@ class StringTransforms:
         from scipy.interpolate import CubicHermiteSpline  # 30 MB, which a node without transforms does not need
 
         self._spline = CubicHermiteSpline
-        self._hole = geometry.frame_id
         fixed = (BIT, *geometry.mark_names)
         subs = [sub for sub in geometry.subs if sub.name not in {FRAME_ID, RIG_FRAME, *fixed}]  # a frame has one parent
-        self._names = [geometry.frame_prefix + name for name in (*fixed, *(sub.name for sub in subs))]
+        names = [geometry.frame_prefix + name for name in (*fixed, *(sub.name for sub in subs))]
         self._subs = np.array([sub.distance_from_bit for sub in subs])
         self._radius, self._angle = np.array([sub.radius for sub in subs]), np.array([sub.angle for sub in subs])
-        self._template = TransformsTemplate([(self._hole, name) for name in self._names])
+        self._template = TransformsTemplate(geometry.frame_id, names)
         self._true = ExaggeratedGeometry(geometry, 1.0)
-        distances = geometry.node_distances
-        nodes = np.linspace(0.0, geometry.length, geometry.node_count) if distances is None else distances
-        self._nodes, self._marks = nodes, np.array(geometry.mark_distances)
+        self._nodes, self._marks = geometry.node_distances, np.array(geometry.mark_distances)
 
-    def at(self, frame: Frame) -> list[Transform]:
-        """Poses of bit, marks and subs in a frame of the twin."""
+    def message(self, frame: Frame) -> bytes:
+        """`/tf` of a frame of the twin."""
         along = np.concatenate(([0.0], self._marks, self._subs))
         tangents = np.stack([np.interp(along, self._nodes, column) for column in frame.tangents.T], axis=1)
         tangents /= np.linalg.norm(tangents, axis=1, keepdims=True)
         spin = np.concatenate(
             (frame.spin[:1], frame.marks.spin, np.interp(self._subs, self._nodes, frame.spin) + self._angle)
         )
-        turns = orientation(tangents, spin, np.empty((spin.size, 4)))
+        turns = orientation(tangents, spin)
         at = len(spin) - self._subs.size
         x, y, z, w = turns[at:].T
         outwards = np.stack((1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y + z * w), 2.0 * (x * z - y * w)), axis=1)
         sensors = self._spline(self._nodes, frame.positions, frame.tangents)(self._subs)
         sensors += self._radius[:, None] * outwards
         places = np.concatenate((frame.positions[:1], self._true.marks(frame.marks.position), sensors))
-        return [Transform(self._hole, *row) for row in zip(self._names, places, turns, strict=True)]
-
-    def message(self, frame: Frame) -> bytes:
-        """`/tf` of a frame of the twin."""
-        return self._template.fill(stamp_ns(frame.time), self.at(frame))
+        return self._template.fill(stamp_ns(frame.time), np.concatenate((places, turns), axis=1))
 
 
 class TransformsTemplate(Template):
-    """tf2_msgs/TFMessage of a fixed list of transforms."""
+    """tf2_msgs/TFMessage of frames in one parent."""
 
-    def __init__(self, frames: Sequence[tuple[str, str]]) -> None:
-        """Lay out the message for these pairs of parent and child."""
-        blocks = sentinels(7 * len(frames), 1).reshape(-1, 7)
+    def __init__(self, parent: str, children: Sequence[str]) -> None:
+        """Lay out the message for these names."""
+        blocks = sentinels(7 * len(children), 1).reshape(-1, 7)
         content = message(
             TF_TYPE,
             transforms=[
@@ -155,12 +124,11 @@ class TransformsTemplate(Template):
                         rotation=message("geometry_msgs/msg/Quaternion", x=row[3], y=row[4], z=row[5], w=row[6]),
                     ),
                 )
-                for (parent, child), row in zip(frames, blocks.tolist(), strict=True)
+                for child, row in zip(children, blocks.tolist(), strict=True)
             ],
         )
         super().__init__(content, TF_TYPE, list(blocks))
 
-    def fill(self, stamp: int, transforms: Sequence[Transform]) -> bytes:
-        """CDR of these transforms, in the order of the layout, at a stamp [ns]."""
-        rows = (np.array([[*transform.translation, *transform.rotation]]) for transform in transforms)
-        return self.rows([stamp], *rows)[0]
+    def fill(self, stamp: int, poses: Array) -> bytes:
+        """CDR of the children's origins [m] and unit quaternions x y z w, shape (k, 7), at a stamp [ns]."""
+        return self.rows([stamp], *poses[:, None])[0]

@@ -195,7 +195,7 @@ class Estimator(TwinNode):
     def _begin(self, following: Following) -> None:
         self._following = following
         if self.settings.show:
-            self._nearest = TwinEncoder(string_geometry(following.filter.members.twins[0]))
+            self._nearest = TwinEncoder(string_geometry(following.scene, following.filter.members.twins[0].rod.arc))
             self.topics.publish(TWIN_SCENE, encode_string(following.scene.to_yaml()))
         self.samples.expect(MEASURED_RIG_STATE)  # from now on
         self.get_logger().info(f"{len(following.filter.members)} members of {following.scene.name} follow the rig")
