@@ -189,11 +189,14 @@ class Links:
 def _private_file(text: str) -> Path | None:
     """New file of mode 600 in the home folder, or else in the temporary folder; None where neither can be written."""
     for folder in (os.path.expanduser("~"), tempfile.gettempdir()):  # noqa: PTH111 - Path.home may raise
-        with suppress(OSError):
-            handle, name = tempfile.mkstemp(".html", "drill_twin_", folder)
-            with os.fdopen(handle, "w", encoding="utf-8") as stream:
-                stream.write(text)
-            return Path(name)
+        with (
+            suppress(OSError),
+            tempfile.NamedTemporaryFile(
+                "w", encoding="utf-8", suffix=".html", prefix="drill_twin_", dir=folder, delete=False
+            ) as stream,
+        ):
+            stream.write(text)
+            return Path(stream.name)
     return None
 
 

@@ -21,8 +21,11 @@ from drill_twin.core.units.dimension import ANGULAR_SPEED, FORCE, SPEED, TORQUE
 from drill_twin.io.messages.diagnostics import Level
 from drill_twin_dashboard.live.shown import short
 
-CHANNELS = ("wob", "rps", "bit_rps", "torque", "hookload", "rop")
-"""Weight on bit [N], speed of top drive and bit [rev/s], torque [N m], hookload [N], rate of penetration [m/s]."""
+CHANNELS = {
+    "wob": ("weight on bit", FORCE), "rps": ("top-drive speed", ANGULAR_SPEED), "bit_rps": ("bit speed", ANGULAR_SPEED),
+    "torque": ("top-drive torque", TORQUE), "hookload": ("hookload", FORCE), "rop": ("rate of penetration", SPEED),
+}  # fmt: skip
+"""Words and dimension of each channel; its values are in SI units, speeds of rotation in rev/s."""
 SECONDS = 0.25
 """Length of an interval [s of simulated time]."""
 _MOST = round(1800.0 / SECONDS)
@@ -72,7 +75,7 @@ class Trends:
             return
         row: Row = [self._present]
         for low, total, high, count in zip(self._low, self._sum, self._high, self._counts, strict=True):
-            row += [_short(low), _short(total / count), _short(high)] if count else [None, None, None]
+            row += [float(f"{one:.6g}") for one in (low, total / count, high)] if count else [None, None, None]
         self._rows.append(row)
 
     def recent(self) -> dict[str, Any]:
@@ -88,22 +91,6 @@ class Trends:
         return {"run": self.run, "channels": list(CHANNELS), "seconds": SECONDS, "rows": list(self._rows)}
 
 
-def _short(value: float) -> float:
-    return float(f"{value:.6g}")
-
-
-NAMES = {
-    "wob": "weight on bit",
-    "rps": "top-drive speed",
-    "bit_rps": "bit speed",
-    "torque": "top-drive torque",
-    "hookload": "hookload",
-    "rop": "rate of penetration",
-}
-"""Words for the channels."""
-_DIMENSIONS = {
-    "wob": FORCE, "rps": ANGULAR_SPEED, "bit_rps": ANGULAR_SPEED, "torque": TORQUE, "hookload": FORCE, "rop": SPEED
-}  # fmt: skip
 SIDES = ("low", "high")
 DELAY = 10.0
 """Time within a limit that ends an alarm [s of simulated time]: longer than a cycle of stick-slip or whirl."""
@@ -117,13 +104,13 @@ def parse_limit(text: str) -> dict[str, float]:
     """
     name, _, value = (part.strip() for part in text.partition("="))
     channel = name.rpartition("_")[0]
-    if channel not in _DIMENSIONS or not value:
+    if channel not in CHANNELS or not value:
         raise DrillTwinError(f'expected a limit as torque_high=12 kN m, of {", ".join(CHANNELS)}, found "{text[:100]}"')
     try:
-        found = parse(value, _DIMENSIONS[channel])
+        found = parse(value, CHANNELS[channel][1])
     except UnitError as error:
         raise DrillTwinError(f"limit {name}: {error}") from None
-    return {name: found / math.tau if _DIMENSIONS[channel] is ANGULAR_SPEED else found}
+    return {name: found / math.tau if CHANNELS[channel][1] is ANGULAR_SPEED else found}
 
 
 class AlarmLimits:
@@ -148,11 +135,11 @@ class AlarmLimits:
             own[side] = float(value)
         if len(own) == len(SIDES) and own["low"] >= own["high"]:
             raise DrillTwinError(
-                f"expected a low limit of the {NAMES[channel]} below the high limit, found low at or above high"
+                f"expected a low limit of the {CHANNELS[channel][0]} below the high limit, found low at or above high"
             )
         self.values[channel] = own
         self._last.pop((channel, side), None)
-        return f"{'no limit' if value is False else 'limit set'}: {NAMES[channel]}, {side}"
+        return f"{'no limit' if value is False else 'limit set'}: {CHANNELS[channel][0]}, {side}"
 
     def again(self) -> None:
         """Forget what was beyond a limit: another run begins."""
@@ -160,7 +147,7 @@ class AlarmLimits:
 
     def check(self, time: float, values: Mapping[str, float]) -> Iterator[tuple[str, str, bool]]:
         """Name and sentence of each limit; True from a value beyond it until no value was beyond it for `DELAY`."""
-        for channel in CHANNELS:
+        for channel, (words, _) in CHANNELS.items():
             for side in SIDES:
                 key = channel, side
                 limit, value = self.values.get(channel, {}).get(side), values.get(channel, math.nan)
@@ -168,11 +155,10 @@ class AlarmLimits:
                     self._last[key] = time
                 word = "below its low" if side == "low" else "above its high"
                 beyond = time - self._last.get(key, -math.inf) < DELAY
-                yield f"{channel}_{side}", f"{NAMES[channel]} {word} limit", beyond
+                yield f"{channel}_{side}", f"{words} {word} limit", beyond
 
 
-_MOST_EVENTS, _RECENT = 1000, 8
-_MOST_ALARMS = 100
+_MOST_EVENTS, _MOST_ALARMS = 1000, 100
 
 
 @dataclass
@@ -200,7 +186,8 @@ class Alarms:
         """Start empty; the events of a recording have no time of day."""
         self._recorded = recorded
         self._alarms: dict[str, Alarm] = {}
-        self._events: deque[dict[str, Any]] = deque(maxlen=_MOST_EVENTS)
+        self.events: deque[dict[str, Any]] = deque(maxlen=_MOST_EVENTS)
+        """Events that are kept, the newest last."""
         self._count = 0
 
     def update(self, cause: str, level: int, text: str, time: float | None) -> bool:
@@ -248,7 +235,7 @@ class Alarms:
         """Add an event to the log; returns its number."""
         self._count += 1
         told = "" if self._recorded else clock.strftime("%H:%M:%S")
-        self._events.append(
+        self.events.append(
             {"number": self._count, "time": time, "clock": told, "level": int(level), "text": short(text)}
         )
         return self._count
@@ -257,11 +244,3 @@ class Alarms:
         """Alarms for JSON: alarms not acknowledged first, then the worst, then the newest."""
         order = sorted(self._alarms.values(), key=lambda alarm: (alarm.acknowledged, -alarm.level, -alarm.number))
         return [asdict(alarm) for alarm in order]
-
-    def recent(self) -> list[dict[str, Any]]:
-        """Newest events."""
-        return list(self._events)[-_RECENT:]
-
-    def events(self) -> list[dict[str, Any]]:
-        """All events that are kept."""
-        return list(self._events)

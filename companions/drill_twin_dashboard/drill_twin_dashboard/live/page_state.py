@@ -63,15 +63,6 @@ _SPEAKERS = ("advisor", "estimator")
 _MOST_MARKS, _MOST_NODES = 200, 20_000
 
 
-def _showing(name: str, shown: Callable[[Any], Any]) -> Callable[[PageState, Any], None]:
-    """Handler of a topic whose message the page shows under a name, as a function makes it."""
-
-    def take(page: PageState, message: Any) -> None:
-        page.shown[name] = shown(message)
-
-    return take
-
-
 class PageState:
     """Latest values of the topics; `update` and `snapshot` may be called from different threads."""
 
@@ -267,9 +258,9 @@ class PageState:
         WHIRL_STATE: _on_whirl,
         WHIRL_MOTION: _on_motion,
         WHIRL_ONSET: _on_onset,
-        ADVICE_STATE: _showing("advice", shown_advice),
-        ADVICE_MAP: _showing("map", shown_map),
-        ESTIMATE_STATE: _showing("estimates", shown_estimates),
+        ADVICE_STATE: lambda page, state: page.shown.update(advice=shown_advice(state)),
+        ADVICE_MAP: lambda page, text: page.shown.update(map=shown_map(text)),
+        ESTIMATE_STATE: lambda page, state: page.shown.update(estimates=shown_estimates(state)),
         TWIN_SUMMARY: _on_summary,
         DIAGNOSTICS: _on_diagnostics,
     }

@@ -112,9 +112,6 @@ KEPT = 4
 _STRANGER, _ENTERED, _COMMANDS = range(3)
 """Rights of a client: none; it has the cookie; it has given the key too."""
 
-RequestHandler = Callable[[Mapping[str, Any]], None]
-"""Carries out a request of the page; raises a DrillTwinError, which the page shows."""
-
 
 class PageServer(WebServer):
     """Server of the page for a bounded number of browsers."""
@@ -131,7 +128,7 @@ class PageServer(WebServer):
     def __init__(
         self,
         snapshot: Callable[[], Mapping[str, Any]],
-        on_request: RequestHandler,
+        on_request: Callable[[Mapping[str, Any]], None],
         *,
         history: Callable[[], Mapping[str, Any]] = dict,
         host: str = "127.0.0.1",
@@ -142,7 +139,8 @@ class PageServer(WebServer):
 
         Args:
             snapshot: Returns the present state of the page.
-            on_request: Called with each request of the page, in a thread of the server.
+            on_request: Carries out a request of the page, in a thread of the server; raises a DrillTwinError, which
+                the page shows.
             history: Returns what a page shows of the minutes before it was opened, `/history.json`.
             host: Address to listen on.
             port: Port; 0 takes a free one.

@@ -48,7 +48,7 @@ def stick_slip_lamp(bit: StickSlip, bounds: Bounds = DEFAULT, *, backwards: bool
 
 
 _LIMITS = {f"{channel}_{side}" for channel in CHANNELS for side in SIDES}
-_LEVELS = (Level.OK, Level.WARN, Level.ERROR)
+_RECENT = 8  # events in a snapshot
 UNKNOWN = Lamp(None, "unknown", "")
 """Lamp of a motion that nobody has told, or whose analyzer is gone."""
 
@@ -105,7 +105,7 @@ class Supervision:
         self.lamps[name] = lamp
         said = f"{name.replace('_', '-')}: {lamp.text}" + f", {lamp.severity}" * bool(lamp.level)
         known = lamp.level is not None
-        told = known and self.alarms.update(name, _LEVELS[lamp.level or 0], said, self.time)
+        told = known and self.alarms.update(name, Level(lamp.level or 0), said, self.time)
         if not told and self._motions.get(name) != lamp.text:
             self.alarms.note(said, self.time)
         self._motions[name] = lamp.text
@@ -142,11 +142,11 @@ class Supervision:
         return {
             "lamps": {name: lamp._asdict() for name, lamp in self.lamps.items()},
             "alarms": self.alarms.rows(),
-            "events": self.alarms.recent(),
+            "events": list(self.alarms.events)[-_RECENT:],
             "limits": self.limits.values,
             "trends": self.trends.recent(),
         }
 
     def history(self) -> dict[str, Any]:
         """History that the page shows of the time before it was opened."""
-        return {"trends": self.trends.all(), "events": self.alarms.events()}
+        return {"trends": self.trends.all(), "events": list(self.alarms.events)}

@@ -210,9 +210,7 @@ def run(arguments: Sequence[str], stop: StopRequest) -> None:
     parser.add_argument("--units", choices=[*SYSTEMS], default="", help="units of the page (the scene's)")
     parser.add_argument("--no-browser", action="store_true", help="do not open the browser")
     parser.add_argument("--foxglove", type=int, help="port for viewers that speak the Foxglove protocol; 0: a free one")
-    own = list(arguments)
-    ros = own[own.index("--ros-args") :] if "--ros-args" in own else []
-    given = parser.parse_args(own[: len(own) - len(ros)])
+    given, ros = parser.parse_known_args(arguments)
     limits = [parse_limit(text) for text in given.limit]
     with ExitStack() as ends:
         context = init_context(ros, stop)

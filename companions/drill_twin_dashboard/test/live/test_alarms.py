@@ -29,7 +29,7 @@ VALUES = dict.fromkeys(CHANNELS, 1.0) | {"rop": math.nan}
 
 
 def _texts(alarms):
-    return [event["text"] for event in alarms.events()]
+    return [event["text"] for event in alarms.events]
 
 
 def test_an_alarm_stays_until_it_is_acknowledged_and_over():
