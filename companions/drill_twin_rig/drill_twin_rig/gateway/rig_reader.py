@@ -120,10 +120,14 @@ class EventLoopThread:
     """Runs coroutines while the calling thread does other work."""
 
     def __init__(self, name: str) -> None:
-        self._loop = asyncio.new_event_loop()
+        self._loop, self._over = asyncio.new_event_loop(), asyncio.Event()
         self._posted: Future[object] | None = None
-        self._thread = threading.Thread(target=self._loop.run_forever, name=name, daemon=True)
+        self._thread = threading.Thread(target=self._run, name=name, daemon=True)
         self._thread.start()
+
+    def _run(self) -> None:
+        with asyncio.Runner(loop_factory=lambda: self._loop) as runner:
+            runner.run(self._over.wait())
 
     def call(self, coroutine: Coroutine[Any, Any, _T], seconds: float = 30.0) -> _T:
         """Run a coroutine and wait for its result, at most this long [s]; raises what it raises, or TimeoutError."""
@@ -137,17 +141,8 @@ class EventLoopThread:
 
     def close(self) -> None:
         """Cancel what still runs, and end the thread."""
-        self.call(_cancel_others())
-        self._loop.call_soon_threadsafe(self._loop.stop)
+        self._loop.call_soon_threadsafe(self._over.set)
         self._thread.join()
-        self._loop.close()
-
-
-async def _cancel_others() -> None:
-    others = asyncio.all_tasks() - {asyncio.current_task()}
-    for task in others:
-        task.cancel()
-    await asyncio.gather(*others, return_exceptions=True)
 
 
 PATIENCE = 3.0

@@ -134,8 +134,9 @@ class Gateway(TwinNode):
         self.create_service(Trigger, "~/grant_control", self._desk.grant)
         self.create_service(Trigger, "~/withdraw_control", self._desk.withdraw)
         self.every(1.0 / self.settings.rate, lambda: self._server.show(self._samples()))
-        self.every(_CONTROL_PERIOD, self._work)
-        self.get_logger().info(f"{len(self._signals.show)} signals at {self._server.url}; {_security(keys)}")
+        self.every(_CONTROL_PERIOD, lambda: self._desk.work(self._server))
+        security = f"encrypted, keys in {keys.folder}" if keys else "without encryption or users, read only"
+        self.get_logger().info(f"{len(self._signals.show)} signals at {self._server.url}; {security}")
 
     def deactivate(self) -> None:
         """Command nothing while at rest."""
@@ -184,11 +185,6 @@ class Gateway(TwinNode):
         """Process many messages at a time."""
         time.sleep(_TURN)
         self.spin_all()
-
-    def _work(self) -> None:
-        self._desk.work(self._server)
-        if self._rig is not None:
-            self._rig.work()
 
     # --- twin -> OPC UA -------------------------------------------------------------------------------------------
 
@@ -254,13 +250,6 @@ class Gateway(TwinNode):
         silent = "the twin is silent" if level in {Level.OK, Level.STALE} else ""
         said = filter(None, (silent, text, f"{len(stale)} signals are marked uncertain" if stale else ""))
         return max(level, Level.WARN), ": ".join(said)
-
-
-def _security(keys: Keys | None) -> str:
-    if keys is None:
-        return "security policy None: without encryption or users, read only"
-    where = f"certificate {keys.folder / 'certificate.der'}, trusted ones in {keys.folder / 'trusted'}"
-    return f"security policy Basic256Sha256, signed and encrypted; {where}"
 
 
 def _make_server(settings: Any, signals: Signals, control: Control) -> tuple[OpcUaServer, Keys | None]:

@@ -179,7 +179,7 @@ class ControlDesk:
         self._told: Mapping[str, int | str] = {}
 
     def work(self, server: OpcUaServer) -> None:
-        """Decide what is due, show it to the clients, and repeat the set-points in force."""
+        """Decide what is due, show it to the clients, repeat the set-points in force, and do the work of the link."""
         if self.control.check_heartbeat():
             self.output.end()
             self._node.publish_diagnostics()
@@ -197,6 +197,8 @@ class ControlDesk:
             self._told = now
             server.show({}, now)
         self.output.send({})
+        if self.rig is not None:
+            self.rig.work()
 
     def _decide(self, *, granted: bool) -> str:
         """Grant or deny what is requested; returns the reason of a denial."""
@@ -261,8 +263,7 @@ def check_security(settings: Any, *, follows: bool, has_keys: bool) -> None:
 
 def _opc_ua_client(settings: Any, signals: Sequence[RigSignal], keys: Keys | None) -> RigReader:
     from drill_twin_rig.gateway.opc_ua.keys import check_private
-    from drill_twin_rig.gateway.opc_ua.rig_client import RigClient, ServerAccess
-    from drill_twin_rig.gateway.opc_ua.server import APPLICATION
+    from drill_twin_rig.gateway.opc_ua.rig_client import RigClient
 
     password = ""
     if settings.rig_user:
@@ -273,5 +274,4 @@ def _opc_ua_client(settings: Any, signals: Sequence[RigSignal], keys: Keys | Non
             )
         check_private(file)
         password = ForeignFile("a password", 10_000, ParameterError).text(file).strip()
-    access = ServerAccess(settings.rig_url, keys, APPLICATION, settings.rig_user, password)
-    return RigClient(access, signals, 1.0 / settings.rig_rate)
+    return RigClient(settings, signals, keys, password)

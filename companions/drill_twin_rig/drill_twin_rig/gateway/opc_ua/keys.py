@@ -165,11 +165,6 @@ class Keys:
     users: Mapping[str, PasswordHash]
     """Hash of the password of each user."""
 
-    @property
-    def private_key(self) -> Path:
-        """File of the private key."""
-        return self.folder / PRIVATE_KEY
-
     def distrust(self, certificate: bytes) -> str:
         """Reason why a certificate is not trusted; empty if it is."""
         if certificate not in self.trusted:
