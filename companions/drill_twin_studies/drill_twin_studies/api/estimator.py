@@ -3,7 +3,6 @@
 
 from collections import deque
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from difflib import get_close_matches
 from numbers import Real
 from operator import itemgetter
 from pathlib import Path
@@ -177,17 +176,16 @@ def _check(channels: Sequence[str], free: Mapping[str, Any]) -> None:
 
 
 def _range(scene: Scene, key: str, free: Mapping[str, GivenRange]) -> tuple[float, float]:
-    """Ends of the range of a number of the scene; the sentence on an unknown key names the keys near to it."""
+    """Ends of the range of a number of the scene; the sentence on an unknown key names the key near to it."""
     try:
         return range_of(scene, key, free[key], {other: given for other, given in free.items() if other != LOAD})
     except SceneError:
-        known, wanted = [LOAD, *_numbers(scene)], key.removeprefix("effects.")
-        if wanted in known:
+        known = [LOAD, *_numbers(scene)]
+        if (wanted := key.removeprefix("effects.")) in known:
             raise
-        near = get_close_matches(wanted, known, n=3)
+        near = nearest(wanted, known)
         raise ArgumentError(
-            f"free: expected {LOAD} or the key of a number of an effect or of rig.top_drive, found {key}; "
-            + (f"near it: {', '.join(near)}" if near else f"known: {', '.join(known)}")
+            f"free: expected {LOAD}, or a number of an effect or rig.top_drive, found {key}{near}"
         ) from None
 
 

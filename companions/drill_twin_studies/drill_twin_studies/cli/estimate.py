@@ -11,9 +11,6 @@ from drill_twin.cli.emit import emit
 from drill_twin.cli.show import remark, shown_progress
 from drill_twin.core.errors import ArgumentError, RunError
 
-FILES = ("estimate.json", "estimate.png")
-"""Files of `--out`."""
-
 
 def estimate(
     record: options.FittedArgument,
@@ -88,7 +85,7 @@ def estimate(
         (*shown(found, estimator.scene, estimator.intake.troubles), *measurements.notes),
         json=json, folder=out,
         files={
-            FILES[0]: lambda: {"estimates": [plain(one) for one in over_time], **troubles},
-            FILES[1]: lambda: estimate_figure(over_time, measurements, estimator.scene.unit_system),
+            "estimate.json": lambda: {"estimates": [plain(one) for one in over_time], **troubles},
+            "estimate.png": lambda: estimate_figure(over_time, measurements, estimator.scene.unit_system),
         },
     )  # fmt: skip

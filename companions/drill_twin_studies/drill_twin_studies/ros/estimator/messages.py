@@ -27,25 +27,17 @@ def values_of(state: JointState, *, set_points: bool) -> dict[str, float]:
     return {name: float(state.column(channel.array, channel.joint)) for name, channel in channels}
 
 
-class EstimateEncoder:
-    """Encoder of `/estimate/state`; its names come from the first estimate."""
-
-    def __init__(self) -> None:
-        self._template: JointStateTemplate | None = None
-
-    def encode(self, stamp: int, found: Estimate) -> bytes:
-        """CDR of an estimate at a stamp [ns]."""
-        level, _ = trust_in(found)
-        values = {"trust": float(level), "alarm": float(bool(found.alarm)), "whirls": found.whirls}
-        values["unexplained"] = sum(one.end - one.start for one in found.spans)
-        if math.isfinite(found.chance):
-            values["chance_of_whirl"] = found.chance
-        for name, band in {**found.numbers, **found.sensors}.items():
-            values |= {name: band.mean, f"{name}/deviation": band.deviation}
-            values |= {f"{name}/low": band.low, f"{name}/high": band.high}
-        if self._template is None:
-            self._template = JointStateTemplate(tuple(values), velocity=False, effort=False)
-        return self._template.fill(stamp, [values[name] for name in self._template.names])
+def encode_estimate(stamp: int, found: Estimate) -> bytes:
+    """CDR of an estimate, a message of `/estimate/state`, at a stamp [ns]."""
+    level, _ = trust_in(found)
+    values = {"trust": float(level), "alarm": float(bool(found.alarm)), "whirls": found.whirls}
+    values["unexplained"] = sum(one.end - one.start for one in found.spans)
+    if math.isfinite(found.chance):
+        values["chance_of_whirl"] = found.chance
+    for name, band in {**found.numbers, **found.sensors}.items():
+        values |= {name: band.mean, f"{name}/deviation": band.deviation}
+        values |= {f"{name}/low": band.low, f"{name}/high": band.high}
+    return JointStateTemplate(tuple(values), velocity=False, effort=False).fill(stamp, list(values.values()))
 
 
 def verdict_of(found: Estimate) -> tuple[Level, str]:

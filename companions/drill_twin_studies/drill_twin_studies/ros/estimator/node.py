@@ -38,7 +38,7 @@ from drill_twin.runs import compile_kernel
 from drill_twin_studies.api.estimator import Estimator as Following
 from drill_twin_studies.estimation import Estimate, EstimatorOptions
 from drill_twin_studies.ros.estimator.messages import (
-    EstimateEncoder,
+    encode_estimate,
     nearest_twin,
     trust_in,
     values_for_diagnostics,
@@ -126,7 +126,7 @@ class Estimator(TwinNode):
         self._found: Estimate | None = None
         self._heard: tuple[float, float] | None = None  # stamp of the last sample, and when it came [s]
         self._alone = 0.0  # s since then, for which the ensemble has run alone
-        self._encoder, self._channels = EstimateEncoder(), GoodSamples()
+        self._channels = GoodSamples()
         self._making, self._closing = "making the ensemble", False
         self._thread = ThreadPoolExecutor(1, "ensemble")
         self._made: Future[Following] | None = self._thread.submit(self._stoppable, self._make)
@@ -250,7 +250,7 @@ class Estimator(TwinNode):
         self._found = found
         origin = following.intake.origin
         stamp = stamp_ns(max(origin + found.time, 0.0))
-        self.topics.publish(ESTIMATE_STATE, self._encoder.encode(stamp, found))
+        self.topics.publish(ESTIMATE_STATE, encode_estimate(stamp, found))
         self.publish_diagnostics()  # the sentence on it
         if self._nearest is not None and found.frames is not None:
             for topic, raw in nearest_twin(self._nearest, found.frames, origin):
