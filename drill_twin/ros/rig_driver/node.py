@@ -178,7 +178,7 @@ class RigDriver(TwinNode):
     @property
     def finished(self) -> bool:
         """True once the schedule is over, if `at_end` is stop."""
-        return self.settings.at_end == "stop" and self._drives and self._time >= self._plan.duration
+        return self.settings.at_end == "stop" and self._drives and self._time >= self._plan.schedule.duration
 
     @property
     def _time(self) -> float:
@@ -197,12 +197,12 @@ class RigDriver(TwinNode):
     def health(self) -> Status:
         """Set-points in force, and other drivers."""
         command = self._last or Command(0.0, 0.0)
-        over = self._time >= self._plan.duration
+        over = self._time >= self._plan.schedule.duration
         drivers = self.topics.publisher_nodes(RIG_COMMAND)
         values = {
             "plays": self._plan.plays,
             "time": f"{self._time:.3f}",
-            "schedule_ends": f"{self._plan.duration:.3f}",
+            "schedule_ends": f"{self._plan.schedule.duration:.3f}",
             "weight_on_bit": f"{command.weight_on_bit:g}",
             "speed_rev_s": f"{command.rotation / math.tau:g}",
             "commands_sent": str(self._sent),

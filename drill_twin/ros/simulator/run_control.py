@@ -34,8 +34,6 @@ SERVICES = (
 )
 """Names under the node; a type is its name in capitals, as `GetSimulationState`."""
 
-Action = Callable[[], str]
-"""Returns a sentence on what it did; raises a DrillTwinError where it cannot."""
 Told = Callable[[bool, str], object]
 """Called with whether all frames of a step were taken, and a sentence on them."""
 
@@ -229,8 +227,8 @@ def _done(response: Any, success: bool, text: str) -> Any:
     return _said(response, OK) if success else _said(response, FAILED, text)
 
 
-def _answered(action: Action, response_of: Callable[[bool, str], Any]) -> Any:
-    """Response to an action; `response_of` is as `Told`."""
+def _answered(action: Callable[[], str], response_of: Callable[[bool, str], Any]) -> Any:
+    """Response to an action, which says what it did, or raises a DrillTwinError; `response_of` is as `Told`."""
     try:
         return response_of(True, action())
     except DrillTwinError as error:
