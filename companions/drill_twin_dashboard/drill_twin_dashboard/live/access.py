@@ -53,11 +53,9 @@ class Access:
     def refusal(self, headers: Headers) -> tuple[HTTPStatus, str] | None:
         """Status and sentence for a request that is not for this server; None for a request that is."""
         hosts, origins = headers.get_all("Host"), headers.get_all("Origin")
-        if len(hosts) != 1 or len(origins) > 1:
-            return HTTPStatus.BAD_REQUEST, "expected one header Host and at most one header Origin\n"
-        name = _host_name(hosts[0])
+        name = _host_name(hosts[0]) if len(hosts) == 1 and len(origins) < 2 else None
         if name is None:
-            return HTTPStatus.BAD_REQUEST, "expected the header Host as NAME:PORT\n"
+            return HTTPStatus.BAD_REQUEST, "expected one header Host as NAME:PORT, and at most one header Origin\n"
         if not self._is_own(name):
             return (
                 HTTPStatus.FORBIDDEN,

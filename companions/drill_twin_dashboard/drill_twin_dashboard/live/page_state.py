@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """State of the live page: the latest values of the topics, of a running twin or of a bag."""
 
-from __future__ import annotations
-
 import math
 import threading
 from collections.abc import Callable, Iterable, Mapping
@@ -250,7 +248,7 @@ class PageState:
                     state = self._read[RIG_STATE](raw)
                     self._supervision.trends.push(seconds(state.stamp), rig_values(read_rig_state(state)))
 
-    HANDLERS: ClassVar[dict[str, Callable[[PageState, Any], None]]] = {
+    HANDLERS: ClassVar[dict[str, Callable[[Any, Any], None]]] = {
         TWIN_SCENE: _on_scene,
         STRING_POSES: _on_poses,
         MARKS_STATE: _on_marks,

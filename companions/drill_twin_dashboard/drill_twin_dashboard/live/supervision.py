@@ -16,7 +16,7 @@ from drill_twin.io.messages.diagnostics import Level
 from drill_twin.whirl import StickSlip
 from drill_twin.whirl.motion.stick_slip_index import TIME_BASE
 from drill_twin.whirl.severity import torsion_grade, turns_backwards
-from drill_twin_dashboard.live.alarms import CHANNELS, SIDES, AlarmLimits, Alarms, Trends
+from drill_twin_dashboard.live.alarms import LIMITS, AlarmLimits, Alarms, Trends
 
 LEVELS = {Grade.NONE: 0, Grade.LOW: 0, Grade.MEDIUM: 1, Grade.HIGH: 2, Grade.SEVERE: 2}
 """Level of a lamp by its grade of severity: 1 is a warning, 2 an alarm."""
@@ -47,7 +47,6 @@ def stick_slip_lamp(bit: StickSlip, bounds: Bounds = DEFAULT, *, backwards: bool
     return found._replace(severity=f"{found.severity}, the bit turns backwards") if backwards and found.level else found
 
 
-_LIMITS = {f"{channel}_{side}" for channel in CHANNELS for side in SIDES}
 _RECENT = 8  # events in a snapshot
 UNKNOWN = Lamp(None, "unknown", "")
 """Lamp of a motion that nobody has told, or whose analyzer is gone."""
@@ -133,7 +132,7 @@ class Supervision:
             if number is False:
                 raise DrillTwinError("expected the number of an alarm to acknowledge, or true for all, found false")
             self.alarms.acknowledge(None if number is True else int(number), self.time)
-        for name in sorted(_LIMITS & rest.keys()):
+        for name in sorted(LIMITS.keys() & rest.keys()):
             self.alarms.note(self.limits.set(name, rest.pop(name)), self.time)
         return rest
 

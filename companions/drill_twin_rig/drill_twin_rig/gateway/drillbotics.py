@@ -167,7 +167,6 @@ def _zero(bag: Bag, recorded: float, time: float) -> datetime:
     raise BagError(f"{bag.path}: expected the time of the run, found none in the bag; give --start")
 
 
-_NEEDED_OF_VIRTUAL_TEAMS = {"flow_in_lpm": "flow in", "flow_out_lpm": "flow out", "spp_MPa": "standpipe pressure"}
 _STAMP = re.compile(r"\d{4}-\d\d-\d\dT\d\d:\d\d:\d\d\.\d{3}Z")
 _UNIT = re.compile(r"(_[A-Za-z]+|\([^()]+\))$|^rpm$")
 
@@ -224,11 +223,7 @@ def check_timeseries(path: Path) -> Iterator[Rule]:
         if text:
             yield Rule("numbers only", False, f'{name}: "{text[:40]}"')
         elif name in SUGGESTED and not any(column):
-            needed = (
-                f", needed of virtual teams: {_NEEDED_OF_VIRTUAL_TEAMS[name]}"
-                if name in _NEEDED_OF_VIRTUAL_TEAMS
-                else ""
-            )
+            needed = "" if SUGGESTED[name] else ", needed of virtual teams"  # which have no circulation in the twin
             yield Rule(f"values of {name}", None, f"not computed in this run{needed}")
 
 

@@ -147,8 +147,8 @@ class EventLoopThread:
 
 PATIENCE = 3.0
 """Longest wait for an answer [s]."""
-_FIRST_WAIT, _MOST_WAIT = 0.5, 5.0
-"""Time between the first attempts to connect, and after many [s]; not measured."""
+_WAIT = 1.0
+"""Time between two attempts to connect [s]; not measured."""
 
 
 class RefusedError(Exception):
@@ -199,17 +199,14 @@ class RigReader(ABC):
         self._thread.close()
 
     async def _run(self) -> None:
-        wait = _FIRST_WAIT
         while True:
-            before = self.connections
             try:
                 await self.connect_and_read()
                 self.fault = "the server of the rig ended the connection"
             except Exception as error:  # noqa: BLE001 - a server may answer anything; its error is told, and it is asked again
                 text = str(error) or type(error).__name__
                 self.fault = shortened(text.partition("\n")[0], 200)
-            wait = _FIRST_WAIT if self.connections > before else min(2.0 * wait, _MOST_WAIT)
-            await asyncio.sleep(wait)
+            await asyncio.sleep(_WAIT)
 
     def _connected(self) -> None:
         self.connections, self.fault = self.connections + 1, ""

@@ -68,7 +68,7 @@ class Estimator:
             SceneError: A range does not fit the scene.
         """
         self.scene = as_scene(scene, overrides)
-        instant = _instant(channels)
+        instant = frozenset(name.removesuffix(INSTANT) for name in map(str, channels) if name.endswith(INSTANT))
         channels = [str(name).removesuffix(INSTANT) for name in channels] if instant else channels
         _check(channels, free)
         self.channels = tuple(channels)
@@ -194,12 +194,6 @@ def _numbers(scene: Scene) -> Iterator[str]:
     content = scene.model_dump(mode="json", exclude_none=True)
     for place, block in {**content["effects"], "rig.top_drive": content["rig"].get("top_drive", {})}.items():
         yield from (f"{place}.{name}" for name, value in block.items() if type(value) in {int, float})
-
-
-def _instant(channels: Sequence[str]) -> frozenset[str]:
-    """Channels whose samples are values at their times, without the ending of their names."""
-    names = () if isinstance(channels, str) else map(str, channels)
-    return frozenset(name.removesuffix(INSTANT) for name in names if name.endswith(INSTANT))
 
 
 def _ends(given: str | tuple[float, float]) -> tuple[float, float]:

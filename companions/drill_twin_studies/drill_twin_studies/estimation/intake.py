@@ -55,6 +55,7 @@ class Intake:
     Attributes:
         troubles: Number of samples, windows or jumps by kind of trouble.
         frozen: Channels that are frozen.
+        origin: Stamp [s] of time zero of the windows; None before the first sample.
         drive: Measured speed of the top drive beside its set-point.
     """
 
@@ -71,7 +72,7 @@ class Intake:
         self.drive = DriveSpeed()
         self._pace, self._channels, self._instant = pace, list(channels), instant
         self._schedule = Schedule.from_scene(scene)
-        self._origin: float | None = None  # stamp of time zero
+        self.origin: float | None = None
         self._start = 0.0  # of the open window
         self._past = {name: deque[float](maxlen=_USUAL) for name in channels}  # times of the last samples of a channel
         self._newest = 0.0
@@ -83,11 +84,6 @@ class Intake:
         self._ready: deque[FilterWindow] = deque()
         self._subs = [SubIntake(pace, sub, self.troubles) for sub in subs]
 
-    @property
-    def origin(self) -> float:
-        """Stamp [s] of time zero of the windows; 0 before the first sample."""
-        return self._origin or 0.0
-
     def take(self, stamp: float, values: Mapping[str, float]) -> bool:
         """Take a sample; returns False for a stamp that cannot be used: late, repeated or not finite.
 
@@ -98,12 +94,12 @@ class Intake:
         if not math.isfinite(stamp):
             self.troubles["stamp not finite"] += 1
             return False
-        if self._origin is None:
-            self._origin = stamp
-        time = round(stamp - self._origin, 6)
+        if self.origin is None:
+            self.origin = stamp
+        time = round(stamp - self.origin, 6)
         if time > self._newest + _GAP or time < self._newest - _BACK:
             self.troubles["clock jump"] += 1
-            self._origin += time - self._newest  # time goes on from where it was
+            self.origin += time - self._newest  # time goes on from where it was
             time = self._newest
         elif abs(time - self._newest) < _ROUND_OFF and self._open:
             self.troubles["repeated"] += 1
@@ -125,9 +121,9 @@ class Intake:
             sub: Number of the sub.
             values: Specific force [m/s^2] and rates of rotation [rad/s], six values.
         """
-        if self._origin is None:
+        if self.origin is None:
             return
-        time = stamp - self._origin
+        time = stamp - self.origin
         if not time > self._start or time > self._newest + _GAP:
             self.troubles["reading out of time"] += 1
             return

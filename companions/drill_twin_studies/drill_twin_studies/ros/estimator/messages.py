@@ -23,8 +23,7 @@ _VALUES = ("torque", "motor_torque", "hookload", "top_drive_speed", "bit_speed",
 def values_of(state: JointState, *, set_points: bool) -> dict[str, float]:
     """Channels of a message like `/rig/state` by name, NaN for what it does not have; set-points if asked for."""
     wanted = [name for name in _VALUES if set_points or name not in {"weight_on_bit", "rotation"}]
-    channels = zip(wanted, map(channel_of, wanted), strict=True)
-    return {name: float(state.column(channel.array, channel.joint)) for name, channel in channels}
+    return {name: float(state.column(channel_of(name).array, channel_of(name).joint)) for name in wanted}
 
 
 def encode_estimate(stamp: int, found: Estimate) -> bytes:

@@ -248,7 +248,7 @@ class Estimator(TwinNode):
         if found.alarm and (self._found is None or not self._found.alarm):
             self.get_logger().warning(found.alarm)
         self._found = found
-        origin = following.intake.origin
+        origin = following.intake.origin or 0.0
         stamp = stamp_ns(max(origin + found.time, 0.0))
         self.topics.publish(ESTIMATE_STATE, encode_estimate(stamp, found))
         self.publish_diagnostics()  # the sentence on it
