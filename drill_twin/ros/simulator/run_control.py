@@ -157,18 +157,13 @@ class RunControl:
 
     def _checkpoint_path(self) -> Path:
         own, periodic = self._settings.saved_checkpoint, self._settings.checkpoint
-        if own and periodic and Path(own).resolve() == Path(periodic).resolve():
+        file = own or (periodic and str(Path(periodic).with_name(f"{Path(periodic).stem}_saved.npz")))
+        if not file or (periodic and Path(file).resolve() == Path(periodic).resolve()):
             raise CheckpointError(
-                f"expected another file than the periodic checkpoint, found {own} for both; "
+                f"expected another file than the periodic checkpoint, found {file or 'none'}; "
                 f"ros2 param set {self._node_name} saved_checkpoint FILE.npz"
             )
-        if own or periodic:
-            file = own or Path(periodic).with_name(f"{Path(periodic).stem}_saved.npz")
-            return self.simulation.places.file(str(file))
-        raise CheckpointError(
-            "expected a file for the checkpoint, found none; "
-            f"ros2 param set {self._node_name} saved_checkpoint FILE.npz"
-        )
+        return self.simulation.places.file(file)
 
 
 # --- services --------------------------------------------------------------------------------------------------------

@@ -99,9 +99,8 @@ def response(kind: str, content: bytes, policy: str = _POLICY, **more: str) -> R
 
 
 @cache
-def _plotly(*, packed: bool) -> bytes:
-    content = pkgutil.get_data("plotly", "package_data/plotly.min.js") or b""
-    return gzip.compress(content, 6, mtime=0) if packed else content
+def _plotly() -> bytes:
+    return gzip.compress(pkgutil.get_data("plotly", "package_data/plotly.min.js") or b"", 6, mtime=0)
 
 
 MOST_CLIENTS = 32
@@ -207,8 +206,7 @@ class PageServer(WebServer):
         kind, content = self._files[path]
         if path != _PLOTLY:
             return response(kind, content)
-        packed = "gzip" in ",".join(request.headers.get_all("Accept-Encoding"))
-        return response(kind, _plotly(packed=packed), **({"Content-Encoding": "gzip"} if packed else {}))
+        return response(kind, _plotly(), **{"Content-Encoding": "gzip"})
 
     async def _converse(self, connection: ServerConnection) -> None:
         """Send snapshots and handle requests until the client leaves."""

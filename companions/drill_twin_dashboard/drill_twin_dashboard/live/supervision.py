@@ -65,7 +65,7 @@ class Supervision:
         self._recorded = recorded
         self.time: float | None = None
         """Simulated time of the last rig state [s]."""
-        self._bit, self._backwards = StickSlip(), -math.inf
+        self._begin_motion()
         self.bounds = DEFAULT
         """Bounds of the grades of severity."""
         self._motions: dict[str, str] = {}
@@ -74,19 +74,23 @@ class Supervision:
 
     def begin(self, name: str, bounds: Bounds = DEFAULT) -> None:
         """Begin a run of a scene, with its bounds of the grades of severity."""
-        self._bit, self._backwards, self.time, self.bounds = StickSlip(), -math.inf, None, bounds
-        self.limits.again()
+        self.time, self.bounds = None, bounds
+        self._begin_motion()
         self.lamps = dict.fromkeys(self.lamps, UNKNOWN)
         if not self._recorded:
             self._motions.clear()
             self.trends.clear()
             self.alarms.note(f"a run of {name} began", None)
 
+    def _begin_motion(self) -> None:
+        """Forget the bit, and what was beyond a limit."""
+        self._bit, self._backwards = StickSlip(), -math.inf
+        self.limits.again()
+
     def rig(self, time: float, values: Mapping[str, float]) -> None:
         """Use the state of the rig at a time [s]."""
         if self.time is not None and time < self.time:
-            self.limits.again()
-            self._bit, self._backwards = StickSlip(), -math.inf
+            self._begin_motion()
         self.time = time
         if not self._recorded:
             self.trends.push(time, values)

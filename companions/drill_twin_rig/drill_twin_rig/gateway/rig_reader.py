@@ -12,6 +12,7 @@ from abc import ABC, abstractmethod
 from collections import Counter
 from collections.abc import Coroutine, Iterable, Mapping, Sequence
 from concurrent.futures import Future
+from contextlib import suppress
 from typing import Any, NamedTuple, TypeVar
 
 from drill_twin.core.errors import shortened
@@ -104,13 +105,10 @@ def unit_fault(signal: RigSignal, found: str) -> str:
         signal: The signal.
         found: Text of the unit on the server; empty where it gives none.
     """
-    if not found:
-        return ""
-    try:
-        same = si_factor(found) == si_factor(signal.unit)
-    except UnitError:
-        same = False
-    return "" if same else f"wrong unit: expected {signal.unit}, found {found} on the server"
+    with suppress(UnitError):
+        if not found or si_factor(found) == si_factor(signal.unit):
+            return ""
+    return f"wrong unit: expected {signal.unit}, found {found} on the server"
 
 
 _T = TypeVar("_T")

@@ -34,49 +34,6 @@ if TYPE_CHECKING:
     from drill_twin_rig.gateway.opc_ua.keys import Keys
     from drill_twin_rig.gateway.opc_ua.server import OpcUaServer
 
-PARAMETERS = (
-    Parameter("signals", "dwis", "file with a line a signal: an installed one by name, or a path"),
-    Parameter("host", "127.0.0.1", "address of the OPC UA server; 0.0.0.0: all of this machine"),
-    Parameter("port", 4840, "port of the OPC UA server", "", 1, 65535),
-    Parameter("rate", 10.0, "values a second on the OPC UA server", "Hz", 0.1, 50.0),
-    Parameter(
-        "keys",
-        "",
-        "folder of keys (drill-twin ros keys): clients need a trusted certificate, encryption and a user; "
-        '"": everybody reads without encryption, on this host only, and nobody commands',
-    ),
-    Parameter(
-        "grant",
-        "ask",
-        "control that a client requests: ask: granted by ~/grant_control; always: granted at once; never: denied",
-        choices=("ask", "always", "never"),
-        live=True,
-    ),
-    Parameter("heartbeat_timeout", 2.0, "wall time without a heartbeat after which control is lost", "s", 0.2, 60.0),
-    Parameter(
-        "rig_url",
-        "",
-        "server of a rig (OPC UA, or WITS level 0 as wits://rig:5001), whose signals of the sections measure and "
-        'follow are read; "": none',
-        such_as="opc.tcp://rig:4840",
-    ),
-    Parameter(
-        "rig_security",
-        "sign_and_encrypt",
-        "connection: sign_and_encrypt: with keys, Basic256Sha256; none: open, and set-points are followed "
-        "on this host only",
-        choices=("sign_and_encrypt", "none"),
-    ),
-    Parameter(
-        "rig_user",
-        "",
-        'user on the rig; password: in the file rig_password in keys; "": anonymous',
-    ),
-    Parameter("rig_rate", 10.0, "readings of the rig a second", "Hz", 0.1, 50.0),
-    AUTOSTART,
-)
-
-
 _TURN = 0.05  # s between two turns of the loop
 _CONTROL_PERIOD = 0.1  # s
 _DEPTH = 100  # messages; half a second at 200 Hz
@@ -87,7 +44,49 @@ class Gateway(TwinNode):
 
     NAME = "gateway"
     PURPOSE = "Connects the twin with rig software by OPC UA, with the signals of D-WIS. Needs asyncua."
-    PARAMETERS = PARAMETERS
+    PARAMETERS = (
+        Parameter("signals", "dwis", "file with a line a signal: an installed one by name, or a path"),
+        Parameter("host", "127.0.0.1", "address of the OPC UA server; 0.0.0.0: all of this machine"),
+        Parameter("port", 4840, "port of the OPC UA server", "", 1, 65535),
+        Parameter("rate", 10.0, "values a second on the OPC UA server", "Hz", 0.1, 50.0),
+        Parameter(
+            "keys",
+            "",
+            "folder of keys (drill-twin ros keys): clients need a trusted certificate, encryption and a user; "
+            '"": everybody reads without encryption, on this host only, and nobody commands',
+        ),
+        Parameter(
+            "grant",
+            "ask",
+            "control that a client requests: ask: granted by ~/grant_control; always: granted at once; never: denied",
+            choices=("ask", "always", "never"),
+            live=True,
+        ),
+        Parameter(
+            "heartbeat_timeout", 2.0, "wall time without a heartbeat after which control is lost", "s", 0.2, 60.0
+        ),
+        Parameter(
+            "rig_url",
+            "",
+            "server of a rig (OPC UA, or WITS level 0 as wits://rig:5001), whose signals of the sections measure and "
+            'follow are read; "": none',
+            such_as="opc.tcp://rig:4840",
+        ),
+        Parameter(
+            "rig_security",
+            "sign_and_encrypt",
+            "connection: sign_and_encrypt: with keys, Basic256Sha256; none: open, and set-points are followed "
+            "on this host only",
+            choices=("sign_and_encrypt", "none"),
+        ),
+        Parameter(
+            "rig_user",
+            "",
+            'user on the rig; password: in the file rig_password in keys; "": anonymous',
+        ),
+        Parameter("rig_rate", 10.0, "readings of the rig a second", "Hz", 0.1, 50.0),
+        AUTOSTART,
+    )
     RIGHTS = Rights(
         (DIAGNOSTICS, TWIN_SCENE, *{quantity.topic for quantity in QUANTITIES.values()}),
         ("~/grant_control", "~/withdraw_control"),
@@ -148,7 +147,7 @@ class Gateway(TwinNode):
     def complete(self) -> None:
         """End server and client."""
         if self._rig is not None:
-            self._rig.close()
+            self._rig.client.close()
         if hasattr(self, "_server"):
             self._server.close()
 

@@ -57,10 +57,11 @@ class RigLink:
         wits, secure = _is_wits(settings), _is_secure(settings)
         check_security(settings, follows=bool(signals.follow), has_keys=keys is not None)
         self._node, self._output, self._signals, self._limits = node, output, signals, limits
-        self._client: RigReader = (
+        self.client: RigReader = (
             WitsReader(settings.rig_url, read) if wits else _opc_ua_client(settings, read, keys if secure else None)
         )
-        self._checked = self._client.checked()
+        """Reader of the rig."""
+        self._checked = self.client.checked()
         self._published, self._withdrawn = dict[str, int](), False
         measured = {MEASURED[one.quantity][0] for one in signals.measure if one.quantity in MEASURED}
         self._joints = tuple(joint for joint in RIG_JOINTS if joint in measured)
@@ -77,7 +78,7 @@ class RigLink:
 
     def work(self) -> None:
         """Publish what has come, and send the set-points while they are sound."""
-        self._checked = self._client.checked()
+        self._checked = self.client.checked()
         self._publish()
         if self._signals.follow and not self._withdrawn:
             self._follow()
@@ -136,26 +137,22 @@ class RigLink:
 
     def fault(self) -> str:
         """First fault of all, as a sentence; empty if all is sound."""
-        if self._client.fault:
-            return f"no connection to the rig: {self._client.fault}"
+        if self.client.fault:
+            return f"no connection to the rig: {self.client.fault}"
         return self._fault_of((*self._signals.measure, *self._signals.follow)) or self._beyond_limits()
 
     def values(self) -> dict[str, str]:
         """Values for the diagnostics."""
         return {
-            "rig_connections": str(self._client.connections),
+            "rig_connections": str(self.client.connections),
             "rig_follows": str(self.follows).lower(),
             **{
                 f"measured_{one.quantity}": found.fault or f"{found.value:g}"
                 for one in self._signals.measure
                 for found in [self._checked[one]]
             },
-            **{f"left_out_{quantity}": text for quantity, text in self._client.left_out().items() if text},
+            **{f"left_out_{quantity}": text for quantity, text in self.client.left_out().items() if text},
         }
-
-    def close(self) -> None:
-        """Disconnect."""
-        self._client.close()
 
 
 class ControlDesk:
@@ -268,10 +265,6 @@ def _opc_ua_client(settings: Any, signals: Sequence[RigSignal], keys: Keys | Non
     password = ""
     if settings.rig_user:
         file = Path(settings.keys) / "rig_password"
-        if not file.is_file():
-            raise ParameterError(
-                f"parameter rig_user: expected the password in {file}, found no such file; write the password there"
-            )
+        password = ForeignFile("a file with the password of rig_user", 10_000, ParameterError).text(file).strip()
         check_private(file)
-        password = ForeignFile("a password", 10_000, ParameterError).text(file).strip()
     return RigClient(settings, signals, keys, password)

@@ -78,7 +78,6 @@ def estimate(
         raise RunError(
             f"{record}: expected a record longer than --window ({window:g} s), found less; take a shorter window"
         )
-    found = over_time[-1]
     troubles = {"troubles": dict(estimator.intake.troubles), "notes": [*measurements.notes]}
     emit(
         plain(found) | troubles | {"bands": HELD, "of_law": of_law(found.numbers, estimator.scene)},

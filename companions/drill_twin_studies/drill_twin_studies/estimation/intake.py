@@ -55,6 +55,7 @@ class Intake:
     Attributes:
         troubles: Number of samples, windows or jumps by kind of trouble.
         frozen: Channels that are frozen.
+        ready: Whole windows that wait.
         origin: Stamp [s] of time zero of the windows; None before the first sample.
         drive: Measured speed of the top drive beside its set-point.
     """
@@ -81,7 +82,7 @@ class Intake:
         self._last: dict[str, tuple[float, float, int]] = {}  # last new value of a channel, when it came, how often
         self._varied: set[str] = set()
         self._largest: dict[str, float] = {}
-        self._ready: deque[FilterWindow] = deque()
+        self.ready: deque[FilterWindow] = deque()
         self._subs = [SubIntake(pace, sub, self.troubles) for sub in subs]
 
     def take(self, stamp: float, values: Mapping[str, float]) -> bool:
@@ -131,16 +132,11 @@ class Intake:
 
     def window(self) -> FilterWindow | None:
         """The next whole window, if there is one."""
-        return self._ready.popleft() if self._ready else None
-
-    @property
-    def waiting(self) -> int:
-        """Whole windows that wait."""
-        return len(self._ready)
+        return self.ready.popleft() if self.ready else None
 
     def skip(self) -> None:
         """Leave out the oldest window that waits."""
-        self._ready.popleft()
+        self.ready.popleft()
         self.troubles["skipped window"] += 1
 
     def _close(self, following: Sample) -> None:
@@ -157,7 +153,7 @@ class Intake:
         if not samples and overdue:
             self.troubles["missing window"] += 1
         self._start += self._pace.window
-        self._ready.append(
+        self.ready.append(
             FilterWindow(
                 commands=commands,
                 measured={name: measured for name, (measured, _) in parts.items()},

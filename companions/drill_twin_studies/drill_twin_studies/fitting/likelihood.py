@@ -133,7 +133,7 @@ class WindowedRecord:
         Raises:
             ArgumentError: The record has fewer windows without a gap than tell how they scatter.
         """
-        self._record, self._period = record, period
+        self._period = period
         self._length = OVERLAP * max(2, round(window / period / OVERLAP))
         self._noise = {channel: noise_of(values) for channel, values in record.items()}
         found = np.concatenate([features(values, period, self._length) for values in record.values()], axis=1)

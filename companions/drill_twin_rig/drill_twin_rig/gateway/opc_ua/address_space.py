@@ -16,6 +16,7 @@ from drill_twin_rig.gateway.dwis import (
     UNITS,
     UNITS_OF_NODES,
     VERBS,
+    Unit,
     classes,
     facts,
 )
@@ -95,12 +96,12 @@ class AddressSpace:
     async def describe(self, variable: Any, meaning: str, unit: str) -> None:
         """Give a variable its description, its unit as an OPC UA property, and its class and unit in D-WIS."""
         await variable.write_attribute(ua.AttributeIds.Description, _text(meaning))
-        known = UNITS.get(unit)
+        known = UNITS.get(unit, Unit(unit))
         information = ua.EUInformation(
             NamespaceUri="http://www.opcfoundation.org/UA/units/un/cefact",
-            UnitId=known.number if known else -1,
+            UnitId=known.number,
             DisplayName=ua.LocalizedText(unit),
-            Description=ua.LocalizedText(known.noun if known else unit),
+            Description=ua.LocalizedText(known.noun),
         )
         await variable.add_property(
             ua.NodeId(f"{variable.nodeid.Identifier}.EngineeringUnits", self._own),
@@ -108,7 +109,7 @@ class AddressSpace:
             information,
         )
         await self.link(variable, "BelongsToClass", await self._noun("DynamicDrillingSignal"))
-        if known:
+        if unit in UNITS:
             await self.link(variable, "HasUnitOfMeasure", await self._noun(known.noun))
 
     async def link(self, subject: Any, verb: str, noun: Any) -> None:

@@ -46,37 +46,6 @@ from drill_twin_studies.ros.estimator.messages import (
     verdict_of,
 )
 
-PARAMETERS = (
-    SCENE,
-    OVERRIDES,
-    Parameter(
-        "free", ("load_factor=0.8..1.2",), "free numbers and their ranges as KEY=LO..HI",
-        such_as='["wall_friction.coefficient=0.1..0.4", "load_factor=0.8..1.2"]', between=";",
-    ),
-    Parameter(
-        "channels", ("torque", "hookload"),
-        "channels that correct: torque, or motor_torque with inertia and bearings of the drive; hookload, "
-        "top_drive_speed, bit_speed",
-    ),
-    Parameter(
-        "subs", (),
-        "downhole subs of the scene whose readings correct, by name; of a real rig as measured/NAME",
-        such_as='["measured/near_bit"]',
-    ),
-    Parameter(
-        "set_points", "command", "where set-points come from: /rig/command, the measured message, or the scene", "",
-        choices=("command", "measured", "scene"),
-    ),
-    Parameter("members", 64, "members of the ensemble", "", 4, 1000),
-    Parameter("window", 1.0, "time from estimate to estimate", "s", 0.05, 60.0),
-    Parameter("rate", 10.0, "samples a second that are compared", "Hz", 0.1, 1000.0),
-    Parameter("error", 0.02, "error of a sample, over the largest value of its channel", "", 1e-6, 1.0),
-    Parameter("horizon", 4.0, "time ahead for which the chance of whirl is computed; 0: not computed", "s", 0.0, 60.0),
-    Parameter("show", True, "publish the member nearest to the rig under estimate/"),
-    Parameter("seed", 1, "seed of the draws", "", 0, 2**31 - 1),
-    AUTOSTART,
-)  # fmt: skip
-
 
 def make_estimator(settings: SimpleNamespace) -> Following:
     """Estimator of the parameters.
@@ -104,7 +73,38 @@ class Estimator(TwinNode):
 
     NAME = "estimator"
     PURPOSE = "Follows a rig with an ensemble: numbers, virtual sensors, chance of whirl, alarm."
-    PARAMETERS = PARAMETERS
+    PARAMETERS = (
+        SCENE,
+        OVERRIDES,
+        Parameter(
+            "free", ("load_factor=0.8..1.2",), "free numbers and their ranges as KEY=LO..HI",
+            such_as='["wall_friction.coefficient=0.1..0.4", "load_factor=0.8..1.2"]', between=";",
+        ),
+        Parameter(
+            "channels", ("torque", "hookload"),
+            "channels that correct: torque, or motor_torque with inertia and bearings of the drive; hookload, "
+            "top_drive_speed, bit_speed",
+        ),
+        Parameter(
+            "subs", (),
+            "downhole subs of the scene whose readings correct, by name; of a real rig as measured/NAME",
+            such_as='["measured/near_bit"]',
+        ),
+        Parameter(
+            "set_points", "command", "where set-points come from: /rig/command, the measured message, or the scene", "",
+            choices=("command", "measured", "scene"),
+        ),
+        Parameter("members", 64, "members of the ensemble", "", 4, 1000),
+        Parameter("window", 1.0, "time from estimate to estimate", "s", 0.05, 60.0),
+        Parameter("rate", 10.0, "samples a second that are compared", "Hz", 0.1, 1000.0),
+        Parameter("error", 0.02, "error of a sample, over the largest value of its channel", "", 1e-6, 1.0),
+        Parameter(
+            "horizon", 4.0, "time ahead for which the chance of whirl is computed; 0: not computed", "s", 0.0, 60.0
+        ),
+        Parameter("show", True, "publish the member nearest to the rig under estimate/"),
+        Parameter("seed", 1, "seed of the draws", "", 0, 2**31 - 1),
+        AUTOSTART,
+    )  # fmt: skip
     RIGHTS = Rights(
         (DIAGNOSTICS, MEASURED_RIG_STATE, RIG_STATE, RIG_COMMAND, "/downhole/*/imu", "/measured/downhole/*/imu"),
         publishes=tuple(ESTIMATE + topic for topic in OF_NEAREST_TWIN),
@@ -166,9 +166,9 @@ class Estimator(TwinNode):
             self._publish(self._following, self._step.result())
             self._step = None
         self._let_time_pass(self._following)
-        while self._following.intake.waiting > _BEHIND:
+        while len(self._following.intake.ready) > _BEHIND:
             self._following.intake.skip()
-        if self._step is None and self._following.intake.waiting:
+        if self._step is None and self._following.intake.ready:
             self._step = self._thread.submit(self._stoppable, self._following.step)
 
     def _stoppable(self, function: Callable[[], Result]) -> Result:
@@ -263,7 +263,7 @@ class Estimator(TwinNode):
         intake = self._following.intake
         values = {f"samples_{kind.replace(' ', '_')}": str(count) for kind, count in intake.troubles.items()}
         values |= {} if self._found is None else values_for_diagnostics(self._found)
-        values |= {**self.samples.values(), **self._channels.values(), "windows_waiting": str(intake.waiting)}
+        values |= {**self.samples.values(), **self._channels.values(), "windows_waiting": str(len(intake.ready))}
         level, silence = self.samples.verdict()
         lacks = "" if self.samples.rests else self._channels.verdict()[1]
         frozen = f"{', '.join(sorted(intake.frozen))}: frozen, left out" if intake.frozen else ""
