@@ -20,7 +20,6 @@ from drill_twin_studies.estimation import CHANNELS, LOAD, SET_POINTS, EnsembleFi
 from drill_twin_studies.estimation.subs import VALUES
 from drill_twin_studies.fitting import Record
 
-_NOTHING: Mapping[str, float] = {}
 _AHEAD = 0.5  # s, by which readings are taken before the samples of the surface that close their window
 
 
@@ -78,7 +77,7 @@ class Estimator:
         self.intake = Intake(self.filter.pace, self.scene, channels, self.filter.members.subs, instant)
         self._subs = {name: number for number, name in enumerate(subs)}
 
-    def take(self, stamp: float, values: Mapping[str, float] = _NOTHING) -> bool:
+    def take(self, stamp: float, values: Mapping[str, float] = {}) -> bool:
         """Take a sample; returns False for a stamp that cannot be used: late, repeated or not finite.
 
         Args:
@@ -165,14 +164,13 @@ def _check(channels: Sequence[str], free: Mapping[str, Any]) -> None:
             f'{{"{LOAD}": "0.8..1.2"}}, found {channels!r} and {free!r}'
         )
     odd = [str(name) for name in channels if name not in CHANNELS]
-    if odd or not channels or not free:
+    twice = [name for name in CHANNELS if channels.count(name) > 1]
+    if odd or twice or not channels or not free:
         raise ArgumentError(
-            f"expected channels of {', '.join(CHANNELS)} and a range of at least one number, found "
-            + (", ".join(odd) or f"{len(channels)} channels and {len(free)} ranges")
-            + (nearest(odd[0], [*CHANNELS]) if odd else "")
+            f"expected channels of {', '.join(CHANNELS)}, each once, and a range of at least one number, found "
+            + (", ".join([*odd, *twice]) or f"{len(channels)} channels and {len(free)} ranges")
+            + (nearest(odd[0], CHANNELS) if odd else "")
         )
-    if len(set(channels)) < len(channels):
-        raise ArgumentError(f"expected each channel once, found {', '.join(channels)}")
 
 
 def _range(scene: Scene, key: str, free: Mapping[str, GivenRange]) -> tuple[float, float]:

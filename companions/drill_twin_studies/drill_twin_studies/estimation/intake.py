@@ -17,7 +17,6 @@ from drill_twin_studies.estimation.subs import SubIntake
 
 SET_POINTS = Command._fields
 """Names of the set-points among the values of a sample [N], [rad/s], [m/s]: the fields of `Command`."""
-_ROTATION = SET_POINTS.index("rotation")
 _GAP = 5.0
 """Time without a sample [s] that is followed without measurement; a longer time is a jump of the clock; not
 measured."""
@@ -145,7 +144,7 @@ class Intake:
         self._open = []
         ends: Array = self._start + self._pace.period * np.arange(1.0, self._pace.frames + 1.0)
         commands = np.stack([self._set_points(name, samples, following, ends) for name in SET_POINTS], axis=1)
-        self.drive.take(self._start + self._pace.window, commands[:, _ROTATION], samples)
+        self.drive.take(self._start + self._pace.window, commands[:, SET_POINTS.index("rotation")], samples)
         parts = {name: self._compared(name, samples) for name in self._channels}
         readings = np.array([sub.close(self._start) for sub in self._subs])
         usual = {name: time for name in self._channels if math.isfinite(time := self._usual(name))}

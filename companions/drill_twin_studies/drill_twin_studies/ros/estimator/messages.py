@@ -40,10 +40,7 @@ def encode_estimate(stamp: int, found: Estimate) -> bytes:
 
 
 def verdict_of(found: Estimate) -> tuple[Level, str]:
-    """Level and sentence for the diagnostics: what is wrong with the estimate, else what it says of whirl."""
-    level, doubt = trust_in(found)
-    if level is not Level.OK:
-        return level, doubt
+    """Level and sentence for the diagnostics: what an estimate that is not doubted says of whirl."""
     if found.chance >= _LIKELY:
         return Level.WARN, "whirl is likely soon" if found.whirls <= _LIKELY else "the string whirls"
     return Level.OK, "the model explains what is measured"

@@ -5,12 +5,11 @@ import math
 from collections.abc import Callable
 from concurrent.futures import Future, ThreadPoolExecutor
 from functools import partial
-from types import SimpleNamespace
 from typing import TypeVar
 
 import numpy as np
 
-from drill_twin.core.errors import ParameterError, RunError, RunStopped
+from drill_twin.core.errors import RunError, RunStopped
 from drill_twin.dynamics.solver.slices import checked
 from drill_twin.io.messages.decode import JointState
 from drill_twin.io.messages.diagnostics import Level, Status
@@ -45,21 +44,6 @@ from drill_twin_studies.ros.estimator.messages import (
     values_of,
     verdict_of,
 )
-
-
-def make_estimator(settings: SimpleNamespace) -> Following:
-    """Estimator of the parameters.
-
-    Raises:
-        DrillTwinError: Scene, numbers or channels cannot be taken.
-    """
-    free = pairs_of("free", settings.free)
-    if not free:
-        raise ParameterError("parameter free: expected at least one KEY=LO..HI, found none")
-    names = ("members", "window", "rate", "error", "horizon", "seed")
-    options = EstimatorOptions(frames=settings.show, **{name: getattr(settings, name) for name in names})
-    return Following(scene_of(settings), free, channels=settings.channels, subs=settings.subs, options=options)
-
 
 _DEPTH = 1000  # messages that wait while another thread has the processor
 _BEHIND = 10  # windows that wait before the oldest is left out
@@ -183,9 +167,12 @@ class Estimator(TwinNode):
 
     def _make(self) -> Following:
         """Make the ensemble; its kernels are compiled by a child process, which `complete` ends at once."""
-        scene = scene_of(self.settings)
+        settings, scene = self.settings, scene_of(self.settings)
+        free = pairs_of("free", settings.free)
         compile_kernel(scene, scene.numerics.frame_period, self._on_compilation)
-        return make_estimator(self.settings)
+        names = ("members", "window", "rate", "error", "horizon", "seed")
+        options = EstimatorOptions(frames=settings.show, **{name: getattr(settings, name) for name in names})
+        return Following(scene, free, channels=settings.channels, subs=settings.subs, options=options)
 
     def _on_compilation(self, progress: str) -> None:
         self._making = progress
