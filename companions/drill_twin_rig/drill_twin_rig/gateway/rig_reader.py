@@ -89,13 +89,10 @@ class QualityCheck:
             return "stale stamp"
         if reading.stamp - now > _AHEAD:
             return "stamp in the future"
-        return self._frozen(float(value), now)
-
-    def _frozen(self, value: float, now: float) -> str:
         if value != self._last:
-            self._last, self._changed = value, now
-        frozen = 0.0 < self._signal.frozen_after <= now - self._changed
-        return f"frozen for more than {self._signal.frozen_after:g} s" if frozen else ""
+            self._last, self._changed = float(value), now
+        frozen = 0.0 < signal.frozen_after <= now - self._changed
+        return f"frozen for more than {signal.frozen_after:g} s" if frozen else ""
 
 
 def unit_fault(signal: RigSignal, found: str) -> str:
@@ -202,8 +199,7 @@ class RigReader(ABC):
                 await self.connect_and_read()
                 self.fault = "the server of the rig ended the connection"
             except Exception as error:  # noqa: BLE001 - a server may answer anything; its error is told, and it is asked again
-                text = str(error) or type(error).__name__
-                self.fault = shortened(text.partition("\n")[0], 200)
+                self.fault = shortened((str(error) or type(error).__name__).partition("\n")[0], 200)
             await asyncio.sleep(_WAIT)
 
     def _connected(self) -> None:

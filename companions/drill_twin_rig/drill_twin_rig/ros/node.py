@@ -97,7 +97,6 @@ class Gateway(TwinNode):
 
     _server: OpcUaServer
     """Server; made by `configure`."""
-    _rig: RigLink | None = None
 
     def configure(self) -> None:
         """Start server and client; create subscriptions to the topics of the signals, services and timers."""
@@ -121,9 +120,9 @@ class Gateway(TwinNode):
         self._unread = ""
         self._server, keys = _make_server(self.settings, self._signals, self._control)
         if self.settings.rig_url:
-            self._rig = self._desk.rig = RigLink(self, self._output, self._signals, keys, self._limits)
+            self._desk.rig = RigLink(self, self._output, self._signals, keys, self._limits)
         topics = {QUANTITIES[signal.quantity].topic for signal in self._signals.show}
-        topics |= {RIG_STATE} if self._signals.command or self._rig else set()
+        topics |= {RIG_STATE} if self._signals.command or self._desk.rig else set()
         for topic in topics:
             depth = 1 if TOPICS[topic].latched else _DEPTH
             self.topics.subscribe_raw(topic, partial(self._on_message, topic), depth=depth)
@@ -134,21 +133,21 @@ class Gateway(TwinNode):
         self.create_service(Trigger, "~/withdraw_control", self._desk.withdraw)
         self.every(1.0 / self.settings.rate, lambda: self._server.show(self._samples()))
         self.every(_CONTROL_PERIOD, lambda: self._desk.work(self._server))
-        security = f"encrypted, keys in {keys.folder}" if keys else "without encryption or users, read only"
-        self.get_logger().info(f"{len(self._signals.show)} signals at {self._server.url}; {security}")
+        policy = f"Basic256Sha256, keys in {keys.folder}" if keys else "None, read only"
+        self.get_logger().info(f"{len(self._signals.show)} signals at {self._server.url}; security policy {policy}")
 
     def deactivate(self) -> None:
         """Command nothing while at rest."""
         self._control.deny("the gateway was deactivated")
-        if self._rig is not None:
-            self._rig.stop_following()
+        if self._desk.rig is not None:
+            self._desk.rig.stop_following()
         self._output.end()
 
     def complete(self) -> None:
         """End server and client."""
-        if self._rig is not None:
-            self._rig.client.close()
         if hasattr(self, "_server"):
+            if self._desk.rig is not None:
+                self._desk.rig.client.close()
             self._server.close()
 
     def _on_message(self, topic: str, raw: bytes, _: Mapping[str, Any]) -> None:
@@ -216,8 +215,8 @@ class Gateway(TwinNode):
         }
         if command is not None:
             values |= {"weight_on_bit": f"{command.weight_on_bit:g}", "speed_rev_s": f"{command.rotation / math.tau:g}"}
-        if self._rig is not None:
-            values |= self._rig.values()
+        if self._desk.rig is not None:
+            values |= self._desk.rig.values()
         unread = f"a message could not be read: {self._unread}" if self._unread else ""
         shows = Level.OK, "showing the twin" if present else "waiting for the twin"
         told = self.status(values, *self._faults(), (Level.WARN, unread), self._silence(stale), shows)
@@ -227,13 +226,13 @@ class Gateway(TwinNode):
     def _faults(self) -> Iterator[tuple[Level, str]]:
         """Levels and sentences on rig, control and clients, the worst first; empty ones where all is well."""
         control, refusal = self._control, self._server.sessions.refusal
-        lost = (self._rig is not None and self._rig.lost) or (
+        lost = (self._desk.rig is not None and self._desk.rig.lost) or (
             control.lost if control.permission is Permission.INVALID else ""
         )
         if self._output.command is None and not self._output.others():
             yield Level.ERROR, lost and f"control lost: {lost}; the simulator does what its on_silence says"
-        if self._rig is not None:
-            yield Level.WARN, self._rig.fault()
+        if self._desk.rig is not None:
+            yield Level.WARN, self._desk.rig.fault()
         if control.permission is Permission.PENDING and control.user is not None:
             yield Level.WARN, f"{control.user.name} requests control: call ~/grant_control"
         yield Level.WARN, refusal and f"refused: {refusal}"
