@@ -95,11 +95,7 @@ class Access:
         """True for a browser that has entered."""
         cookies = (part.strip().partition("=") for text in headers.get_all("Cookie") for part in text.split(";"))
         name = _cookie_name(headers)
-        return any(found == name and _same(value, self._cookie) for found, _, value in cookies)
-
-    def is_key(self, given: str) -> bool:
-        """True for the key; takes the same time for any other text."""
-        return _same(given, self.key)
+        return any(found == name and same(value, self._cookie) for found, _, value in cookies)
 
     def _is_own(self, name: str) -> bool:
         """True for an address, which no DNS can point elsewhere, and for the names of this machine."""
@@ -203,7 +199,8 @@ def url(host: str, port: int) -> str:
     return f"http://{in_url(WILDCARDS.get(host, host))}:{port}/"
 
 
-def _same(given: str, secret: str) -> bool:
+def same(given: str, secret: str) -> bool:
+    """True for a secret; takes the same time for any other text."""
     return hmac.compare_digest(given.encode("utf-8", "surrogatepass"), secret.encode())
 
 

@@ -30,14 +30,12 @@ SECONDS = 0.25
 _MOST = round(1800.0 / SECONDS)
 _AGAIN = 8  # intervals sent twice, for a page that missed a snapshot
 
-Row = list[float | None]
-
 
 class Trends:
     """Intervals of one run; a row is its number, then least, mean and largest value of each channel."""
 
     def __init__(self, most: int = _MOST) -> None:
-        self._rows: deque[Row] = deque(maxlen=most)
+        self._rows: deque[list[float | None]] = deque(maxlen=most)
         self.run = -1
         """Number of the run; time that goes back begins another."""
         self.clear()
@@ -72,7 +70,7 @@ class Trends:
     def _close(self) -> None:
         if math.isnan(self._present):
             return
-        row: Row = [self._present]
+        row: list[float | None] = [self._present]
         for low, total, high, count in zip(self._low, self._sum, self._high, self._counts, strict=True):
             row += [float(f"{one:.6g}") for one in (low, total / count, high)] if count else [None, None, None]
         self._rows.append(row)

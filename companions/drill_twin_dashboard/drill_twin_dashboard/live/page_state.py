@@ -72,7 +72,7 @@ class PageState:
                 recording, whose values stay.
         """
         self._sources = sources
-        self._lock = threading.Lock()
+        self._lock = threading.RLock()
         self._supervision = Supervision(recorded=sources is None)
         self._state = ""  # of the simulator, which another scene does not change
         self._read = {topic: reader_of(topic) for topic in INPUTS}
@@ -80,26 +80,23 @@ class PageState:
         """Messages that could not be used."""
         self.units = ""
         """System of units that the reader asked for; empty: the scene's."""
-        self._clear()
+        self.clear()
 
     def clear(self) -> None:
         """Drop all values, for a new run or another time of the recording."""
         with self._lock:
-            self._clear()
-
-    def _clear(self) -> None:
-        self._hole: Scene | None = None
-        self._weight = math.nan
-        self._marks: dict[str, dict[str, Any]] = {}
-        self._trail: dict[str, list[list[float]]] = {}
-        self._rig: dict[str, float] = {}
-        self._said = dict.fromkeys(_SPEAKERS, "")  # sentence of each of these nodes
-        self._starting = ""  # name of the simulator while it compiles or is not configured
-        self.shown: dict[str, Any] = {  # what the page gets as it is
-            "time": 0.0, "scene": None, "nodes": [], "motion": {"state": "", "criterion": "", "whirls": False},
-            "onset": None, "advice": {"level": 0}, "map": None, "estimates": None,
-            "simulator": {"factor": "", "text": ""},  # real-time factor, and a sentence on it
-        }  # fmt: skip
+            self._hole: Scene | None = None
+            self._weight = math.nan
+            self._marks: dict[str, dict[str, Any]] = {}
+            self._trail: dict[str, list[list[float]]] = {}
+            self._rig: dict[str, float] = {}
+            self._said = dict.fromkeys(_SPEAKERS, "")  # sentence of each of these nodes
+            self._starting = ""  # name of the simulator while it compiles or is not configured
+            self.shown: dict[str, Any] = {  # what the page gets as it is
+                "time": 0.0, "scene": None, "nodes": [], "motion": {"state": "", "criterion": "", "whirls": False},
+                "onset": None, "advice": {"level": 0}, "map": None, "estimates": None,
+                "simulator": {"factor": "", "text": ""},  # real-time factor, and a sentence on it
+            }  # fmt: skip
 
     def update(self, topic: str, raw: bytes) -> None:
         """Decode a message; a message that cannot be used is skipped and counted."""
@@ -173,7 +170,7 @@ class PageState:
 
     def _on_scene(self, text: str) -> None:
         scene, found = parse_scene(text, name=TWIN_SCENE), self.shown["map"]
-        self._clear()
+        self.clear()
         if found is not None and found["digest"] == digest_of(scene):  # a map may come before its scene
             self.shown["map"] = found
         self._hole = scene if scene.hole.survey else None

@@ -32,7 +32,7 @@ from drill_twin.core.files.json_files import JsonError, read_json
 from drill_twin.core.loopback import is_loopback
 from drill_twin.core.units.registry import si_factor
 from drill_twin.core.units.system import SYSTEMS
-from drill_twin_dashboard.live.access import READ_ONLY, TOO_LATE, WILDCARDS, Access, Links, url
+from drill_twin_dashboard.live.access import READ_ONLY, TOO_LATE, WILDCARDS, Access, Links, same, url
 from drill_twin_dashboard.live.web_server import DOWNLOAD, WebServer, listening_socket, send
 
 _TYPES = {"html": "text/html", "css": "text/css", "js": "text/javascript"}
@@ -232,7 +232,7 @@ class PageServer(WebServer):
             try:
                 content = _parsed(request, self.REQUEST)
                 if "key" in content and self.places.get(connection):
-                    self.places[connection] = _COMMANDS if self._access.is_key(content["key"]) else _ENTERED
+                    self.places[connection] = _COMMANDS if same(content["key"], self._access.key) else _ENTERED
                 if self.places.get(connection) != _COMMANDS:
                     self.links.show_beside()
                     raise DrillTwinError(READ_ONLY)

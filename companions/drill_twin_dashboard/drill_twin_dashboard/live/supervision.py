@@ -121,9 +121,8 @@ class Supervision:
     def nodes(self, rows: list[dict[str, Any]]) -> None:
         """Use the diagnostics of the nodes (`Sources.nodes`)."""
         for row in rows:
-            bad = row["level"] == Level.ERROR
-            text = f"{row['name']}: {row['text']}"
-            self.alarms.update(f"node {row['name']}", Level.ERROR if bad else Level.OK, text, self.time)
+            level = Level.ERROR if row["level"] == Level.ERROR else Level.OK
+            self.alarms.update(f"node {row['name']}", level, f"{row['name']}: {row['text']}", self.time)
 
     def take(self, request: Mapping[str, Any]) -> dict[str, Any]:
         """Carry out what a request says about alarms and limits; returns the rest of it.

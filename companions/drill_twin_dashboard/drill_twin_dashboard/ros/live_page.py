@@ -184,7 +184,8 @@ class LivePage(TwinNode):
             for topic in {WOB_COMMAND, RPS_COMMAND} & set(self.topics.publishers):
                 self.topics.withdraw(topic)
         self.page_state.check_sources()
-        missing, skipped = self._sources.missing(), len(self.page_state.skipped)
+        missing = [row["name"] for row in self._sources.nodes() if row["age"] > GONE]  # and did not end in order
+        skipped = len(self.page_state.skipped)
         return self.status(
             {},
             (Level.WARN, f"no diagnostics for more than {GONE:g} s of {', '.join(missing)}" if missing else ""),
