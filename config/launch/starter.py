@@ -117,10 +117,9 @@ class Starter:
         """Parameters of a node; the later go before the earlier: defaults, computed ones, file, arguments."""
         row = self._table[name]
         defaults = PathJoinSubstitution([FindPackageShare(row.package), "nodes", f"{name}.yaml"])
-        takes = {**row.takes, "use_sim_time": "use_sim_time"}
         arguments = {
-            parameter: _value(yaml.safe_load(given[word]) if word in _NOT_TEXT else given[word])
-            for word, parameter in takes.items()
+            word: _value(yaml.safe_load(given[word]) if word in _NOT_TEXT else given[word])
+            for word in (*row.takes.split(), "use_sim_time")
             if word in self._given
         }
         values = {name: _value(value) for name, value in computed.items() if value != ()}  # launch takes no empty list

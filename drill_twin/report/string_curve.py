@@ -30,7 +30,7 @@ def along_hole(scene: Scene, curves: Array) -> Array:
         scene: The scene; curves of a straight hole are returned unchanged.
         curves: Positions in the frame `hole` from the bit up [m], shape (T, k, 3).
     """
-    line = survey_of(scene)
+    line = survey_of(scene.hole)
     if line is None or not curves.size:
         return curves
     up = arc_of(curves[0])

@@ -13,7 +13,7 @@ link to another one in `resource/executables/`. Help text, security policy and t
 
 import importlib
 import sys
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from contextlib import suppress
 from importlib.util import find_spec
 from typing import Any, NamedTuple, NoReturn
@@ -54,32 +54,28 @@ class Row(NamedTuple):
     """Launch argument, and parameter of the process of all nodes, that asks for the node; empty: it always runs."""
     runs: bool
     """Default of the flag."""
-    takes: Mapping[str, str]
-    """Parameter that a launch argument sets, by the name of the argument."""
+    takes: str
+    """Parameters that launch arguments of the same names set, separated by spaces."""
     package: str = PACKAGE
     has_parameters: bool = True
     """False for a program, which has none."""
 
 
-def _same(names: str) -> dict[str, str]:
-    return {name: name for name in names.split()}
-
-
 SIMULATOR, RIG_DRIVER, ANALYZER, RECORDER, REPLAYER = "simulator", "rig_driver", "analyzer", "recorder", "replayer"
 _TAKES = {"advisor": "map", "estimator": "scene free"}
 TWIN = {
-    SIMULATOR: Row("simulate", True, _same("scene overrides accuracy pace duration checkpoint frame_prefix")),
-    RIG_DRIVER: Row("drive", True, _same("scene overrides table wob rpm")),
-    ANALYZER: Row("analyze", True, {}),
-    RECORDER: Row("record", False, _same("bag")),
+    SIMULATOR: Row("simulate", True, "scene overrides accuracy pace duration checkpoint frame_prefix"),
+    RIG_DRIVER: Row("drive", True, "scene overrides table wob rpm"),
+    ANALYZER: Row("analyze", True, ""),
+    RECORDER: Row("record", False, "bag"),
     **{
-        node: Row(flag, False, _same(_TAKES.get(node, "")), companion.name, node not in companion.programs)
+        node: Row(flag, False, _TAKES.get(node, ""), companion.name, node not in companion.programs)
         for companion in COMPANIONS
         for node, flag in companion.nodes.items()
     },
 }
 """Nodes of a twin by name."""
-REPLAY = {REPLAYER: Row("", True, _same("bag rate map loop twin")), ANALYZER: TWIN[ANALYZER]}
+REPLAY = {REPLAYER: Row("", True, "bag rate map loop twin"), ANALYZER: TWIN[ANALYZER]}
 """Nodes of a replay by name."""
 _SENDS_FIRST = (RIG_DRIVER, REPLAYER)
 _MISSES_NOTHING = (SIMULATOR, ANALYZER, RECORDER)

@@ -67,7 +67,7 @@ def test_a_command_that_cannot_be_meant_is_refused_whole(arbiter, command, kind)
     good = Command(40.0, 12.0)
     assert arbiter.command(1, good) == ""
     assert arbiter.command(2, command) == kind
-    assert arbiter.good == good
+    assert arbiter.kept == good
     assert arbiter.set_point(0.01) == good
     assert arbiter.refused == {kind: 1}
     assert "expected" in arbiter.last_refusal
@@ -90,9 +90,9 @@ def test_a_speed_of_the_block_that_nothing_follows_is_refused_by_itself(make, bl
     assert not arbiter.refused
     arbiter.command(2, Command(30.0, 6.0, 0.1))
     if not reason:
-        assert arbiter.good == Command(30.0, 6.0, 0.1)
+        assert arbiter.kept == Command(30.0, 6.0, 0.1)
         return
-    assert arbiter.good == Command(30.0, 6.0)
+    assert arbiter.kept == Command(30.0, 6.0)
     assert arbiter.refused == {"block": 1}
     assert arbiter.refused_recently  # a warning in diagnostics and log
     expected = f"speed of the block: expected none, since {reason}, found 0.1 m/s; the other set-points are followed"
@@ -104,7 +104,7 @@ def test_silence_ramps_every_set_point(make, clock):
     scene = rig({"weight_on_bit": {"at": "block"}, "block": {"value": -0.01}})
     arbiter = make(scene, on_silence="ramp", safe_weight_on_bit=10.0, safe_speed=1.0, safe_ramp_time=4.0)
     arbiter.command(1, Command(50.0, 9.0, -0.008))
-    assert arbiter.set_point(1.0) == arbiter.good == arbiter.kept
+    assert arbiter.set_point(1.0) == arbiter.kept == arbiter.kept
     clock.now += 1.5
     assert arbiter.set_point(1.0) == pytest.approx((40.0, 7.0, -0.006))
     assert arbiter.kept == arbiter.applied  # a checkpoint does not take up again what was lost
@@ -114,15 +114,15 @@ def test_silence_ramps_every_set_point(make, clock):
 def test_limits_include_their_ends(arbiter):
     for command in (Command(0.0, 0.0), Command(400.0, 20.0 * TURN)):
         arbiter.command(1, command)
-        assert arbiter.good == command
+        assert arbiter.kept == command
 
 
 def test_single_values_change_one_set_point_each(arbiter):
     arbiter.weight_on_bit(30.0)
     arbiter.speed(2.0)
-    assert arbiter.good == Command(30.0, 2.0 * TURN)
+    assert arbiter.kept == Command(30.0, 2.0 * TURN)
     arbiter.speed(math.nan)
-    assert arbiter.good == Command(30.0, 2.0 * TURN)
+    assert arbiter.kept == Command(30.0, 2.0 * TURN)
 
 
 DRIVER, OTHER = "/rig_driver", "/other"
@@ -134,7 +134,7 @@ def test_the_first_commander_keeps_the_rig_until_it_is_silent(arbiter, clock, fi
         arbiter.command(stamp, Command(40.0, 12.0), first)
         arbiter.command(1000 + stamp, Command(77.0, 6.0), second)
         clock.now += 0.01
-    assert arbiter.good == Command(40.0, 12.0)
+    assert arbiter.kept == Command(40.0, 12.0)
     assert arbiter.refused == {"other_source": 50}
     assert arbiter.last_refusal == (
         f"expected commands of {first or 'anonymous'} alone, which has the rig until it is silent for 1 s, "
@@ -145,16 +145,16 @@ def test_the_first_commander_keeps_the_rig_until_it_is_silent(arbiter, clock, fi
     clock.now += 1.1
     assert arbiter.commander == ""
     arbiter.command(60, Command(77.0, 6.0), second)
-    assert arbiter.good == Command(77.0, 6.0)
+    assert arbiter.kept == Command(77.0, 6.0)
     assert arbiter.commander == (second or "anonymous")
     arbiter.command(61, Command(40.0, 12.0), first)  # who comes back is the second now
-    assert arbiter.good == Command(77.0, 6.0)
+    assert arbiter.kept == Command(77.0, 6.0)
 
 
 def test_who_sends_nothing_good_does_not_get_the_rig(arbiter):
     arbiter.command(1, Command(1e9, 12.0), OTHER)
     arbiter.command(2, Command(40.0, 12.0), DRIVER)
-    assert arbiter.good == Command(40.0, 12.0)
+    assert arbiter.kept == Command(40.0, 12.0)
     assert arbiter.commander == DRIVER
 
 
@@ -164,14 +164,14 @@ def test_a_bad_command_is_no_silence(arbiter, clock):
         clock.now += 0.1
         arbiter.command(stamp, Command(1e9, 12.0), DRIVER)
     arbiter.command(1, Command(77.0, 12.0), OTHER)
-    assert arbiter.good == Command(40.0, 12.0)
+    assert arbiter.kept == Command(40.0, 12.0)
 
 
 def test_a_single_value_beside_a_commander_is_refused_and_told(arbiter, clock):
     arbiter.command(1, Command(40.0, 12.0), DRIVER)
     arbiter.weight_on_bit(55.0)
     arbiter.speed(1.0)
-    assert arbiter.good == Command(40.0, 12.0)
+    assert arbiter.kept == Command(40.0, 12.0)
     assert arbiter.refused == {"other_source": 2}
     assert "found a single value" in arbiter.last_refusal
     assert arbiter.refused_recently
@@ -183,10 +183,10 @@ def test_a_commander_that_fell_silent_loses_its_say(arbiter, clock):
     arbiter.command(1, Command(40.0, 12.0), DRIVER)
     clock.now += 1.1
     arbiter.weight_on_bit(55.0)
-    assert arbiter.good == Command(55.0, 12.0)
+    assert arbiter.kept == Command(55.0, 12.0)
     assert arbiter.commander == "by hand"
     arbiter.command(2, Command(40.0, 12.0), OTHER)  # a commander goes before single values
-    assert arbiter.good == Command(40.0, 12.0)
+    assert arbiter.kept == Command(40.0, 12.0)
 
 
 def test_a_name_cannot_write_into_the_log(arbiter):
@@ -236,7 +236,7 @@ def test_weight_and_speed_have_a_commander_each(make, clock):
     assert arbiter.last_refusal.endswith(
         "found a command of /top_drive, whose top-drive speed is free; stop one of the two"
     )
-    assert arbiter.good == Command(30.0, 11.0)
+    assert arbiter.kept == Command(30.0, 11.0)
     for stamp in range(101, 400):  # the auto-driller is gone
         arbiter.command(stamp, Command(NONE, 12.0, NONE), TOP_DRIVE)
         applied = advance(arbiter, clock, 1, 0.01)
@@ -309,21 +309,23 @@ def test_a_desk_that_heard_nothing_is_not_silent(arbiter, clock):
     assert not any(quantity.silent for quantity in arbiter.quantities)
 
 
+def _given(weight=0.0, speed=0.0, *, negative=False):
+    return SimpleNamespace(max_weight_on_bit=weight, max_speed=speed, negative_commands=negative)
+
+
 def test_limits_follow_the_scene():
-    limits = limits_for(load_scene("pa6_bench"), max_weight_on_bit=0.0, max_speed=0.0, negative=False)
+    limits = limits_for(load_scene("pa6_bench"), _given())
     assert limits.weight_on_bit == (0.0, pytest.approx(400.0))
     assert limits.rotation == (0.0, pytest.approx(20.0 * TURN))
     with pytest.raises(CommandError):
         limits.check(Command(-1.0, 0.0))
-    left = limits_for(
-        load_scene("pa6_bench", overrides={"rpm": "-180"}), max_weight_on_bit=0.0, max_speed=0.0, negative=False
-    )
+    left = limits_for(load_scene("pa6_bench", overrides={"rpm": "-180"}), _given())
     left.check(Command(10.0, -3.0 * TURN))
-    record = limits_for(load_scene("ufrj_rig"), max_weight_on_bit=0.0, max_speed=0.0, negative=False)
+    record = limits_for(load_scene("ufrj_rig"), _given())
     record.check(Command(700.0, -0.1))
     with pytest.raises(CommandError):
         record.check(Command(1e9, 0.0))
-    both = limits_for(load_scene("pa6_bench"), max_weight_on_bit=50.0, max_speed=10.0, negative=True)
+    both = limits_for(load_scene("pa6_bench"), _given(50.0, 10.0, negative=True))
     assert both.weight_on_bit == (-50.0, 50.0)
     assert both.rotation == (-10.0, 2.0 * TURN)  # the scene's own 2 rev/s is always allowed
 
@@ -357,8 +359,9 @@ def test_what_is_applied_during_a_ramp_is_not_the_last_command(make, clock):
     assert arbiter.applied == Command(40.0, 12.0)
     clock.now += 2.0
     arbiter.set_point(1.0)
-    assert arbiter.applied == Command(30.0, 9.0)
-    assert arbiter.good == Command(40.0, 12.0)
+    assert arbiter.applied == arbiter.kept == Command(30.0, 9.0)
+    weight, speed = arbiter.quantities
+    assert weight.good.completed(speed.good) == Command(40.0, 12.0)
 
 
 def test_a_safe_set_point_beyond_the_limits_is_refused(make):

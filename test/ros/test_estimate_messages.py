@@ -14,7 +14,7 @@ for package in ("drill_twin_dashboard", "drill_twin_studies"):
 from drill_twin_dashboard.live.shown import shown_estimates  # noqa: E402
 from drill_twin_studies.estimation.doubts import Span  # noqa: E402
 from drill_twin_studies.estimation.estimate import Band, Estimate  # noqa: E402
-from drill_twin_studies.ros.estimator.messages import EstimateEncoder, trust_in, values_for_diagnostics, verdict_of  # noqa: E402
+from drill_twin_studies.ros.estimator.messages import encode_estimate, trust_in, values_for_diagnostics  # noqa: E402
 
 SPANS = (Span(12.0, 41.0, 29), Span(60.0, 61.0, 1))
 
@@ -32,12 +32,12 @@ def estimate(unexplained, spans):
 @pytest.mark.parametrize(("unexplained", "level"), [({"torque": 60.0}, Level.WARN), ({}, Level.OK)])
 def test_a_doubted_estimate_has_no_bands_of_virtual_sensors_and_the_output_remembers(unexplained, level):
     found = estimate(unexplained, SPANS)
-    state = read_joint_state(EstimateEncoder().encode(1, found))
+    state = read_joint_state(encode_estimate(1, found))
     values = dict(zip(state.names, state.position.tolist(), strict=True))
     assert (values["trust"], values["alarm"], values["unexplained"]) == (level, float(bool(unexplained)), 30.0)
     assert math.isnan(values["bit_speed/low"]) == bool(unexplained)
     assert values["load_factor/high"] == 1.1
-    assert (trust_in(found)[0], verdict_of(found)[0]) == (level, level)
+    assert trust_in(found)[0] == level
     assert "from 12.0 to 41.0 s (29 windows)" in values_for_diagnostics(found)["remembered"]
     rows = {row["name"].replace(" ", "_"): row for row in shown_estimates(state)["rows"]}
     assert (rows["bit_speed"]["low"] is None) == bool(unexplained)

@@ -9,7 +9,7 @@ from rcl_interfaces.srv import DescribeParameters
 
 from drill_twin.io.messages.rig_messages import CommandEncoder
 from drill_twin.io.messages.topics import RIG_COMMAND, RIG_STATE
-from drill_twin.ros.rig_driver.plan import SetPointTransition
+from drill_twin.ros.rig_driver.plan import transition
 from drill_twin.scene import load_scene
 from drill_twin.scene.set_points import Command, Schedule
 
@@ -21,14 +21,14 @@ def _applied(joints, raws):
 
 
 def test_a_changeover_begins_flat_ends_flat_and_does_not_jump():
-    plan = SetPointTransition(Command(40.0, 12.0), lambda time: Command(60.0 + time, 6.0), 10.0, 2.0)
+    plan = transition(Command(40.0, 12.0), lambda time: Command(60.0 + time, 6.0), 10.0, 2.0)
     assert plan(9.0) == plan(10.0) == Command(40.0, 12.0)
     assert plan(11.0) == Command(pytest.approx(55.5), pytest.approx(9.0))
     assert plan(12.0) == Command(72.0, 6.0)
     path = [plan(10.0 + 0.01 * k).weight_on_bit for k in range(201)]
     assert max(b - a for a, b in itertools.pairwise(path)) < 0.3
     assert path[1] - path[0] < 0.01
-    assert SetPointTransition(Command(1.0, 1.0), lambda _: Command(2.0, 2.0), 5.0, 0.0)(5.0) == Command(2.0, 2.0)
+    assert transition(Command(1.0, 1.0), lambda _: Command(2.0, 2.0), 5.0, 0.0)(5.0) == Command(2.0, 2.0)
 
 
 def test_set_points_of_the_driver_are_live(bench, joints):

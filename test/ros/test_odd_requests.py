@@ -91,6 +91,6 @@ def test_giant_and_odd_messages_are_told_in_a_line(bench, tmp_path):
 def test_only_a_gap_of_one_publisher_is_a_loss(numbers, publishers, dropped):
     counter = DropCounter()
     for number in numbers:
-        counter.add_sequence_number("t", number)
+        counter.take("t", {"received_timestamp": 0, "publication_sequence_number": number})
     counter.confirm_gaps(lambda _: publishers)
     assert counter.dropped.total() == dropped

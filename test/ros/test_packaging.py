@@ -257,10 +257,10 @@ def test_a_launch_starts_executables_with_parameters_that_exist(name, table):
     assert table.keys() <= set(entry_points.executables())
     for node, row in table.items():
         parameters = {parameter.name for parameter in NODES[node].PARAMETERS} if row.has_parameters else set()
-        assert {*row.takes.values(), *entry_points.waits(node, table)} <= parameters
+        assert {*row.takes.split(), *entry_points.waits(node, table)} <= parameters
         assert row.package == "drill_twin" or FOLDERS[row.package]
     flags = {row.flag for row in table.values() if row.flag}
-    takes = {argument for row in table.values() for argument in row.takes}
+    takes = {argument for row in table.values() for argument in row.takes.split()}
     assert takes <= declared <= takes | used
     assert len(flags) + len(declared) == len(flags | declared)
 

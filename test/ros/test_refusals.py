@@ -164,7 +164,7 @@ def test_help_names_every_parameter_with_its_unit(node, capsys):
 def test_an_unknown_node_is_refused(bench):
     process = bench.command("nodes", [sys.executable, "-m", "drill_twin.ros", "driller"])
     assert process.wait() == 2
-    assert "usage: python -m drill_twin.ros" in process.text
+    assert "driller: error: expected one of simulator, " in process.text
 
 
 @pytest.mark.parametrize("program", ["analyzer", "demo"])

@@ -6,6 +6,7 @@ import time
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import replace
+from functools import partial
 from itertools import count
 from pathlib import Path
 from typing import Any
@@ -21,7 +22,7 @@ from drill_twin.ros.core.graph import unlisted
 from drill_twin.ros.core.node import AUTOSTART, TwinNode
 from drill_twin.ros.core.parameters import Parameter
 from drill_twin.ros.core.policy import ALL_TOPICS, Rights
-from drill_twin.ros.core.topics import Received, installed
+from drill_twin.ros.core.topics import installed
 
 _DEPTH = 2000  # messages of one topic; 10 s at 200 Hz
 _QUIET, _LONGEST = 0.3, 1.5  # s
@@ -129,7 +130,8 @@ class Recorder(TwinNode):
                 self._record(topic)
 
     def _record(self, topic: str) -> None:
-        self._inputs.append(self.topics.subscribe_raw(topic, self._taker_of(topic), depth=_DEPTH))
+        take = partial(self._take, topic, self._recorded_name(topic))
+        self._inputs.append(self.topics.subscribe_raw(topic, take, depth=_DEPTH))
         self._recorded.add(topic)
 
     def _described(self, topic: str) -> RecordedTopic:
@@ -139,17 +141,12 @@ class Recorder(TwinNode):
     def _recorded_name(self, topic: str) -> str:
         return topic if topic == DIAGNOSTICS else self._namespace + topic
 
-    def _taker_of(self, topic: str) -> Received:
-        name, at_a_rate = self._recorded_name(topic), topic not in _NOT_AT_A_RATE
-
-        def take(raw: bytes, info: Mapping[str, Any]) -> None:
-            if self._failure:
-                return
-            self._arrived.append((name, info["received_timestamp"], raw))
-            if at_a_rate:
-                self.samples.take(topic)
-
-        return take
+    def _take(self, topic: str, name: str, raw: bytes, info: Mapping[str, Any]) -> None:
+        if self._failure:
+            return
+        self._arrived.append((name, info["received_timestamp"], raw))
+        if topic not in _NOT_AT_A_RATE:
+            self.samples.take(topic)
 
     def _write(self) -> None:
         """Write what has arrived."""
@@ -198,7 +195,7 @@ class Recorder(TwinNode):
         finally:
             if self._failure:
                 self.publish_diagnostics()
-            lost = [f"{number} of {topic}" for topic, number in self.topics.dropped.items()]
+            lost = [f"{number} of {topic}" for topic, number in self.topics.drops.dropped.items()]
             if bag.lost or self._failure:
                 lost.append(f"{bag.lost} in the bag{' and all that came after' * bool(self._failure)}")
             log = self.get_logger().warning if lost else self.get_logger().info
@@ -222,13 +219,13 @@ class Recorder(TwinNode):
     def health(self) -> Status:
         """Messages recorded and lost."""
         bag = self._bag
-        lost = sum(self.topics.dropped.values()) + bag.lost
+        lost = sum(self.topics.drops.dropped.values()) + bag.lost
         values = {
             "bag": str(bag.folder),
             "messages": str(sum(bag.counts.values()) - bag.lost),
             "files": str(bag.files),
             "lost": str(lost),
-            **{f"lost {topic}": str(number) for topic, number in self.topics.dropped.items()},
+            **{f"lost {topic}": str(number) for topic, number in self.topics.drops.dropped.items()},
             **self.samples.values(),
         }
         level, text = self.samples.verdict()

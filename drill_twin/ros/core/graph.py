@@ -14,17 +14,17 @@ from drill_twin.io.messages.topics import TOPICS
 
 UNKNOWN_NAME = "_NODE_NAME_UNKNOWN_"
 """Name of a node whose publisher has been discovered and whose name has not."""
-_WANTED = (  # policy, requested, not sufficient, the two in words
-    ("reliability", ReliabilityPolicy.RELIABLE, ReliabilityPolicy.BEST_EFFORT, "reliable", "best_effort"),
-    ("durability", DurabilityPolicy.TRANSIENT_LOCAL, DurabilityPolicy.VOLATILE, "transient_local", "volatile"),
+_WANTED = (  # policy, requested, not sufficient
+    ("reliability", ReliabilityPolicy.RELIABLE, ReliabilityPolicy.BEST_EFFORT),
+    ("durability", DurabilityPolicy.TRANSIENT_LOCAL, DurabilityPolicy.VOLATILE),
 )
 
 
 def unmet(wanted: QoSProfile, offered: QoSProfile) -> tuple[str, str, str] | None:
     """Policy for which DDS does not connect a reader with a publisher, the wanted and the offered value; else None."""
-    for policy, want, lacks, expected, found in _WANTED:
+    for policy, want, lacks in _WANTED:
         if getattr(wanted, policy) == want and getattr(offered, policy) == lacks:
-            return policy, expected, found
+            return policy, want.name.lower(), lacks.name.lower()
     return None
 
 

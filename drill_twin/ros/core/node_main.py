@@ -12,7 +12,7 @@ from rclpy.utilities import remove_ros_args
 from drill_twin.core.errors import DrillTwinError
 from drill_twin.ros.core.given import ArgumentsContext, warn_of_misspelled
 from drill_twin.ros.core.node import TwinNode
-from drill_twin.ros.core.parameters import Parameter, file_text, help_text
+from drill_twin.ros.core.parameters import Parameter, file_text
 from drill_twin.ros.core.policy import policy_text
 from drill_twin.ros.core.stop_request import StopRequest
 from drill_twin.ros.deployment import prepare, readable_refusal
@@ -93,7 +93,8 @@ def run_in_order(node: TwinNode, stop: StopRequest) -> None:
 def print_help(name: str, purpose: str, table: Sequence[Parameter], arguments: Sequence[str]) -> bool:
     """Print the text that --help or --parameters (the parameter file) asks for; returns whether one was given."""
     if {"-h", "--help"} & set(arguments):
-        print(help_text(name, purpose, table))
+        given = "[-p NAME:=VALUE ...] [--params-file FILE] [-r FROM:=TO ...]"
+        print(f"usage: {name} [--parameters | --policy | --ros-args {given}]\n\n{file_text(name, purpose, table)}")
     elif list(arguments) == ["--parameters"]:
         print(file_text(name, purpose, table), end="")
     else:

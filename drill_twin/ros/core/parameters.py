@@ -59,7 +59,7 @@ class Parameter:
         text = _TYPE_NAMES[type(self.default)]
         if self.such_as:
             text += f" such as {self.such_as if isinstance(self.default, tuple) else json.dumps(self.such_as)}"
-        if self._of_rotation:
+        if self._dimension is dim.ANGULAR_SPEED:
             text = 'a text with a unit such as "120 rpm"'
         elif self._dimension and isinstance(self.default, str):
             text = f"a number [{self.unit}] or {text}"
@@ -70,10 +70,6 @@ class Parameter:
     @property
     def _dimension(self) -> dim.Dimension | None:
         return _DIMENSIONS.get(self.unit)
-
-    @property
-    def _of_rotation(self) -> bool:
-        return self._dimension is dim.ANGULAR_SPEED
 
     def checked(self, value: object) -> Value:
         """Value as the node has it: of the type of the default, a quantity in SI.
@@ -105,7 +101,7 @@ class Parameter:
         bare = number(value.strip()) if isinstance(value, str) else None
         if isinstance(value, (int, float)) and not isinstance(value, bool):
             bare = float(value)
-        if bare and self._of_rotation:
+        if bare and dimension is dim.ANGULAR_SPEED:
             raise ParameterError(f"parameter {self.name}: expected {self.expected()}, found {value!r} without a unit")
         if isinstance(self.default, str):
             return value if bare is None else write(bare, dimension)
@@ -228,17 +224,7 @@ def file_text(name: str, purpose: str, table: Sequence[Parameter]) -> str:
     ]
     for parameter in table:
         live = " Live." if parameter.live else ""
-        comment = f"{_sentence(parameter.description)}. {_sentence(parameter.expected())}.{live}"
-        lines += textwrap.wrap(comment, 113, initial_indent="    # ", subsequent_indent="    # ")
+        told = [text[:1].upper() + text[1:] for text in (parameter.description, parameter.expected())]
+        lines += textwrap.wrap(f"{'. '.join(told)}.{live}", 113, initial_indent="    # ", subsequent_indent="    # ")
         lines += [f"    {parameter.name}: {json.dumps(parameter.default)}", ""]
     return "\n".join(lines[:-1]) + "\n"
-
-
-def _sentence(text: str) -> str:
-    return text[:1].upper() + text[1:]
-
-
-def help_text(name: str, purpose: str, table: Sequence[Parameter]) -> str:
-    """Text that `NODE --help` prints."""
-    given = "[-p NAME:=VALUE ...] [--params-file FILE] [-r FROM:=TO ...]"
-    return f"usage: {name} [--parameters | --policy | --ros-args {given}]\n\n{file_text(name, purpose, table)}"

@@ -27,17 +27,16 @@ class DropCounter:
         self._went_back: set[str] = set()
 
     def take(self, topic: str, info: Mapping[str, Any]) -> None:
-        """Note the times of a message that was taken and, unless the topic is empty, its number."""
+        """Note the times of a message that was taken and, unless the topic is empty, its number.
+
+        A smaller number than before is from a new publisher.
+        """
         if info["received_timestamp"] > self._first_taken:
             self._waited, self._first_taken = 0, time.time_ns()
         self._waited += 1  # messages that were waiting when the first of them was taken
         self._longest = max(self._longest, self._waited)
-        if topic:
-            self.add_sequence_number(topic, info["publication_sequence_number"])
-
-    def add_sequence_number(self, topic: str, number: int | None) -> None:
-        """Note the number of a message that was taken; a smaller one than before is from a new publisher."""
-        if number is None:
+        number = info["publication_sequence_number"]
+        if not topic or number is None:
             return
         missed = number - self._last.get(topic, number - 1) - 1
         if missed > 0:

@@ -102,7 +102,8 @@ class NodeTopics:
         self.scenes = SceneGate(lambda _: None)
         """Gate of `/twin/scene`, where the node reads it."""
         self._inputs: list[tuple[Subscription, str, str]] = []  # with the type, and the name to count drops by
-        self._drops = DropCounter()
+        self.drops = DropCounter()
+        """Messages that were dropped unread from a full queue, as of the last `queue_report`."""
 
     def advertise(self, topic: str) -> Publisher:
         """Create the publisher of a topic, which is given bytes."""
@@ -171,7 +172,7 @@ class NodeTopics:
             self.number = info["publication_sequence_number"]
             if all(kept is not subscription for kept, *_ in self._inputs):  # destroyed while the message waited
                 return
-            self._drops.take(counted, info)
+            self.drops.take(counted, info)
             if keeps or not self.muted:
                 self._kept(lambda: received(bytes(raw), info))
 
@@ -199,18 +200,13 @@ class NodeTopics:
             self._node.destroy_subscription(subscription)
         for topic in set(self.publishers) - {kept}:
             self.withdraw(topic)
-        self._inputs, self._drops, self.scenes = [], DropCounter(), SceneGate(lambda _: None)
-
-    @property
-    def dropped(self) -> Mapping[str, int]:
-        """Messages that were dropped unread from a full queue, by topic, as of the last `queue_report`."""
-        return self._drops.dropped
+        self._inputs, self.drops, self.scenes = [], DropCounter(), SceneGate(lambda _: None)
 
     def queue_report(self) -> dict[str, str]:
         """Fill and drops of the queues since the last report, for the diagnostics."""
         counted = {topic: subscription for subscription, _, topic in self._inputs if topic}
-        self._drops.confirm_gaps(lambda topic: counted[topic].get_publisher_count() if topic in counted else 0)
-        return self._drops.values()
+        self.drops.confirm_gaps(lambda topic: counted[topic].get_publisher_count() if topic in counted else 0)
+        return self.drops.values()
 
     def publisher_nodes(self, topic: str) -> list[str]:
         """Full names of the nodes that publish a topic, one entry a publisher."""
@@ -231,7 +227,7 @@ class NodeTopics:
     @property
     def loss(self) -> str:
         """Messages that were dropped unread, in a sentence; empty where none was."""
-        lost = ", ".join(f"{number} of {topic}" for topic, number in self.dropped.items())
+        lost = ", ".join(f"{number} of {topic}" for topic, number in self.drops.dropped.items())
         return f"messages were dropped unread, as this node was too slow for them: {lost}" if lost else ""
 
     def incompatible_publisher(self) -> str:

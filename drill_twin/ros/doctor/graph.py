@@ -23,7 +23,7 @@ from drill_twin.io.messages.diagnostics import Level, Status, decode_diagnostics
 from drill_twin.io.messages.topics import CLOCK_TOPIC, DIAGNOSTICS, TOPICS
 from drill_twin.ros.core.graph import UNKNOWN_NAME, full_name, unmet
 from drill_twin.ros.core.topics import SEVERAL_PUBLISHERS, message_class, quality
-from drill_twin.ros.doctor.installation import Check, Verdict
+from drill_twin.ros.doctor.installation import Check, Verdict, judged
 
 NODES, TOPIC_SECTION, CLOCKS = "nodes", "topics", "clocks"
 NAME = "doctor"
@@ -92,7 +92,7 @@ def graph_checks(seen: Observed) -> Iterator[Check]:
         return
     yield from _nodes(seen)
     for topic in sorted(seen.publishers):
-        yield from _topic(topic, seen.publishers[topic], seen.readers[topic])
+        yield _topic(topic, seen.publishers[topic], seen.readers[topic])
     for topic, times in sorted(seen.clocks.items()):
         yield _clock(topic, times, seen)
 
@@ -132,24 +132,21 @@ def _has_clock(name: str, seen: Observed) -> bool:
     return any(seen.publishers.get(topic) for topic in (name.rpartition("/")[0] + CLOCK_TOPIC, CLOCK_TOPIC))
 
 
-def _topic(topic: str, publishers: list[TopicEndpointInfo], readers: list[TopicEndpointInfo]) -> Iterator[Check]:
+def _topic(topic: str, publishers: list[TopicEndpointInfo], readers: list[TopicEndpointInfo]) -> Check:
     row = TOPICS[_contract(topic)]
-    found = f"{_list(publishers) or 'no publisher'} -> {_list(readers) or 'no reader'}"
-    wrong = [end for end in (*publishers, *readers) if end.topic_type != row.type_name]
-    if wrong:
+    found, remedy = f"{_list(publishers) or 'no publisher'} -> {_list(readers) or 'no reader'}", ""
+    if wrong := [end for end in (*publishers, *readers) if end.topic_type != row.type_name]:
+        found = f"{wrong[0].topic_type} of {full_name(wrong[0])}"
         remedy = f"use {row.type_name}, or another name: -r {topic.lstrip('/')}:=OTHER"
-        yield Check(TOPIC_SECTION, topic, f"{wrong[0].topic_type} of {full_name(wrong[0])}", Verdict.PROBLEM, remedy)
     elif len(set(map(full_name, publishers))) > 1 and row.name not in SEVERAL_PUBLISHERS:
-        remedy = "end one, or give it a namespace"
-        yield Check(TOPIC_SECTION, topic, f"several publishers: {_list(publishers)}", Verdict.PROBLEM, remedy)
+        found, remedy = f"several publishers: {_list(publishers)}", "end one, or give it a namespace"
     elif mismatch := _mismatch(publishers, readers):
-        yield Check(TOPIC_SECTION, topic, *mismatch)
-    else:
-        yield Check(TOPIC_SECTION, topic, found)
+        found, remedy = mismatch
+    return judged(TOPIC_SECTION, topic, found, remedy)
 
 
-def _mismatch(publishers: list[TopicEndpointInfo], readers: list[TopicEndpointInfo]) -> tuple[str, Verdict, str] | None:
-    """Finding, verdict and remedy for the first pair that DDS does not connect; None without one."""
+def _mismatch(publishers: list[TopicEndpointInfo], readers: list[TopicEndpointInfo]) -> tuple[str, str] | None:
+    """Finding and remedy for the first pair that DDS does not connect; None without one."""
     for reader in readers:
         for publisher in publishers:
             if mismatch := unmet(reader.qos_profile, publisher.qos_profile):
@@ -157,7 +154,6 @@ def _mismatch(publishers: list[TopicEndpointInfo], readers: list[TopicEndpointIn
                 asks, offers = full_name(reader), full_name(publisher)
                 return (
                     f"{asks} asks for {word}, {offers} offers {offered}: nothing arrives",
-                    Verdict.PROBLEM,
                     f"let {offers} publish {word}, or {asks} ask for less (qos_overrides)",
                 )
     return None

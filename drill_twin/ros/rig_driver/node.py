@@ -24,54 +24,6 @@ from drill_twin.ros.rig_driver.clock_source import ClockSource
 from drill_twin.ros.rig_driver.plan import SetPointPlan, check_set_points
 from drill_twin.scene.set_points.command import Command
 
-PARAMETERS = (
-    SCENE,
-    Parameter(
-        "wob",
-        "",
-        "weight on bit in place of the scene's; \"\": the scene's",
-        "N",
-        live=True,
-        such_as="40 N",
-    ),
-    Parameter(
-        "rpm",
-        "",
-        "top-drive speed in place of the scene's; \"\": the scene's",
-        "rad/s",
-        live=True,
-        such_as="120 rpm",
-    ),
-    Parameter(
-        "change_time", 1.0, "simulated time that a live change of a set-point takes", "s", 0.0, 3600.0, live=True
-    ),
-    Parameter(
-        "table",
-        "",
-        "CSV, MAT, LAS or WITSML file of measured set-points to play in place of the schedule; its columns and units "
-        'are named by rig.table in the scene (or overrides), or are found by their names; "": the scene\'s schedule',
-    ),
-    OVERRIDES,
-    Parameter(
-        "follow",
-        "clock",
-        "clock: send with the simulator's /clock; wall: send and stamp by the wall clock, where there is no /clock",
-        choices=("clock", "wall"),
-    ),
-    Parameter("frame_rate", 0.0, "set-points per second; 0: the scene's frame rate", "Hz", 0.0, 1000.0),
-    Parameter("wait_for", ("simulator",), "nodes that must be ready before the first set-point"),
-    Parameter("wait_timeout", 120.0, "longest wait for nodes", "s", 0.0, 3600.0),
-    Parameter(
-        "at_end",
-        "hold",
-        "hold: go on sending the last set-point when the schedule is over; stop: end the node",
-        choices=("hold", "stop"),
-        live=True,
-    ),
-    AUTOSTART,
-)
-
-
 _QUIET = 0.1  # s
 _CROSSED = 1.0  # s; a time that is told again within it, as by a simulator that waits, crossed with the answer to it
 _REPEAT = 5.0  # s of wall time after which a set-point is sent again, should the simulator have missed it
@@ -82,7 +34,53 @@ class RigDriver(TwinNode):
 
     NAME = "rig_driver"
     PURPOSE = "Plays weight on bit and top-drive speed, planned or measured, into the simulator."
-    PARAMETERS = PARAMETERS
+    PARAMETERS = (
+        SCENE,
+        Parameter(
+            "wob",
+            "",
+            "weight on bit in place of the scene's; \"\": the scene's",
+            "N",
+            live=True,
+            such_as="40 N",
+        ),
+        Parameter(
+            "rpm",
+            "",
+            "top-drive speed in place of the scene's; \"\": the scene's",
+            "rad/s",
+            live=True,
+            such_as="120 rpm",
+        ),
+        Parameter(
+            "change_time", 1.0, "simulated time that a live change of a set-point takes", "s", 0.0, 3600.0, live=True
+        ),
+        Parameter(
+            "table",
+            "",
+            "CSV, MAT, LAS or WITSML file of measured set-points to play in place of the schedule; its columns and "
+            "units are named by rig.table in the scene (or overrides), or are found by their names; "
+            '"": the scene\'s schedule',
+        ),
+        OVERRIDES,
+        Parameter(
+            "follow",
+            "clock",
+            "clock: send with the simulator's /clock; wall: send and stamp by the wall clock, where there is no /clock",
+            choices=("clock", "wall"),
+        ),
+        Parameter("frame_rate", 0.0, "set-points per second; 0: the scene's frame rate", "Hz", 0.0, 1000.0),
+        Parameter("wait_for", ("simulator",), "nodes that must be ready before the first set-point"),
+        Parameter("wait_timeout", 120.0, "longest wait for nodes", "s", 0.0, 3600.0),
+        Parameter(
+            "at_end",
+            "hold",
+            "hold: go on sending the last set-point when the schedule is over; stop: end the node",
+            choices=("hold", "stop"),
+            live=True,
+        ),
+        AUTOSTART,
+    )
     RIGHTS = Rights((CLOCK_TOPIC, DIAGNOSTICS), calls=READY)
     _sent = 0
 
@@ -178,7 +176,7 @@ class RigDriver(TwinNode):
     @property
     def finished(self) -> bool:
         """True once the schedule is over, if `at_end` is stop."""
-        return self.settings.at_end == "stop" and self._drives and self._time >= self._plan.duration
+        return self.settings.at_end == "stop" and self._drives and self._time >= self._plan.schedule.duration
 
     @property
     def _time(self) -> float:
@@ -197,12 +195,12 @@ class RigDriver(TwinNode):
     def health(self) -> Status:
         """Set-points in force, and other drivers."""
         command = self._last or Command(0.0, 0.0)
-        over = self._time >= self._plan.duration
+        over = self._time >= self._plan.schedule.duration
         drivers = self.topics.publisher_nodes(RIG_COMMAND)
         values = {
             "plays": self._plan.plays,
             "time": f"{self._time:.3f}",
-            "schedule_ends": f"{self._plan.duration:.3f}",
+            "schedule_ends": f"{self._plan.schedule.duration:.3f}",
             "weight_on_bit": f"{command.weight_on_bit:g}",
             "speed_rev_s": f"{command.rotation / math.tau:g}",
             "commands_sent": str(self._sent),

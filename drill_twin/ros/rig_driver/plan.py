@@ -2,7 +2,6 @@
 """Set-points that a driver plays: its parameters' set-points, and the transition to others in a run, without a jump."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from types import SimpleNamespace
 
 from drill_twin.core.errors import ParameterError, SceneError
@@ -15,26 +14,23 @@ Plan = Callable[[float], Command]
 """Simulated time [s] -> set-points."""
 
 
-@dataclass(frozen=True)
-class SetPointTransition:
-    """Plan that is reached by a cubic step with zero slope at both ends (the STEP of the schedules)."""
+def transition(before: Command, after: Plan, start: float, duration: float) -> Plan:
+    """Plan that leads to another by a cubic step with zero slope at both ends (the STEP of the schedules).
 
-    before: Command
-    """Set-points in force before."""
-    after: Plan
-    """Plan that holds afterwards."""
-    start: float
-    """Simulated time at the start of the transition [s]."""
-    duration: float
-    """Duration of the transition [s]."""
+    Args:
+        before: Set-points in force before.
+        after: Plan that holds afterwards.
+        start: Simulated time at the start of the transition [s].
+        duration: Duration of the transition [s].
+    """
 
-    def __call__(self, time: float) -> Command:
-        """Set-points at a time [s]."""
-        passed = (time - self.start) / self.duration if self.duration > 0.0 else 1.0
+    def at(time: float) -> Command:
+        passed = (time - start) / duration if duration > 0.0 else 1.0
         if passed >= 1.0:
-            return self.after(time)
-        share = max(passed, 0.0) ** 2 * (3.0 - 2.0 * max(passed, 0.0))
-        return self.before.mixed(self.after(time), share)
+            return after(time)
+        return before.mixed(after(time), max(passed, 0.0) ** 2 * (3.0 - 2.0 * max(passed, 0.0)))
+
+    return at
 
 
 class SetPointPlan:
@@ -46,8 +42,10 @@ class SetPointPlan:
 
     def __init__(self, settings: SimpleNamespace) -> None:
         scene = scene_of(settings)
-        self._schedule = Schedule.from_scene(scene)
-        self._plan: Plan = self._schedule.at
+        self.schedule = Schedule.from_scene(scene)
+        """Schedule of the present set-points."""
+        self.at: Plan = self.schedule.at
+        """Plan that is played."""
         self._planned = _planned(settings)
         self.period = frame_period_ns(settings.frame_rate or scene.numerics.frame_rate)
         """Simulated time from set-point to set-point [ns]."""
@@ -55,31 +53,22 @@ class SetPointPlan:
         """Name of the scene, or the file of the table."""
         self.report = ""
         """Report on the table, where there is one."""
-        if self._schedule.record is not None and scene.rig.table is not None:
-            self.plays, self.report = str(scene.rig.table.file), self._schedule.record.report
-
-    @property
-    def duration(self) -> float:
-        """Simulated time at which the schedule is over [s]."""
-        return self._schedule.duration
-
-    def at(self, time: float) -> Command:
-        """Set-points at a time [s]."""
-        return self._plan(time)
+        if self.schedule.record is not None and scene.rig.table is not None:
+            self.plays, self.report = str(scene.rig.table.file), self.schedule.record.report
 
     def begin_again(self) -> None:
         """Play as a launch with these set-points would: a transition belongs to the run before."""
-        self._plan = self._schedule.at
+        self.at = self.schedule.at
 
     def change(self, settings: SimpleNamespace, before: Command | None, time: float) -> bool:
         """Go over to the settings' set-points from the set-points in force at a time [s]; False if they agree."""
         if _planned(settings) == self._planned:
             return False
         self._planned = _planned(settings)
-        self._schedule = Schedule.from_scene(scene_of(settings))
-        self._plan = self._schedule.at
+        self.schedule = Schedule.from_scene(scene_of(settings))
+        self.at = self.schedule.at
         if before is not None:
-            self._plan = SetPointTransition(before, self._schedule.at, time, settings.change_time)
+            self.at = transition(before, self.schedule.at, time, settings.change_time)
         return True
 
 

@@ -85,12 +85,7 @@ class CommandArbiter:
         Raises:
             ParameterError: The safe set-point is outside them.
         """
-        limits = limits_for(
-            self._scene,
-            max_weight_on_bit=settings.max_weight_on_bit,
-            max_speed=settings.max_speed,
-            negative=settings.negative_commands,
-        )
+        limits = limits_for(self._scene, settings)
         try:
             limits.check(Command(settings.safe_weight_on_bit, settings.safe_speed))
         except CommandError as error:
@@ -200,12 +195,6 @@ class CommandArbiter:
     def age(self) -> float:
         """Wall time since the last good command [s]; infinite before the first."""
         return min(quantity.age for quantity in self.quantities)
-
-    @property
-    def good(self) -> Command:
-        """The last good set-points."""
-        weight, speed = self.quantities
-        return weight.good.completed(speed.good)
 
     @property
     def kept(self) -> Command:

@@ -5,6 +5,7 @@ import math
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
+from types import SimpleNamespace
 
 from drill_twin.core.errors import DrillTwinError
 from drill_twin.io.messages.stamps import NANOSECONDS, seconds
@@ -81,21 +82,20 @@ class CommandLimits:
         return without, told if command.block else ""
 
 
-def limits_for(scene: Scene, *, max_weight_on_bit: float, max_speed: float, negative: bool) -> CommandLimits:
+def limits_for(scene: Scene, settings: SimpleNamespace) -> CommandLimits:
     """The limits of a scene; its own set-points are always within them.
 
     Args:
         scene: Scene.
-        max_weight_on_bit: Largest weight on bit [N]; 0: ten times the scene's largest and at least 100 N, or where a
-            record is played what strains the weakest section by 1 %.
-        max_speed: Largest top-drive speed [rad/s]; 0: ten times the scene's largest and at least 10 rev/s, or where
-            a record is played 100 rev/s.
-        negative: Whether tension and left-hand rotation may be commanded although the scene does neither and plays
-            no record.
+        settings: Parameters of the simulator. `max_weight_on_bit` [N] of 0 is ten times the scene's largest and at
+            least 100 N, or where a record is played what strains the weakest section by 1 %; `max_speed` [rad/s] of 0
+            is ten times the scene's largest and at least 10 rev/s, or where a record is played 100 rev/s.
+            `negative_commands` says whether tension and left-hand rotation may be commanded although the scene does
+            neither and plays no record.
     """
-    rig = scene.rig
-    weight = max_weight_on_bit or _largest(rig.weight_on_bit, _LEAST_WEIGHT, _strained(scene))
-    speed = max_speed or _largest(rig.rotation, _LEAST_SPEED, FASTEST)
+    rig, negative = scene.rig, settings.negative_commands
+    weight = settings.max_weight_on_bit or _largest(rig.weight_on_bit, _LEAST_WEIGHT, _strained(scene))
+    speed = settings.max_speed or _largest(rig.rotation, _LEAST_SPEED, FASTEST)
     not_followed = "the scene has no `rig.block`"
     if rig.block is not None:
         not_followed = "the auto-driller moves it" if rig.block.auto_driller else ""

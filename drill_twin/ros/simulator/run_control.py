@@ -34,8 +34,6 @@ SERVICES = (
 )
 """Names under the node; a type is its name in capitals, as `GetSimulationState`."""
 
-Action = Callable[[], str]
-"""Returns a sentence on what it did; raises a DrillTwinError where it cannot."""
 Told = Callable[[bool, str], object]
 """Called with whether all frames of a step were taken, and a sentence on them."""
 
@@ -159,18 +157,13 @@ class RunControl:
 
     def _checkpoint_path(self) -> Path:
         own, periodic = self._settings.saved_checkpoint, self._settings.checkpoint
-        if own and periodic and Path(own).resolve() == Path(periodic).resolve():
+        file = own or (periodic and str(Path(periodic).with_name(f"{Path(periodic).stem}_saved.npz")))
+        if not file or (periodic and Path(file).resolve() == Path(periodic).resolve()):
             raise CheckpointError(
-                f"expected another file than the periodic checkpoint, found {own} for both; "
+                f"expected another file than the periodic checkpoint, found {file or 'none'}; "
                 f"ros2 param set {self._node_name} saved_checkpoint FILE.npz"
             )
-        if own or periodic:
-            file = own or Path(periodic).with_name(f"{Path(periodic).stem}_saved.npz")
-            return self.simulation.places.file(str(file))
-        raise CheckpointError(
-            "expected a file for the checkpoint, found none; "
-            f"ros2 param set {self._node_name} saved_checkpoint FILE.npz"
-        )
+        return self.simulation.places.file(file)
 
 
 # --- services --------------------------------------------------------------------------------------------------------
@@ -229,8 +222,8 @@ def _done(response: Any, success: bool, text: str) -> Any:
     return _said(response, OK) if success else _said(response, FAILED, text)
 
 
-def _answered(action: Action, response_of: Callable[[bool, str], Any]) -> Any:
-    """Response to an action; `response_of` is as `Told`."""
+def _answered(action: Callable[[], str], response_of: Callable[[bool, str], Any]) -> Any:
+    """Response to an action, which says what it did, or raises a DrillTwinError; `response_of` is as `Told`."""
     try:
         return response_of(True, action())
     except DrillTwinError as error:

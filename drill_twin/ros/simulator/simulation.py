@@ -75,7 +75,6 @@ class SimulatorRun:
         commands: The commands.
         pacer: Holds frames to wall time.
         checkpoints: Writes checkpoints in the background.
-        started: True once the first frame was computed.
     """
 
     def __init__(self, node: TwinNode, scene: Scene, frame_rate: float, places: CheckpointPlaces) -> None:
@@ -97,7 +96,6 @@ class SimulatorRun:
         self.pacer, self._look = Pacer(period), Tick(_LOOK)
         self._frame_at, self._ask = time.monotonic(), Tick(_ASK_AGAIN)  # when the last frame was due
         self.checkpoints = CheckpointWriter()
-        self.started = False
         self._commander: str | None = None  # as last told
         self._transforms = StringTransforms(self.loop.geometry) if installed(TF) else None
         if self._transforms is not None:
@@ -130,7 +128,7 @@ class SimulatorRun:
     def waits_for_command(self) -> bool:
         """True while time stands still for a command: for the first one, or in lockstep for the next."""
         settings = self._node.settings
-        if not self.started and settings.wait_for_command and not self.commands.heard:
+        if not self.loop.frames and settings.wait_for_command and not self.commands.heard:
             return True
         return settings.pace == "lockstep" and bool(self.commands.awaited)
 
@@ -151,7 +149,7 @@ class SimulatorRun:
         Raises:
             RunError: The motion could not be followed; the last good state is saved.
         """
-        self.started, self._frame_at = True, time.monotonic()
+        self._frame_at = time.monotonic()
         command = self.commands.set_point(self.loop.period)
         exaggeration = self._node.settings.exaggeration or None
         markers = self._markers_due()
@@ -186,7 +184,7 @@ class SimulatorRun:
         While a command is missing, the time is told again: whoever commands by it may not have been connected before.
         """
         self.pacer.restart()
-        if paused or not self.started:
+        if paused or not self.loop.frames:
             self.loop.timing.pause()
         if paused:
             self._frame_at = time.monotonic()
@@ -196,7 +194,6 @@ class SimulatorRun:
     def reset(self) -> None:
         """Start a new run at time zero."""
         self.commands.begin()
-        self.started = False
         self.pacer.restart()
         self.loop.reset()
 

@@ -6,8 +6,6 @@ to north, east and down, lateral distances enlarged by a factor), `orbits/...` (
 mark, x and y off the axis of the hole, seen from above), `trends/...` and `events`; units are the scene's.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any

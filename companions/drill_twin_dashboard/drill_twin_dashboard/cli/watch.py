@@ -68,12 +68,11 @@ def watch(
     if live:
         from drill_twin.ros.entry_points import start
 
-        names = [word for name in allow_host for word in ("--allow-host", name)]
-        names += ["--units", units] if units else []
-        names += [word for text in limit for word in ("--limit", text)]
-        arguments = ["--host", host, "--port", str(port), *names, *([] if browser else ["--no-browser"])]
+        arguments = [f"--host={host}", f"--port={port}", *(f"--allow-host={name}" for name in allow_host)]
+        arguments += [*(f"--limit={text}" for text in limit), *([f"--units={units}"] if units else [])]
+        arguments += [] if browser else ["--no-browser"]
         if foxglove is not None:
-            arguments += ["--foxglove", str(foxglove)]
+            arguments.append(f"--foxglove={foxglove}")
         if namespace:
             arguments += ["--ros-args", "-r", f"__ns:=/{namespace.strip('/')}"]
         raise typer.Exit(start("watch", arguments))

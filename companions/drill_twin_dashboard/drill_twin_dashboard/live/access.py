@@ -53,11 +53,9 @@ class Access:
     def refusal(self, headers: Headers) -> tuple[HTTPStatus, str] | None:
         """Status and sentence for a request that is not for this server; None for a request that is."""
         hosts, origins = headers.get_all("Host"), headers.get_all("Origin")
-        if len(hosts) != 1 or len(origins) > 1:
-            return HTTPStatus.BAD_REQUEST, "expected one header Host and at most one header Origin\n"
-        name = _host_name(hosts[0])
+        name = _host_name(hosts[0]) if len(hosts) == 1 and len(origins) < 2 else None
         if name is None:
-            return HTTPStatus.BAD_REQUEST, "expected the header Host as NAME:PORT\n"
+            return HTTPStatus.BAD_REQUEST, "expected one header Host as NAME:PORT, and at most one header Origin\n"
         if not self._is_own(name):
             return (
                 HTTPStatus.FORBIDDEN,
@@ -97,11 +95,7 @@ class Access:
         """True for a browser that has entered."""
         cookies = (part.strip().partition("=") for text in headers.get_all("Cookie") for part in text.split(";"))
         name = _cookie_name(headers)
-        return any(found == name and _same(value, self._cookie) for found, _, value in cookies)
-
-    def is_key(self, given: str) -> bool:
-        """True for the key; takes the same time for any other text."""
-        return _same(given, self.key)
+        return any(found == name and same(value, self._cookie) for found, _, value in cookies)
 
     def _is_own(self, name: str) -> bool:
         """True for an address, which no DNS can point elsewhere, and for the names of this machine."""
@@ -189,11 +183,14 @@ class Links:
 def _private_file(text: str) -> Path | None:
     """New file of mode 600 in the home folder, or else in the temporary folder; None where neither can be written."""
     for folder in (os.path.expanduser("~"), tempfile.gettempdir()):  # noqa: PTH111 - Path.home may raise
-        with suppress(OSError):
-            handle, name = tempfile.mkstemp(".html", "drill_twin_", folder)
-            with os.fdopen(handle, "w", encoding="utf-8") as stream:
-                stream.write(text)
-            return Path(name)
+        with (
+            suppress(OSError),
+            tempfile.NamedTemporaryFile(
+                "w", encoding="utf-8", suffix=".html", prefix="drill_twin_", dir=folder, delete=False
+            ) as stream,
+        ):
+            stream.write(text)
+            return Path(stream.name)
     return None
 
 
@@ -202,7 +199,8 @@ def url(host: str, port: int) -> str:
     return f"http://{in_url(WILDCARDS.get(host, host))}:{port}/"
 
 
-def _same(given: str, secret: str) -> bool:
+def same(given: str, secret: str) -> bool:
+    """True for a secret; takes the same time for any other text."""
     return hmac.compare_digest(given.encode("utf-8", "surrogatepass"), secret.encode())
 
 

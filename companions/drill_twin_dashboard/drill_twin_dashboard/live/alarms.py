@@ -9,7 +9,6 @@ import math
 import time as clock
 from collections import deque
 from collections.abc import Iterator, Mapping
-from dataclasses import asdict, dataclass
 from itertools import takewhile
 from typing import Any
 
@@ -21,21 +20,22 @@ from drill_twin.core.units.dimension import ANGULAR_SPEED, FORCE, SPEED, TORQUE
 from drill_twin.io.messages.diagnostics import Level
 from drill_twin_dashboard.live.shown import short
 
-CHANNELS = ("wob", "rps", "bit_rps", "torque", "hookload", "rop")
-"""Weight on bit [N], speed of top drive and bit [rev/s], torque [N m], hookload [N], rate of penetration [m/s]."""
+CHANNELS = {
+    "wob": ("weight on bit", FORCE), "rps": ("top-drive speed", ANGULAR_SPEED), "bit_rps": ("bit speed", ANGULAR_SPEED),
+    "torque": ("top-drive torque", TORQUE), "hookload": ("hookload", FORCE), "rop": ("rate of penetration", SPEED),
+}  # fmt: skip
+"""Words and dimension of each channel; its values are in SI units, speeds of rotation in rev/s."""
 SECONDS = 0.25
 """Length of an interval [s of simulated time]."""
 _MOST = round(1800.0 / SECONDS)
 _AGAIN = 8  # intervals sent twice, for a page that missed a snapshot
-
-Row = list[float | None]
 
 
 class Trends:
     """Intervals of one run; a row is its number, then least, mean and largest value of each channel."""
 
     def __init__(self, most: int = _MOST) -> None:
-        self._rows: deque[Row] = deque(maxlen=most)
+        self._rows: deque[list[float | None]] = deque(maxlen=most)
         self.run = -1
         """Number of the run; time that goes back begins another."""
         self.clear()
@@ -70,9 +70,9 @@ class Trends:
     def _close(self) -> None:
         if math.isnan(self._present):
             return
-        row: Row = [self._present]
+        row: list[float | None] = [self._present]
         for low, total, high, count in zip(self._low, self._sum, self._high, self._counts, strict=True):
-            row += [_short(low), _short(total / count), _short(high)] if count else [None, None, None]
+            row += [float(f"{one:.6g}") for one in (low, total / count, high)] if count else [None, None, None]
         self._rows.append(row)
 
     def recent(self) -> dict[str, Any]:
@@ -88,23 +88,8 @@ class Trends:
         return {"run": self.run, "channels": list(CHANNELS), "seconds": SECONDS, "rows": list(self._rows)}
 
 
-def _short(value: float) -> float:
-    return float(f"{value:.6g}")
-
-
-NAMES = {
-    "wob": "weight on bit",
-    "rps": "top-drive speed",
-    "bit_rps": "bit speed",
-    "torque": "top-drive torque",
-    "hookload": "hookload",
-    "rop": "rate of penetration",
-}
-"""Words for the channels."""
-_DIMENSIONS = {
-    "wob": FORCE, "rps": ANGULAR_SPEED, "bit_rps": ANGULAR_SPEED, "torque": TORQUE, "hookload": FORCE, "rop": SPEED
-}  # fmt: skip
-SIDES = ("low", "high")
+LIMITS = {f"{channel}_{side}": (channel, side) for channel in CHANNELS for side in ("low", "high")}
+"""Channel and side of each limit, by its name."""
 DELAY = 10.0
 """Time within a limit that ends an alarm [s of simulated time]: longer than a cycle of stick-slip or whirl."""
 
@@ -116,14 +101,14 @@ def parse_limit(text: str) -> dict[str, float]:
         DrillTwinError: The text is no limit, or its value has no fitting unit.
     """
     name, _, value = (part.strip() for part in text.partition("="))
-    channel = name.rpartition("_")[0]
-    if channel not in _DIMENSIONS or not value:
+    if name not in LIMITS or not value:
         raise DrillTwinError(f'expected a limit as torque_high=12 kN m, of {", ".join(CHANNELS)}, found "{text[:100]}"')
+    dimension = CHANNELS[LIMITS[name][0]][1]
     try:
-        found = parse(value, _DIMENSIONS[channel])
+        found = parse(value, dimension)
     except UnitError as error:
         raise DrillTwinError(f"limit {name}: {error}") from None
-    return {name: found / math.tau if _DIMENSIONS[channel] is ANGULAR_SPEED else found}
+    return {name: found / math.tau if dimension is ANGULAR_SPEED else found}
 
 
 class AlarmLimits:
@@ -132,27 +117,27 @@ class AlarmLimits:
     def __init__(self) -> None:
         self.values: dict[str, dict[str, float]] = {}
         """Value by channel and side, `low` or `high`."""
-        self._last: dict[tuple[str, str], float] = {}  # time at which a value was beyond
+        self._last: dict[str, float] = {}  # time at which a value was beyond, by name
 
     def set(self, name: str, value: float | bool) -> str:
         """Set a limit by its name, as `torque_high`, or remove it (False); returns a sentence for the log.
 
         Raises:
-            DrillTwinError: There is no such limit, or the lower one is not below the higher one.
+            DrillTwinError: The limit is True, or the lower one is not below the higher one.
         """
-        channel, _, side = name.rpartition("_")
-        if channel not in CHANNELS or side not in SIDES or value is True:
-            raise DrillTwinError(f"expected a limit CHANNEL_low or CHANNEL_high of {', '.join(CHANNELS)}, found {name}")
+        channel, side = LIMITS[name]
+        if value is True:
+            raise DrillTwinError(f"expected a number as the limit {name}, or false for none, found true")
         own = {key: limit for key, limit in self.values.get(channel, {}).items() if key != side}
         if value is not False:
             own[side] = float(value)
-        if len(own) == len(SIDES) and own["low"] >= own["high"]:
+        if len(own) == 2 and own["low"] >= own["high"]:
             raise DrillTwinError(
-                f"expected a low limit of the {NAMES[channel]} below the high limit, found low at or above high"
+                f"expected a low limit of the {CHANNELS[channel][0]} below the high limit, found low at or above high"
             )
         self.values[channel] = own
-        self._last.pop((channel, side), None)
-        return f"{'no limit' if value is False else 'limit set'}: {NAMES[channel]}, {side}"
+        self._last.pop(name, None)
+        return f"{'no limit' if value is False else 'limit set'}: {CHANNELS[channel][0]}, {side}"
 
     def again(self) -> None:
         """Forget what was beyond a limit: another run begins."""
@@ -160,47 +145,31 @@ class AlarmLimits:
 
     def check(self, time: float, values: Mapping[str, float]) -> Iterator[tuple[str, str, bool]]:
         """Name and sentence of each limit; True from a value beyond it until no value was beyond it for `DELAY`."""
-        for channel in CHANNELS:
-            for side in SIDES:
-                key = channel, side
-                limit, value = self.values.get(channel, {}).get(side), values.get(channel, math.nan)
-                if limit is not None and (value < limit if side == "low" else value > limit):
-                    self._last[key] = time
-                word = "below its low" if side == "low" else "above its high"
-                beyond = time - self._last.get(key, -math.inf) < DELAY
-                yield f"{channel}_{side}", f"{NAMES[channel]} {word} limit", beyond
+        for name, (channel, side) in LIMITS.items():
+            limit, value = self.values.get(channel, {}).get(side), values.get(channel, math.nan)
+            if limit is not None and (value < limit if side == "low" else value > limit):
+                self._last[name] = time
+            word = "below its low" if side == "low" else "above its high"
+            beyond = time - self._last.get(name, -math.inf) < DELAY
+            yield name, f"{CHANNELS[channel][0]} {word} limit", beyond
 
 
-_MOST_EVENTS, _RECENT = 1000, 8
-_MOST_ALARMS = 100
-
-
-@dataclass
-class Alarm:
-    """One alarm."""
-
-    number: int
-    """Number by which it is acknowledged."""
-    text: str
-    """Cause, as a sentence."""
-    level: int
-    """`Level.WARN` or `Level.ERROR`."""
-    time: float | None
-    """Simulated time of its cause [s]."""
-    active: bool = True
-    """The cause persists."""
-    acknowledged: bool = False
-    """A person has seen it."""
+_MOST_EVENTS, _MOST_ALARMS = 1000, 100
 
 
 class Alarms:
-    """Alarms by cause, and the log of what happened."""
+    """Alarms by cause, and the log of what happened.
+
+    An alarm has its `number`, the `text` of its cause, its `level` (`Level.WARN` or `Level.ERROR`), the simulated
+    `time` of the cause [s], and whether the cause is still `active` and a person has `acknowledged` the alarm.
+    """
 
     def __init__(self, *, recorded: bool) -> None:
         """Start empty; the events of a recording have no time of day."""
         self._recorded = recorded
-        self._alarms: dict[str, Alarm] = {}
-        self._events: deque[dict[str, Any]] = deque(maxlen=_MOST_EVENTS)
+        self._alarms: dict[str, dict[str, Any]] = {}
+        self.events: deque[dict[str, Any]] = deque(maxlen=_MOST_EVENTS)
+        """Events that are kept, the newest last."""
         self._count = 0
 
     def update(self, cause: str, level: int, text: str, time: float | None) -> bool:
@@ -211,18 +180,19 @@ class Alarms:
         """
         alarm = self._alarms.get(cause)
         if level == Level.OK:
-            if alarm is None or not alarm.active:
+            if alarm is None or not alarm["active"]:
                 return False
-            alarm.active = False
-            self.note(f"over: {alarm.text}", time)
+            alarm["active"] = False
+            self.note(f"over: {alarm['text']}", time)
             self._forget(cause)
             return True
-        if alarm is None or not alarm.active or level > alarm.level:
+        if alarm is None or not alarm["active"] or level > alarm["level"]:
             if alarm is None and len(self._alarms) >= _MOST_ALARMS:
                 return False
-            self._alarms[cause] = Alarm(self.note(text, time, level), short(text), level, time)
+            row = {"number": self.note(text, time, level), "text": short(text), "level": int(level), "time": time}
+            self._alarms[cause] = {**row, "active": True, "acknowledged": False}
             return True
-        alarm.text = short(text)
+        alarm["text"] = short(text)
         return False
 
     def acknowledge(self, number: int | None, time: float | None) -> None:
@@ -231,37 +201,29 @@ class Alarms:
         Raises:
             DrillTwinError: No alarm has the number.
         """
-        found = {cause: alarm for cause, alarm in self._alarms.items() if number in {None, alarm.number}}
+        found = {cause: alarm for cause, alarm in self._alarms.items() if number in {None, alarm["number"]}}
         if number is not None and not found:
             raise DrillTwinError(f"expected the number of an alarm, found {number}, whose alarm may be over")
         for cause, alarm in found.items():
-            if not alarm.acknowledged:
-                alarm.acknowledged = True
-                self.note(f"acknowledged: {alarm.text}", time)
+            if not alarm["acknowledged"]:
+                alarm["acknowledged"] = True
+                self.note(f"acknowledged: {alarm['text']}", time)
             self._forget(cause)
 
     def _forget(self, cause: str) -> None:
-        if self._alarms[cause].acknowledged and not self._alarms[cause].active:
+        if self._alarms[cause]["acknowledged"] and not self._alarms[cause]["active"]:
             del self._alarms[cause]
 
     def note(self, text: str, time: float | None, level: int = Level.OK) -> int:
         """Add an event to the log; returns its number."""
         self._count += 1
         told = "" if self._recorded else clock.strftime("%H:%M:%S")
-        self._events.append(
+        self.events.append(
             {"number": self._count, "time": time, "clock": told, "level": int(level), "text": short(text)}
         )
         return self._count
 
     def rows(self) -> list[dict[str, Any]]:
         """Alarms for JSON: alarms not acknowledged first, then the worst, then the newest."""
-        order = sorted(self._alarms.values(), key=lambda alarm: (alarm.acknowledged, -alarm.level, -alarm.number))
-        return [asdict(alarm) for alarm in order]
-
-    def recent(self) -> list[dict[str, Any]]:
-        """Newest events."""
-        return list(self._events)[-_RECENT:]
-
-    def events(self) -> list[dict[str, Any]]:
-        """All events that are kept."""
-        return list(self._events)
+        order = sorted(self._alarms.values(), key=lambda one: (one["acknowledged"], -one["level"], -one["number"]))
+        return [dict(alarm) for alarm in order]

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """State of the live page: the latest values of the topics, of a running twin or of a bag."""
 
-from __future__ import annotations
-
 import math
 import threading
 from collections.abc import Callable, Iterable, Mapping
@@ -63,15 +61,6 @@ _SPEAKERS = ("advisor", "estimator")
 _MOST_MARKS, _MOST_NODES = 200, 20_000
 
 
-def _showing(name: str, shown: Callable[[Any], Any]) -> Callable[[PageState, Any], None]:
-    """Handler of a topic whose message the page shows under a name, as a function makes it."""
-
-    def take(page: PageState, message: Any) -> None:
-        page.shown[name] = shown(message)
-
-    return take
-
-
 class PageState:
     """Latest values of the topics; `update` and `snapshot` may be called from different threads."""
 
@@ -83,7 +72,7 @@ class PageState:
                 recording, whose values stay.
         """
         self._sources = sources
-        self._lock = threading.Lock()
+        self._lock = threading.RLock()
         self._supervision = Supervision(recorded=sources is None)
         self._state = ""  # of the simulator, which another scene does not change
         self._read = {topic: reader_of(topic) for topic in INPUTS}
@@ -91,26 +80,23 @@ class PageState:
         """Messages that could not be used."""
         self.units = ""
         """System of units that the reader asked for; empty: the scene's."""
-        self._clear()
+        self.clear()
 
     def clear(self) -> None:
         """Drop all values, for a new run or another time of the recording."""
         with self._lock:
-            self._clear()
-
-    def _clear(self) -> None:
-        self._hole: Scene | None = None
-        self._weight = math.nan
-        self._marks: dict[str, dict[str, Any]] = {}
-        self._trail: dict[str, list[list[float]]] = {}
-        self._rig: dict[str, float] = {}
-        self._said = dict.fromkeys(_SPEAKERS, "")  # sentence of each of these nodes
-        self._starting = ""  # name of the simulator while it compiles or is not configured
-        self.shown: dict[str, Any] = {  # what the page gets as it is
-            "time": 0.0, "scene": None, "nodes": [], "motion": {"state": "", "criterion": "", "whirls": False},
-            "onset": None, "advice": {"level": 0}, "map": None, "estimates": None,
-            "simulator": {"factor": "", "text": ""},  # real-time factor, and a sentence on it
-        }  # fmt: skip
+            self._hole: Scene | None = None
+            self._weight = math.nan
+            self._marks: dict[str, dict[str, Any]] = {}
+            self._trail: dict[str, list[list[float]]] = {}
+            self._rig: dict[str, float] = {}
+            self._said = dict.fromkeys(_SPEAKERS, "")  # sentence of each of these nodes
+            self._starting = ""  # name of the simulator while it compiles or is not configured
+            self.shown: dict[str, Any] = {  # what the page gets as it is
+                "time": 0.0, "scene": None, "nodes": [], "motion": {"state": "", "criterion": "", "whirls": False},
+                "onset": None, "advice": {"level": 0}, "map": None, "estimates": None,
+                "simulator": {"factor": "", "text": ""},  # real-time factor, and a sentence on it
+            }  # fmt: skip
 
     def update(self, topic: str, raw: bytes) -> None:
         """Decode a message; a message that cannot be used is skipped and counted."""
@@ -184,7 +170,7 @@ class PageState:
 
     def _on_scene(self, text: str) -> None:
         scene, found = parse_scene(text, name=TWIN_SCENE), self.shown["map"]
-        self._clear()
+        self.clear()
         if found is not None and found["digest"] == digest_of(scene):  # a map may come before its scene
             self.shown["map"] = found
         self._hole = scene if scene.hole.survey else None
@@ -259,7 +245,7 @@ class PageState:
                     state = self._read[RIG_STATE](raw)
                     self._supervision.trends.push(seconds(state.stamp), rig_values(read_rig_state(state)))
 
-    HANDLERS: ClassVar[dict[str, Callable[[PageState, Any], None]]] = {
+    HANDLERS: ClassVar[dict[str, Callable[[Any, Any], None]]] = {
         TWIN_SCENE: _on_scene,
         STRING_POSES: _on_poses,
         MARKS_STATE: _on_marks,
@@ -267,9 +253,9 @@ class PageState:
         WHIRL_STATE: _on_whirl,
         WHIRL_MOTION: _on_motion,
         WHIRL_ONSET: _on_onset,
-        ADVICE_STATE: _showing("advice", shown_advice),
-        ADVICE_MAP: _showing("map", shown_map),
-        ESTIMATE_STATE: _showing("estimates", shown_estimates),
+        ADVICE_STATE: lambda page, state: page.shown.update(advice=shown_advice(state)),
+        ADVICE_MAP: lambda page, text: page.shown.update(map=shown_map(text)),
+        ESTIMATE_STATE: lambda page, state: page.shown.update(estimates=shown_estimates(state)),
         TWIN_SUMMARY: _on_summary,
         DIAGNOSTICS: _on_diagnostics,
     }

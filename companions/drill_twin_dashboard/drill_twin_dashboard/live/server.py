@@ -32,7 +32,7 @@ from drill_twin.core.files.json_files import JsonError, read_json
 from drill_twin.core.loopback import is_loopback
 from drill_twin.core.units.registry import si_factor
 from drill_twin.core.units.system import SYSTEMS
-from drill_twin_dashboard.live.access import READ_ONLY, TOO_LATE, WILDCARDS, Access, Links, url
+from drill_twin_dashboard.live.access import READ_ONLY, TOO_LATE, WILDCARDS, Access, Links, same, url
 from drill_twin_dashboard.live.web_server import DOWNLOAD, WebServer, listening_socket, send
 
 _TYPES = {"html": "text/html", "css": "text/css", "js": "text/javascript"}
@@ -99,9 +99,8 @@ def response(kind: str, content: bytes, policy: str = _POLICY, **more: str) -> R
 
 
 @cache
-def _plotly(*, packed: bool) -> bytes:
-    content = pkgutil.get_data("plotly", "package_data/plotly.min.js") or b""
-    return gzip.compress(content, 6, mtime=0) if packed else content
+def _plotly() -> bytes:
+    return gzip.compress(pkgutil.get_data("plotly", "package_data/plotly.min.js") or b"", 6, mtime=0)
 
 
 MOST_CLIENTS = 32
@@ -111,9 +110,6 @@ KEPT = 4
 
 _STRANGER, _ENTERED, _COMMANDS = range(3)
 """Rights of a client: none; it has the cookie; it has given the key too."""
-
-RequestHandler = Callable[[Mapping[str, Any]], None]
-"""Carries out a request of the page; raises a DrillTwinError, which the page shows."""
 
 
 class PageServer(WebServer):
@@ -131,7 +127,7 @@ class PageServer(WebServer):
     def __init__(
         self,
         snapshot: Callable[[], Mapping[str, Any]],
-        on_request: RequestHandler,
+        on_request: Callable[[Mapping[str, Any]], None],
         *,
         history: Callable[[], Mapping[str, Any]] = dict,
         host: str = "127.0.0.1",
@@ -142,7 +138,8 @@ class PageServer(WebServer):
 
         Args:
             snapshot: Returns the present state of the page.
-            on_request: Called with each request of the page, in a thread of the server.
+            on_request: Carries out a request of the page, in a thread of the server; raises a DrillTwinError, which
+                the page shows.
             history: Returns what a page shows of the minutes before it was opened, `/history.json`.
             host: Address to listen on.
             port: Port; 0 takes a free one.
@@ -209,8 +206,7 @@ class PageServer(WebServer):
         kind, content = self._files[path]
         if path != _PLOTLY:
             return response(kind, content)
-        packed = "gzip" in ",".join(request.headers.get_all("Accept-Encoding"))
-        return response(kind, _plotly(packed=packed), **({"Content-Encoding": "gzip"} if packed else {}))
+        return response(kind, _plotly(), **{"Content-Encoding": "gzip"})
 
     async def _converse(self, connection: ServerConnection) -> None:
         """Send snapshots and handle requests until the client leaves."""
@@ -236,7 +232,7 @@ class PageServer(WebServer):
             try:
                 content = _parsed(request, self.REQUEST)
                 if "key" in content and self.places.get(connection):
-                    self.places[connection] = _COMMANDS if self._access.is_key(content["key"]) else _ENTERED
+                    self.places[connection] = _COMMANDS if same(content["key"], self._access.key) else _ENTERED
                 if self.places.get(connection) != _COMMANDS:
                     self.links.show_beside()
                     raise DrillTwinError(READ_ONLY)

@@ -158,7 +158,6 @@ def shown_scene(scene: Scene) -> dict[str, Any]:
         "units": scene.unit_system.name,
         "bounds": whose_bounds(scene.severity.whose if scene.severity else None, scene.unit_system.name),
         "length": scene.length,
-        "hole": scene.hole.radius,
         "well": well_geometry(scene, _STATIONS),
         "string": string_steps(scene),
         "walls": {mark.name: scene.hole.radius_at(scene.length - mark.distance_from_bit) for mark in marks},
@@ -234,10 +233,6 @@ class Sources:
             if age < _FORGOTTEN:
                 rows.append({"name": name, "level": int(level), "text": text, "age": age})
         return rows
-
-    def missing(self) -> list[str]:
-        """Names of the nodes that did not end in order, and have not been heard for longer than values last."""
-        return [row["name"] for row in self.nodes() if row["age"] > GONE]
 
 
 _INSTEAD: dict[str, tuple[str, Callable[[str], dict[str, Any]], tuple[str, ...]]] = {

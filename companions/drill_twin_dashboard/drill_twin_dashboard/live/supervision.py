@@ -16,7 +16,7 @@ from drill_twin.io.messages.diagnostics import Level
 from drill_twin.whirl import StickSlip
 from drill_twin.whirl.motion.stick_slip_index import TIME_BASE
 from drill_twin.whirl.severity import torsion_grade, turns_backwards
-from drill_twin_dashboard.live.alarms import CHANNELS, SIDES, AlarmLimits, Alarms, Trends
+from drill_twin_dashboard.live.alarms import LIMITS, AlarmLimits, Alarms, Trends
 
 LEVELS = {Grade.NONE: 0, Grade.LOW: 0, Grade.MEDIUM: 1, Grade.HIGH: 2, Grade.SEVERE: 2}
 """Level of a lamp by its grade of severity: 1 is a warning, 2 an alarm."""
@@ -47,8 +47,7 @@ def stick_slip_lamp(bit: StickSlip, bounds: Bounds = DEFAULT, *, backwards: bool
     return found._replace(severity=f"{found.severity}, the bit turns backwards") if backwards and found.level else found
 
 
-_LIMITS = {f"{channel}_{side}" for channel in CHANNELS for side in SIDES}
-_LEVELS = (Level.OK, Level.WARN, Level.ERROR)
+_RECENT = 8  # events in a snapshot
 UNKNOWN = Lamp(None, "unknown", "")
 """Lamp of a motion that nobody has told, or whose analyzer is gone."""
 
@@ -66,7 +65,7 @@ class Supervision:
         self._recorded = recorded
         self.time: float | None = None
         """Simulated time of the last rig state [s]."""
-        self._bit, self._backwards = StickSlip(), -math.inf
+        self._begin_motion()
         self.bounds = DEFAULT
         """Bounds of the grades of severity."""
         self._motions: dict[str, str] = {}
@@ -75,19 +74,23 @@ class Supervision:
 
     def begin(self, name: str, bounds: Bounds = DEFAULT) -> None:
         """Begin a run of a scene, with its bounds of the grades of severity."""
-        self._bit, self._backwards, self.time, self.bounds = StickSlip(), -math.inf, None, bounds
-        self.limits.again()
+        self.time, self.bounds = None, bounds
+        self._begin_motion()
         self.lamps = dict.fromkeys(self.lamps, UNKNOWN)
         if not self._recorded:
             self._motions.clear()
             self.trends.clear()
             self.alarms.note(f"a run of {name} began", None)
 
+    def _begin_motion(self) -> None:
+        """Forget the bit, and what was beyond a limit."""
+        self._bit, self._backwards = StickSlip(), -math.inf
+        self.limits.again()
+
     def rig(self, time: float, values: Mapping[str, float]) -> None:
         """Use the state of the rig at a time [s]."""
         if self.time is not None and time < self.time:
-            self.limits.again()
-            self._bit, self._backwards = StickSlip(), -math.inf
+            self._begin_motion()
         self.time = time
         if not self._recorded:
             self.trends.push(time, values)
@@ -105,7 +108,7 @@ class Supervision:
         self.lamps[name] = lamp
         said = f"{name.replace('_', '-')}: {lamp.text}" + f", {lamp.severity}" * bool(lamp.level)
         known = lamp.level is not None
-        told = known and self.alarms.update(name, _LEVELS[lamp.level or 0], said, self.time)
+        told = known and self.alarms.update(name, Level(lamp.level or 0), said, self.time)
         if not told and self._motions.get(name) != lamp.text:
             self.alarms.note(said, self.time)
         self._motions[name] = lamp.text
@@ -118,9 +121,8 @@ class Supervision:
     def nodes(self, rows: list[dict[str, Any]]) -> None:
         """Use the diagnostics of the nodes (`Sources.nodes`)."""
         for row in rows:
-            bad = row["level"] == Level.ERROR
-            text = f"{row['name']}: {row['text']}"
-            self.alarms.update(f"node {row['name']}", Level.ERROR if bad else Level.OK, text, self.time)
+            level = Level.ERROR if row["level"] == Level.ERROR else Level.OK
+            self.alarms.update(f"node {row['name']}", level, f"{row['name']}: {row['text']}", self.time)
 
     def take(self, request: Mapping[str, Any]) -> dict[str, Any]:
         """Carry out what a request says about alarms and limits; returns the rest of it.
@@ -133,7 +135,7 @@ class Supervision:
             if number is False:
                 raise DrillTwinError("expected the number of an alarm to acknowledge, or true for all, found false")
             self.alarms.acknowledge(None if number is True else int(number), self.time)
-        for name in sorted(_LIMITS & rest.keys()):
+        for name in sorted(LIMITS.keys() & rest.keys()):
             self.alarms.note(self.limits.set(name, rest.pop(name)), self.time)
         return rest
 
@@ -142,11 +144,11 @@ class Supervision:
         return {
             "lamps": {name: lamp._asdict() for name, lamp in self.lamps.items()},
             "alarms": self.alarms.rows(),
-            "events": self.alarms.recent(),
+            "events": list(self.alarms.events)[-_RECENT:],
             "limits": self.limits.values,
             "trends": self.trends.recent(),
         }
 
     def history(self) -> dict[str, Any]:
         """History that the page shows of the time before it was opened."""
-        return {"trends": self.trends.all(), "events": self.alarms.events()}
+        return {"trends": self.trends.all(), "events": list(self.alarms.events)}

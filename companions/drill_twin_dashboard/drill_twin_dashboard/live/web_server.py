@@ -55,11 +55,6 @@ class WebServer:
         self._thread = threading.Thread(target=self._run, args=(listener,), name=name, daemon=True)
         self._thread.start()
 
-    @property
-    def running(self) -> bool:
-        """True until the server has ended."""
-        return self._thread.is_alive()
-
     def close(self) -> None:
         """Close all connections and stop, within a few seconds whatever the clients do."""
         with suppress(RuntimeError):  # the loop has ended

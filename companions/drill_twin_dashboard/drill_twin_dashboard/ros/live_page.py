@@ -6,7 +6,6 @@ and reset are the services of the simulator.
 """
 
 import argparse
-import math
 import time
 from collections import deque
 from collections.abc import Iterable, Mapping, Sequence
@@ -22,8 +21,8 @@ from std_srvs.srv import Trigger
 from drill_twin.core.errors import DrillTwinError
 from drill_twin.core.units.system import SYSTEMS
 from drill_twin.io.messages.diagnostics import Level, Status
+from drill_twin.io.messages.encode import encode_float64
 from drill_twin.io.messages.good_samples import GONE
-from drill_twin.io.messages.rig_messages import CommandEncoder
 from drill_twin.io.messages.topics import RIG_COMMAND, RPS_COMMAND, TOPICS, TWIN_SCENE, WOB_COMMAND
 from drill_twin.ros.core.graph import unlisted
 from drill_twin.ros.core.node import TwinNode
@@ -31,7 +30,6 @@ from drill_twin.ros.core.node_main import init_context, run_in_order
 from drill_twin.ros.core.stop_request import StopRequest
 from drill_twin.ros.core.topics import installed
 from drill_twin.ros.deployment import readable_refusal
-from drill_twin.scene.set_points.command import Command
 from drill_twin_dashboard.live.alarms import parse_limit
 from drill_twin_dashboard.live.foxglove_server import FoxgloveServer
 from drill_twin_dashboard.live.page_state import INPUTS, PageState
@@ -67,7 +65,6 @@ class LivePage(TwinNode):
         self._viewers = viewers
         self._sources = Sources()
         self.page_state = PageState(self._sources)
-        self._encoder = CommandEncoder()
         self._asked: deque[tuple[str, float]] = deque()  # set-points and controls of the run, from the server's thread
         self._pending: list[tuple[str, float, Any]] = []
         self._answers: list[Any] = []
@@ -179,8 +176,7 @@ class LivePage(TwinNode):
                 if topic not in self.topics.publishers:  # withdrawn: a rig driver has come
                     self._command(name, value)
                     return
-        encode = self._encoder.wob_command if topic == WOB_COMMAND else self._encoder.rps_command
-        self.topics.publish(topic, encode(Command(value, value * math.tau)))
+        self.topics.publish(topic, encode_float64(value))
 
     def health(self) -> Status:
         """Nodes that are not heard any more, or the number of messages that could not be decoded."""
@@ -188,7 +184,8 @@ class LivePage(TwinNode):
             for topic in {WOB_COMMAND, RPS_COMMAND} & set(self.topics.publishers):
                 self.topics.withdraw(topic)
         self.page_state.check_sources()
-        missing, skipped = self._sources.missing(), len(self.page_state.skipped)
+        missing = [row["name"] for row in self._sources.nodes() if row["age"] > GONE]  # and did not end in order
+        skipped = len(self.page_state.skipped)
         return self.status(
             {},
             (Level.WARN, f"no diagnostics for more than {GONE:g} s of {', '.join(missing)}" if missing else ""),
@@ -210,9 +207,7 @@ def run(arguments: Sequence[str], stop: StopRequest) -> None:
     parser.add_argument("--units", choices=[*SYSTEMS], default="", help="units of the page (the scene's)")
     parser.add_argument("--no-browser", action="store_true", help="do not open the browser")
     parser.add_argument("--foxglove", type=int, help="port for viewers that speak the Foxglove protocol; 0: a free one")
-    own = list(arguments)
-    ros = own[own.index("--ros-args") :] if "--ros-args" in own else []
-    given = parser.parse_args(own[: len(own) - len(ros)])
+    given, ros = parser.parse_known_args(arguments)
     limits = [parse_limit(text) for text in given.limit]
     with ExitStack() as ends:
         context = init_context(ros, stop)

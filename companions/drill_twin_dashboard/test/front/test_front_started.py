@@ -35,7 +35,7 @@ def test_the_word_live_and_options_of_a_twin_mean_the_running_twin(call, monkeyp
     assert call("watch", "--no-browser", *given).code == 0
     ((name, words),) = started
     assert name == "watch"
-    assert words[:4] == ["--host", "127.0.0.1", "--port", "8000"]
+    assert words[:2] == ["--host=127.0.0.1", "--port=8000"]
     assert "live" not in words
 
 

@@ -29,7 +29,7 @@ VALUES = dict.fromkeys(CHANNELS, 1.0) | {"rop": math.nan}
 
 
 def _texts(alarms):
-    return [event["text"] for event in alarms.events()]
+    return [event["text"] for event in alarms.events]
 
 
 def test_an_alarm_stays_until_it_is_acknowledged_and_over():
@@ -85,7 +85,15 @@ def test_a_limit_of_the_command_line_has_a_unit():
     assert parse_limit("torque_high=12 kN m") == {"torque_high": 12e3}
     assert parse_limit("rps_low = 90 rpm") == {"rps_low": pytest.approx(1.5)}
     assert parse_limit("rop_high=36 m/h") == {"rop_high": pytest.approx(0.01)}
-    for wrong in ("", "torque", "torque_high=", "speed_high=3 rpm", "torque_high=12 kN", "wob_high=5"):
+    for wrong in (
+        "",
+        "torque",
+        "torque_high=",
+        "speed_high=3 rpm",
+        "torque_middle=12 kN m",
+        "torque_high=12 kN",
+        "wob_high=5",
+    ):
         with pytest.raises(DrillTwinError, match="expected"):
             parse_limit(wrong)
 

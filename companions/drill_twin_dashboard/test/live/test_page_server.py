@@ -143,7 +143,7 @@ def test_the_end_does_not_wait_for_clients_that_do_not_read(serve):
             client.sendall(page.upgrade())
             client.recv(12)
         page.server.close()
-        assert not page.server.running
+        assert not page.server._thread.is_alive()
 
 
 def test_requests_that_are_no_commands(serve):

@@ -4,6 +4,7 @@
 import pytest
 
 from drill_twin.io.messages.diagnostics import Level, Status
+from drill_twin.io.messages.good_samples import GONE
 from drill_twin.io.messages.topics import RIG_STATE, STRING_POSES, WHIRL_STATE
 from drill_twin_dashboard.live.shown import Sources
 
@@ -72,7 +73,7 @@ def test_a_node_that_is_silent_is_told_and_one_that_has_ended_is_not(sources, cl
     sources.report(Status("rig_driver", Level.OK, "driving", {"ended": "true"}))
     for _ in range(4):
         _second(sources, clock, nodes=("simulator", "analyzer"))
-    assert sources.missing() == ["recorder"]
+    assert [row["name"] for row in sources.nodes() if row["age"] > GONE] == ["recorder"]
     rows = {row["name"]: row for row in sources.nodes()}
     assert set(rows) == {"simulator", "analyzer", "recorder"}
     assert rows["simulator"]["text"] == "fine"

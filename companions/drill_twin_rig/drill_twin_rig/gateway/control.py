@@ -96,11 +96,7 @@ class Control:
                 return None
             if self.permission is not Permission.GRANTED or other:
                 return Refusal(f"{user.name} has no control; write true to {REQUEST} first")
-            return self._refusal_of_value(name, value)
-
-    def _refusal_of_value(self, name: str, value: object) -> Refusal | None:
-        target = self._targets.get(name)
-        if target is None:
+        if (target := self._targets.get(name)) is None:
             return None
         if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
             return Refusal(f"{name}: expected a finite number, found {shortened(repr(value), 60)}", of_value=True)

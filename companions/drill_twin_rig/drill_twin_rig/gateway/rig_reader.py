@@ -12,6 +12,7 @@ from abc import ABC, abstractmethod
 from collections import Counter
 from collections.abc import Coroutine, Iterable, Mapping, Sequence
 from concurrent.futures import Future
+from contextlib import suppress
 from typing import Any, NamedTuple, TypeVar
 
 from drill_twin.core.errors import shortened
@@ -88,13 +89,10 @@ class QualityCheck:
             return "stale stamp"
         if reading.stamp - now > _AHEAD:
             return "stamp in the future"
-        return self._frozen(float(value), now)
-
-    def _frozen(self, value: float, now: float) -> str:
         if value != self._last:
-            self._last, self._changed = value, now
-        frozen = 0.0 < self._signal.frozen_after <= now - self._changed
-        return f"frozen for more than {self._signal.frozen_after:g} s" if frozen else ""
+            self._last, self._changed = float(value), now
+        frozen = 0.0 < signal.frozen_after <= now - self._changed
+        return f"frozen for more than {signal.frozen_after:g} s" if frozen else ""
 
 
 def unit_fault(signal: RigSignal, found: str) -> str:
@@ -104,13 +102,10 @@ def unit_fault(signal: RigSignal, found: str) -> str:
         signal: The signal.
         found: Text of the unit on the server; empty where it gives none.
     """
-    if not found:
-        return ""
-    try:
-        same = si_factor(found) == si_factor(signal.unit)
-    except UnitError:
-        same = False
-    return "" if same else f"wrong unit: expected {signal.unit}, found {found} on the server"
+    with suppress(UnitError):
+        if not found or si_factor(found) == si_factor(signal.unit):
+            return ""
+    return f"wrong unit: expected {signal.unit}, found {found} on the server"
 
 
 _T = TypeVar("_T")
@@ -120,10 +115,14 @@ class EventLoopThread:
     """Runs coroutines while the calling thread does other work."""
 
     def __init__(self, name: str) -> None:
-        self._loop = asyncio.new_event_loop()
+        self._loop, self._over = asyncio.new_event_loop(), asyncio.Event()
         self._posted: Future[object] | None = None
-        self._thread = threading.Thread(target=self._loop.run_forever, name=name, daemon=True)
+        self._thread = threading.Thread(target=self._run, name=name, daemon=True)
         self._thread.start()
+
+    def _run(self) -> None:
+        with asyncio.Runner(loop_factory=lambda: self._loop) as runner:
+            runner.run(self._over.wait())
 
     def call(self, coroutine: Coroutine[Any, Any, _T], seconds: float = 30.0) -> _T:
         """Run a coroutine and wait for its result, at most this long [s]; raises what it raises, or TimeoutError."""
@@ -137,23 +136,14 @@ class EventLoopThread:
 
     def close(self) -> None:
         """Cancel what still runs, and end the thread."""
-        self.call(_cancel_others())
-        self._loop.call_soon_threadsafe(self._loop.stop)
+        self._loop.call_soon_threadsafe(self._over.set)
         self._thread.join()
-        self._loop.close()
-
-
-async def _cancel_others() -> None:
-    others = asyncio.all_tasks() - {asyncio.current_task()}
-    for task in others:
-        task.cancel()
-    await asyncio.gather(*others, return_exceptions=True)
 
 
 PATIENCE = 3.0
 """Longest wait for an answer [s]."""
-_FIRST_WAIT, _MOST_WAIT = 0.5, 5.0
-"""Time between the first attempts to connect, and after many [s]; not measured."""
+_WAIT = 1.0
+"""Time between two attempts to connect [s]; not measured."""
 
 
 class RefusedError(Exception):
@@ -204,17 +194,13 @@ class RigReader(ABC):
         self._thread.close()
 
     async def _run(self) -> None:
-        wait = _FIRST_WAIT
         while True:
-            before = self.connections
             try:
                 await self.connect_and_read()
                 self.fault = "the server of the rig ended the connection"
             except Exception as error:  # noqa: BLE001 - a server may answer anything; its error is told, and it is asked again
-                text = str(error) or type(error).__name__
-                self.fault = shortened(text.partition("\n")[0], 200)
-            wait = _FIRST_WAIT if self.connections > before else min(2.0 * wait, _MOST_WAIT)
-            await asyncio.sleep(wait)
+                self.fault = shortened((str(error) or type(error).__name__).partition("\n")[0], 200)
+            await asyncio.sleep(_WAIT)
 
     def _connected(self) -> None:
         self.connections, self.fault = self.connections + 1, ""

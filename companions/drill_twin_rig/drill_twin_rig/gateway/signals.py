@@ -4,11 +4,10 @@
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
-from difflib import get_close_matches
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from drill_twin.core.errors import DrillTwinError
+from drill_twin.core.errors import DrillTwinError, nearest
 from drill_twin.core.files.foreign_file import ForeignFile
 from drill_twin.core.files.yaml_reader import LARGEST_TEXT, Place, read_yaml
 from drill_twin.core.units import UnitError, factor_of, show
@@ -206,9 +205,8 @@ class _Reader:
     def _known(self, place: Place, found: Mapping[str, Any] | tuple[str, ...], known: tuple[str, ...]) -> None:
         for name in found:
             if name not in known:
-                near = get_close_matches(name, known, n=1)
-                hint = f'a known name such as "{near[0]}"' if near else f"one of {', '.join(known)}"
-                raise self._error((*place, name), f"expected {hint}, found {show(name)}")
+                told = f"expected one of {', '.join(known)}, found {show(name)}{nearest(name, known)}"
+                raise self._error((*place, name), told)
 
     def _error(self, place: Place, message: str) -> SignalsError:
         line = next((self._lines[place[:n]] for n in range(len(place), -1, -1) if place[:n] in self._lines), 1)

@@ -68,20 +68,15 @@ class WitsReader(RigReader):
         try:
             self._connected()
             sentences = SentenceReader()
-            while line := await self._line(reader):
+            async for line in reader:
                 if items := sentences.take(line.decode("ascii", "replace")):
                     now = time.time()
                     self._found |= {item: (text, now) for item, text in items.items() if item in self._items}
                     self._take(self._readings())
-        finally:
-            writer.close()
-
-    @staticmethod
-    async def _line(reader: asyncio.StreamReader) -> bytes:
-        try:
-            return await reader.readline()
         except ValueError as error:
             raise RefusedError(f"expected lines of WITS, found a line of more than {_LINE} bytes") from error
+        finally:
+            writer.close()
 
     def _readings(self) -> Iterator[SignalReading]:
         for item in self._items:

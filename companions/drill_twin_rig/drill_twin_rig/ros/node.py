@@ -34,49 +34,6 @@ if TYPE_CHECKING:
     from drill_twin_rig.gateway.opc_ua.keys import Keys
     from drill_twin_rig.gateway.opc_ua.server import OpcUaServer
 
-PARAMETERS = (
-    Parameter("signals", "dwis", "file with a line a signal: an installed one by name, or a path"),
-    Parameter("host", "127.0.0.1", "address of the OPC UA server; 0.0.0.0: all of this machine"),
-    Parameter("port", 4840, "port of the OPC UA server", "", 1, 65535),
-    Parameter("rate", 10.0, "values a second on the OPC UA server", "Hz", 0.1, 50.0),
-    Parameter(
-        "keys",
-        "",
-        "folder of keys (drill-twin ros keys): clients need a trusted certificate, encryption and a user; "
-        '"": everybody reads without encryption, on this host only, and nobody commands',
-    ),
-    Parameter(
-        "grant",
-        "ask",
-        "control that a client requests: ask: granted by ~/grant_control; always: granted at once; never: denied",
-        choices=("ask", "always", "never"),
-        live=True,
-    ),
-    Parameter("heartbeat_timeout", 2.0, "wall time without a heartbeat after which control is lost", "s", 0.2, 60.0),
-    Parameter(
-        "rig_url",
-        "",
-        "server of a rig (OPC UA, or WITS level 0 as wits://rig:5001), whose signals of the sections measure and "
-        'follow are read; "": none',
-        such_as="opc.tcp://rig:4840",
-    ),
-    Parameter(
-        "rig_security",
-        "sign_and_encrypt",
-        "connection: sign_and_encrypt: with keys, Basic256Sha256; none: open, and set-points are followed "
-        "on this host only",
-        choices=("sign_and_encrypt", "none"),
-    ),
-    Parameter(
-        "rig_user",
-        "",
-        'user on the rig; password: in the file rig_password in keys; "": anonymous',
-    ),
-    Parameter("rig_rate", 10.0, "readings of the rig a second", "Hz", 0.1, 50.0),
-    AUTOSTART,
-)
-
-
 _TURN = 0.05  # s between two turns of the loop
 _CONTROL_PERIOD = 0.1  # s
 _DEPTH = 100  # messages; half a second at 200 Hz
@@ -87,7 +44,49 @@ class Gateway(TwinNode):
 
     NAME = "gateway"
     PURPOSE = "Connects the twin with rig software by OPC UA, with the signals of D-WIS. Needs asyncua."
-    PARAMETERS = PARAMETERS
+    PARAMETERS = (
+        Parameter("signals", "dwis", "file with a line a signal: an installed one by name, or a path"),
+        Parameter("host", "127.0.0.1", "address of the OPC UA server; 0.0.0.0: all of this machine"),
+        Parameter("port", 4840, "port of the OPC UA server", "", 1, 65535),
+        Parameter("rate", 10.0, "values a second on the OPC UA server", "Hz", 0.1, 50.0),
+        Parameter(
+            "keys",
+            "",
+            "folder of keys (drill-twin ros keys): clients need a trusted certificate, encryption and a user; "
+            '"": everybody reads without encryption, on this host only, and nobody commands',
+        ),
+        Parameter(
+            "grant",
+            "ask",
+            "control that a client requests: ask: granted by ~/grant_control; always: granted at once; never: denied",
+            choices=("ask", "always", "never"),
+            live=True,
+        ),
+        Parameter(
+            "heartbeat_timeout", 2.0, "wall time without a heartbeat after which control is lost", "s", 0.2, 60.0
+        ),
+        Parameter(
+            "rig_url",
+            "",
+            "server of a rig (OPC UA, or WITS level 0 as wits://rig:5001), whose signals of the sections measure and "
+            'follow are read; "": none',
+            such_as="opc.tcp://rig:4840",
+        ),
+        Parameter(
+            "rig_security",
+            "sign_and_encrypt",
+            "connection: sign_and_encrypt: with keys, Basic256Sha256; none: open, and set-points are followed "
+            "on this host only",
+            choices=("sign_and_encrypt", "none"),
+        ),
+        Parameter(
+            "rig_user",
+            "",
+            'user on the rig; password: in the file rig_password in keys; "": anonymous',
+        ),
+        Parameter("rig_rate", 10.0, "readings of the rig a second", "Hz", 0.1, 50.0),
+        AUTOSTART,
+    )
     RIGHTS = Rights(
         (DIAGNOSTICS, TWIN_SCENE, *{quantity.topic for quantity in QUANTITIES.values()}),
         ("~/grant_control", "~/withdraw_control"),
@@ -98,7 +97,6 @@ class Gateway(TwinNode):
 
     _server: OpcUaServer
     """Server; made by `configure`."""
-    _rig: RigLink | None = None
 
     def configure(self) -> None:
         """Start server and client; create subscriptions to the topics of the signals, services and timers."""
@@ -122,9 +120,9 @@ class Gateway(TwinNode):
         self._unread = ""
         self._server, keys = _make_server(self.settings, self._signals, self._control)
         if self.settings.rig_url:
-            self._rig = self._desk.rig = RigLink(self, self._output, self._signals, keys, self._limits)
+            self._desk.rig = RigLink(self, self._output, self._signals, keys, self._limits)
         topics = {QUANTITIES[signal.quantity].topic for signal in self._signals.show}
-        topics |= {RIG_STATE} if self._signals.command or self._rig else set()
+        topics |= {RIG_STATE} if self._signals.command or self._desk.rig else set()
         for topic in topics:
             depth = 1 if TOPICS[topic].latched else _DEPTH
             self.topics.subscribe_raw(topic, partial(self._on_message, topic), depth=depth)
@@ -134,21 +132,22 @@ class Gateway(TwinNode):
         self.create_service(Trigger, "~/grant_control", self._desk.grant)
         self.create_service(Trigger, "~/withdraw_control", self._desk.withdraw)
         self.every(1.0 / self.settings.rate, lambda: self._server.show(self._samples()))
-        self.every(_CONTROL_PERIOD, self._work)
-        self.get_logger().info(f"{len(self._signals.show)} signals at {self._server.url}; {_security(keys)}")
+        self.every(_CONTROL_PERIOD, lambda: self._desk.work(self._server))
+        policy = f"Basic256Sha256, keys in {keys.folder}" if keys else "None, read only"
+        self.get_logger().info(f"{len(self._signals.show)} signals at {self._server.url}; security policy {policy}")
 
     def deactivate(self) -> None:
         """Command nothing while at rest."""
         self._control.deny("the gateway was deactivated")
-        if self._rig is not None:
-            self._rig.stop_following()
+        if self._desk.rig is not None:
+            self._desk.rig.stop_following()
         self._output.end()
 
     def complete(self) -> None:
         """End server and client."""
-        if self._rig is not None:
-            self._rig.close()
         if hasattr(self, "_server"):
+            if self._desk.rig is not None:
+                self._desk.rig.client.close()
             self._server.close()
 
     def _on_message(self, topic: str, raw: bytes, _: Mapping[str, Any]) -> None:
@@ -185,11 +184,6 @@ class Gateway(TwinNode):
         time.sleep(_TURN)
         self.spin_all()
 
-    def _work(self) -> None:
-        self._desk.work(self._server)
-        if self._rig is not None:
-            self._rig.work()
-
     # --- twin -> OPC UA -------------------------------------------------------------------------------------------
 
     def _samples(self) -> dict[str, tuple[float, bool]]:
@@ -221,8 +215,8 @@ class Gateway(TwinNode):
         }
         if command is not None:
             values |= {"weight_on_bit": f"{command.weight_on_bit:g}", "speed_rev_s": f"{command.rotation / math.tau:g}"}
-        if self._rig is not None:
-            values |= self._rig.values()
+        if self._desk.rig is not None:
+            values |= self._desk.rig.values()
         unread = f"a message could not be read: {self._unread}" if self._unread else ""
         shows = Level.OK, "showing the twin" if present else "waiting for the twin"
         told = self.status(values, *self._faults(), (Level.WARN, unread), self._silence(stale), shows)
@@ -232,13 +226,13 @@ class Gateway(TwinNode):
     def _faults(self) -> Iterator[tuple[Level, str]]:
         """Levels and sentences on rig, control and clients, the worst first; empty ones where all is well."""
         control, refusal = self._control, self._server.sessions.refusal
-        lost = (self._rig is not None and self._rig.lost) or (
+        lost = (self._desk.rig is not None and self._desk.rig.lost) or (
             control.lost if control.permission is Permission.INVALID else ""
         )
         if self._output.command is None and not self._output.others():
             yield Level.ERROR, lost and f"control lost: {lost}; the simulator does what its on_silence says"
-        if self._rig is not None:
-            yield Level.WARN, self._rig.fault()
+        if self._desk.rig is not None:
+            yield Level.WARN, self._desk.rig.fault()
         if control.permission is Permission.PENDING and control.user is not None:
             yield Level.WARN, f"{control.user.name} requests control: call ~/grant_control"
         yield Level.WARN, refusal and f"refused: {refusal}"
@@ -254,13 +248,6 @@ class Gateway(TwinNode):
         silent = "the twin is silent" if level in {Level.OK, Level.STALE} else ""
         said = filter(None, (silent, text, f"{len(stale)} signals are marked uncertain" if stale else ""))
         return max(level, Level.WARN), ": ".join(said)
-
-
-def _security(keys: Keys | None) -> str:
-    if keys is None:
-        return "security policy None: without encryption or users, read only"
-    where = f"certificate {keys.folder / 'certificate.der'}, trusted ones in {keys.folder / 'trusted'}"
-    return f"security policy Basic256Sha256, signed and encrypted; {where}"
 
 
 def _make_server(settings: Any, signals: Signals, control: Control) -> tuple[OpcUaServer, Keys | None]:

@@ -57,10 +57,11 @@ class RigLink:
         wits, secure = _is_wits(settings), _is_secure(settings)
         check_security(settings, follows=bool(signals.follow), has_keys=keys is not None)
         self._node, self._output, self._signals, self._limits = node, output, signals, limits
-        self._client: RigReader = (
+        self.client: RigReader = (
             WitsReader(settings.rig_url, read) if wits else _opc_ua_client(settings, read, keys if secure else None)
         )
-        self._checked = self._client.checked()
+        """Reader of the rig."""
+        self._checked = self.client.checked()
         self._published, self._withdrawn = dict[str, int](), False
         measured = {MEASURED[one.quantity][0] for one in signals.measure if one.quantity in MEASURED}
         self._joints = tuple(joint for joint in RIG_JOINTS if joint in measured)
@@ -77,7 +78,7 @@ class RigLink:
 
     def work(self) -> None:
         """Publish what has come, and send the set-points while they are sound."""
-        self._checked = self._client.checked()
+        self._checked = self.client.checked()
         self._publish()
         if self._signals.follow and not self._withdrawn:
             self._follow()
@@ -136,26 +137,22 @@ class RigLink:
 
     def fault(self) -> str:
         """First fault of all, as a sentence; empty if all is sound."""
-        if self._client.fault:
-            return f"no connection to the rig: {self._client.fault}"
+        if self.client.fault:
+            return f"no connection to the rig: {self.client.fault}"
         return self._fault_of((*self._signals.measure, *self._signals.follow)) or self._beyond_limits()
 
     def values(self) -> dict[str, str]:
         """Values for the diagnostics."""
         return {
-            "rig_connections": str(self._client.connections),
+            "rig_connections": str(self.client.connections),
             "rig_follows": str(self.follows).lower(),
             **{
                 f"measured_{one.quantity}": found.fault or f"{found.value:g}"
                 for one in self._signals.measure
                 for found in [self._checked[one]]
             },
-            **{f"left_out_{quantity}": text for quantity, text in self._client.left_out().items() if text},
+            **{f"left_out_{quantity}": text for quantity, text in self.client.left_out().items() if text},
         }
-
-    def close(self) -> None:
-        """Disconnect."""
-        self._client.close()
 
 
 class ControlDesk:
@@ -179,7 +176,7 @@ class ControlDesk:
         self._told: Mapping[str, int | str] = {}
 
     def work(self, server: OpcUaServer) -> None:
-        """Decide what is due, show it to the clients, and repeat the set-points in force."""
+        """Decide what is due, show it to the clients, repeat the set-points in force, and do the work of the link."""
         if self.control.check_heartbeat():
             self.output.end()
             self._node.publish_diagnostics()
@@ -197,6 +194,8 @@ class ControlDesk:
             self._told = now
             server.show({}, now)
         self.output.send({})
+        if self.rig is not None:
+            self.rig.work()
 
     def _decide(self, *, granted: bool) -> str:
         """Grant or deny what is requested; returns the reason of a denial."""
@@ -261,17 +260,11 @@ def check_security(settings: Any, *, follows: bool, has_keys: bool) -> None:
 
 def _opc_ua_client(settings: Any, signals: Sequence[RigSignal], keys: Keys | None) -> RigReader:
     from drill_twin_rig.gateway.opc_ua.keys import check_private
-    from drill_twin_rig.gateway.opc_ua.rig_client import RigClient, ServerAccess
-    from drill_twin_rig.gateway.opc_ua.server import APPLICATION
+    from drill_twin_rig.gateway.opc_ua.rig_client import RigClient
 
     password = ""
     if settings.rig_user:
         file = Path(settings.keys) / "rig_password"
-        if not file.is_file():
-            raise ParameterError(
-                f"parameter rig_user: expected the password in {file}, found no such file; write the password there"
-            )
+        password = ForeignFile("a file with the password of rig_user", 10_000, ParameterError).text(file).strip()
         check_private(file)
-        password = ForeignFile("a password", 10_000, ParameterError).text(file).strip()
-    access = ServerAccess(settings.rig_url, keys, APPLICATION, settings.rig_user, password)
-    return RigClient(access, signals, 1.0 / settings.rig_rate)
+    return RigClient(settings, signals, keys, password)

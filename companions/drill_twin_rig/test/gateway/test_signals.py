@@ -21,11 +21,11 @@ def test_the_installed_file_shows_every_class_with_a_unit_that_has_a_noun():
     ("text", "message"),
     [
         ("", ":1: expected the sections show, command, measure, follow, found none"),
-        ("shows: {}", ':1: expected a known name such as "show", found "shows"'),
+        ("shows: {}", ':1: expected one of show, command, measure, follow, found "shows", did you mean "show"?'),
         ("show:\n  A: 3\n", ":2: A: expected {value: ..., unit: ...}, found 3"),
         (
             "show:\n  A: {value: weight_on_bitt}\n",
-            ':2: expected a known name such as "weight_on_bit", found "weight_on_bitt"',
+            'found "weight_on_bitt", did you mean "weight_on_bit"?',
         ),
         ("show:\n  A: {value: weight_on_bit, unit: rpm}\n", ":2: A: expected a unit of force"),
         ("command:\n  A: {value: hookload, unit: N}\n", ":2: expected one of weight_on_bit, "),

@@ -3,7 +3,6 @@
 
 from collections import deque
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from difflib import get_close_matches
 from numbers import Real
 from operator import itemgetter
 from pathlib import Path
@@ -21,7 +20,6 @@ from drill_twin_studies.estimation import CHANNELS, LOAD, SET_POINTS, EnsembleFi
 from drill_twin_studies.estimation.subs import VALUES
 from drill_twin_studies.fitting import Record
 
-_NOTHING: Mapping[str, float] = {}
 _AHEAD = 0.5  # s, by which readings are taken before the samples of the surface that close their window
 
 
@@ -69,7 +67,7 @@ class Estimator:
             SceneError: A range does not fit the scene.
         """
         self.scene = as_scene(scene, overrides)
-        instant = _instant(channels)
+        instant = frozenset(name.removesuffix(INSTANT) for name in map(str, channels) if name.endswith(INSTANT))
         channels = [str(name).removesuffix(INSTANT) for name in channels] if instant else channels
         _check(channels, free)
         self.channels = tuple(channels)
@@ -79,7 +77,7 @@ class Estimator:
         self.intake = Intake(self.filter.pace, self.scene, channels, self.filter.members.subs, instant)
         self._subs = {name: number for number, name in enumerate(subs)}
 
-    def take(self, stamp: float, values: Mapping[str, float] = _NOTHING) -> bool:
+    def take(self, stamp: float, values: Mapping[str, float] = {}) -> bool:
         """Take a sample; returns False for a stamp that cannot be used: late, repeated or not finite.
 
         Args:
@@ -166,28 +164,26 @@ def _check(channels: Sequence[str], free: Mapping[str, Any]) -> None:
             f'{{"{LOAD}": "0.8..1.2"}}, found {channels!r} and {free!r}'
         )
     odd = [str(name) for name in channels if name not in CHANNELS]
-    if odd or not channels or not free:
+    twice = [name for name in CHANNELS if channels.count(name) > 1]
+    if odd or twice or not channels or not free:
         raise ArgumentError(
-            f"expected channels of {', '.join(CHANNELS)} and a range of at least one number, found "
-            + (", ".join(odd) or f"{len(channels)} channels and {len(free)} ranges")
-            + (nearest(odd[0], [*CHANNELS]) if odd else "")
+            f"expected channels of {', '.join(CHANNELS)}, each once, and a range of at least one number, found "
+            + (", ".join([*odd, *twice]) or f"{len(channels)} channels and {len(free)} ranges")
+            + (nearest(odd[0], CHANNELS) if odd else "")
         )
-    if len(set(channels)) < len(channels):
-        raise ArgumentError(f"expected each channel once, found {', '.join(channels)}")
 
 
 def _range(scene: Scene, key: str, free: Mapping[str, GivenRange]) -> tuple[float, float]:
-    """Ends of the range of a number of the scene; the sentence on an unknown key names the keys near to it."""
+    """Ends of the range of a number of the scene; the sentence on an unknown key names the key near to it."""
     try:
         return range_of(scene, key, free[key], {other: given for other, given in free.items() if other != LOAD})
     except SceneError:
-        known, wanted = [LOAD, *_numbers(scene)], key.removeprefix("effects.")
-        if wanted in known:
+        known = [LOAD, *_numbers(scene)]
+        if (wanted := key.removeprefix("effects.")) in known:
             raise
-        near = get_close_matches(wanted, known, n=3)
+        near = nearest(wanted, known)
         raise ArgumentError(
-            f"free: expected {LOAD} or the key of a number of an effect or of rig.top_drive, found {key}; "
-            + (f"near it: {', '.join(near)}" if near else f"known: {', '.join(known)}")
+            f"free: expected {LOAD}, or a number of an effect or rig.top_drive, found {key}{near}"
         ) from None
 
 
@@ -196,12 +192,6 @@ def _numbers(scene: Scene) -> Iterator[str]:
     content = scene.model_dump(mode="json", exclude_none=True)
     for place, block in {**content["effects"], "rig.top_drive": content["rig"].get("top_drive", {})}.items():
         yield from (f"{place}.{name}" for name, value in block.items() if type(value) in {int, float})
-
-
-def _instant(channels: Sequence[str]) -> frozenset[str]:
-    """Channels whose samples are values at their times, without the ending of their names."""
-    names = () if isinstance(channels, str) else map(str, channels)
-    return frozenset(name.removesuffix(INSTANT) for name in names if name.endswith(INSTANT))
 
 
 def _ends(given: str | tuple[float, float]) -> tuple[float, float]:

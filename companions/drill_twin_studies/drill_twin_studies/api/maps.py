@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from drill_twin.api.ensemble import executor_of
-from drill_twin.api.scenes import Overrides, Quantity, as_scene, in_si, range_of, which_fit
+from drill_twin.api.scenes import Overrides, Quantity, as_scene, in_si, range_of, which_fit, with_resolution
 from drill_twin.core import __version__
 from drill_twin.core.errors import ArgumentError, SceneError
 from drill_twin.core.units.dimension import TIME
@@ -145,11 +145,7 @@ def operating_map(
         BagError: The folder cannot be written.
         RunError: The scheduler or its workers cannot make runs.
     """
-    own = as_scene(scene, overrides)
-    if own.numerics.accuracy is not None:
-        from drill_twin.studies.accuracy import resolve
-
-        own = resolve(own).scene
+    own = with_resolution(as_scene(scene, overrides))
     _check_scene(own)
     plane = Plane(Span(*range_of(own, "wob", wob)), Span(*range_of(own, "rpm", rpm)), steps).checked()
     if plane.speed.low < 0.0:

@@ -109,13 +109,13 @@ def fit(
             f"{frequency:g} Hz; choose another time to begin or to end"
         )
     size = in_si("window", window, TIME)
-    batches: list[dict[str, Array]] = []
+    merged: dict[str, Array] = {}
     time: Array = np.zeros(0)
     measured: dict[str, Array] = {}
     failed = refused = 0
 
     def evaluate(cube: Array) -> Array:
-        nonlocal time, measured, failed, refused
+        nonlocal time, measured, merged, failed, refused
         drawn = in_ranges(cube, ranges)
         fits = which_fit(base, (dict(zip(places, row, strict=True)) for row in drawn.tolist()))
         vary = {key: drawn[fits, place].tolist() for place, key in enumerate(ranges)}
@@ -129,10 +129,10 @@ def fit(
             time = runs["time"][runs["time"] >= first]
             measured = {channel: found.at(channel, time) for channel in found.series}
         computed = {name: f"{name}{INSTANT}" if name in found.instant else name for name in measured}
-        batches.append({name: np.full((len(fits), time.size), np.nan) for name in computed})
+        batch = {name: np.full((len(fits), time.size), np.nan) for name in computed}
         for name, output in computed.items():
-            batches[-1][name][fits] = runs[output][:, -time.size :]
-        merged = {channel: np.concatenate([batch[channel] for batch in batches]) for channel in measured}
+            batch[name][fits] = runs[output][:, -time.size :]
+        merged = {name: np.concatenate((merged[name], new) if merged else (new,)) for name, new in batch.items()}
         if likelihood == "series":
             result = of_series(measured, merged, len(ranges))
         else:
@@ -146,7 +146,6 @@ def fit(
     sampling = sample(
         evaluate, len(ranges), members=members, rounds=rounds, effective=effective, seed=seed, done=progress
     )
-    merged = {channel: np.concatenate([batch[channel] for batch in batches]) for channel in measured}
     drawn = in_ranges(sampling.cube, ranges)
     if refused:
         note = f"{refused} of {len(drawn)} draws left out: the scene does not take their numbers together"

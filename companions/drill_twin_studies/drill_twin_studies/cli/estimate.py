@@ -11,9 +11,6 @@ from drill_twin.cli.emit import emit
 from drill_twin.cli.show import remark, shown_progress
 from drill_twin.core.errors import ArgumentError, RunError
 
-FILES = ("estimate.json", "estimate.png")
-"""Files of `--out`."""
-
 
 def estimate(
     record: options.FittedArgument,
@@ -81,14 +78,13 @@ def estimate(
         raise RunError(
             f"{record}: expected a record longer than --window ({window:g} s), found less; take a shorter window"
         )
-    found = over_time[-1]
     troubles = {"troubles": dict(estimator.intake.troubles), "notes": [*measurements.notes]}
     emit(
         plain(found) | troubles | {"bands": HELD, "of_law": of_law(found.numbers, estimator.scene)},
         (*shown(found, estimator.scene, estimator.intake.troubles), *measurements.notes),
         json=json, folder=out,
         files={
-            FILES[0]: lambda: {"estimates": [plain(one) for one in over_time], **troubles},
-            FILES[1]: lambda: estimate_figure(over_time, measurements, estimator.scene.unit_system),
+            "estimate.json": lambda: {"estimates": [plain(one) for one in over_time], **troubles},
+            "estimate.png": lambda: estimate_figure(over_time, measurements, estimator.scene.unit_system),
         },
     )  # fmt: skip

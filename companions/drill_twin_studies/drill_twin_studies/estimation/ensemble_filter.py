@@ -138,7 +138,7 @@ class EnsembleFilter:
         self.members = EstimatorMembers(scene, ranges, options.members, self.pace, options.seed, subs, self._computed)
         self.channels = [*channels, *(f"{sub.name}/speed" for sub in self.members.subs)]
         self.time = 0.0
-        self._errors = ChannelErrors(self.channels, options.error)
+        self._errors = ChannelErrors(len(self.channels), options.error)
         few = _FEW if subs else 1.0
         self._innovations = Innovations(self.channels, few)
         self._doubts = Doubts(self.channels)

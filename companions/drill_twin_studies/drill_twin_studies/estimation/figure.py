@@ -1,11 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """Estimates for people: table, line and figure of numbers and virtual sensors with their bands; plain types."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -17,12 +15,9 @@ from drill_twin_studies.fitting.posterior import of_law, shown_number
 from drill_twin_studies.fitting.record import Record
 from drill_twin_studies.goodness import table as goodness_table
 
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
-
-def estimate_figure(found: Sequence[Estimate], record: Record, units: UnitSystem) -> Figure:
-    """Mean and band of each number and virtual sensor over time; below, measured less predicted: rms and chi-square.
+def estimate_figure(found: Sequence[Estimate], record: Record, units: UnitSystem) -> Any:
+    """Figure: mean and band of each number and virtual sensor over time; below, measured less predicted and chi-square.
 
     A sensor that is 0 throughout, as the wall force of a string that never touches, has no panel.
 

@@ -4,7 +4,6 @@
 import math
 from collections import deque
 from collections.abc import Mapping, Sequence
-from typing import NamedTuple
 
 import numpy as np
 
@@ -26,18 +25,18 @@ class ChannelErrors:
         absurd: Samples that were left out so far.
     """
 
-    def __init__(self, channels: Sequence[str], share: float, floor: Array | float = 0.0) -> None:
+    def __init__(self, channels: int, share: float, floor: Array | float = 0.0) -> None:
         """Begin.
 
         Args:
-            channels: Names.
+            channels: Number of the channels.
             share: Error of sensor and model together, as a share of the channel's scale.
             floor: Least error of a sample, of a noise that is known, shape (C,).
         """
-        self.channels, self._share = list(channels), share
-        self.scale: Array = np.zeros(len(channels))
-        self._raised: Array = np.zeros(len(channels))
-        self._least: Array = np.maximum(floor, np.full(len(channels), np.finfo(float).tiny ** 0.25))
+        self._share = share
+        self.scale: Array = np.zeros(channels)
+        self._raised: Array = np.zeros(channels)
+        self._least: Array = np.maximum(floor, np.full(channels, np.finfo(float).tiny ** 0.25))
         self.absurd = 0
 
     @property
@@ -99,14 +98,6 @@ _LEAST_NOISE = 0.25
 record of a twin has no noise."""
 
 
-class _Window(NamedTuple):
-    """Measured, predicted mean and spread of a window, shape (C, S) each."""
-
-    measured: Array
-    mean: Array
-    spread: Array
-
-
 class Innovations:
     """Innovations of C channels over the last `WINDOWS`.
 
@@ -126,7 +117,7 @@ class Innovations:
             few: Factor by which the spread of the members may be too small, where a misfit is judged.
         """
         self._channels, self._few = list(channels), few
-        self._windows: deque[_Window] = deque(maxlen=WINDOWS)
+        self._windows: deque[Array] = deque(maxlen=WINDOWS)  # measured, predicted mean and spread, shape (3, C, S)
         self._stated: Array = np.zeros(len(channels))
         self.misfit: Array = np.full(len(channels), np.nan)
         self.normalised, self.off = self.misfit.copy(), self.misfit.copy()
@@ -142,22 +133,22 @@ class Innovations:
             scale: Largest size of each channel [SI], shape (C,).
             stated: Standard deviation that is stated for the error of a sample [SI], shape (C,).
         """
-        window = _Window(measured, predicted.mean(axis=0), predicted.std(axis=0, ddof=1))
-        self._windows.append(window)
+        mean, spread = predicted.mean(axis=0), predicted.std(axis=0, ddof=1)
+        self._windows.append(np.stack((measured, mean, spread)))
         self._stated = stated
-        square = (measured - window.mean) ** 2
+        square = (measured - mean) ** 2
         self.off = rms(square)
         self.misfit = self.off / np.maximum(scale, np.finfo(float).tiny ** 0.25)
-        self.normalised = rms(square / ((self._few * window.spread) ** 2 + stated[:, None] ** 2))
+        self.normalised = rms(square / ((self._few * spread) ** 2 + stated[:, None] ** 2))
         noise = self._noise()
         self.samples = np.where(np.isfinite(noise), np.isfinite(measured).sum(axis=1), 0)
-        wide = window.mean + self._few * (predicted - window.mean)
+        wide = mean + self._few * (predicted - mean)
         self.surprises = np.array([_surprise(wide[:, k], row, noise[k]) for k, row in enumerate(measured)])
 
     def _noise(self) -> Array:
         """Noise of each channel over the last windows, shape (C,); NaN where the samples are too few to tell it."""
         found = np.full(len(self._channels), np.nan)
-        for k, row in enumerate(np.concatenate([each.measured for each in self._windows], axis=1)):
+        for k, row in enumerate(np.concatenate([each[0] for each in self._windows], axis=1)):
             known = row[np.isfinite(row)]
             if known.size >= 2 * _FEWEST:
                 found[k] = max(noise_of(row) or noise_of(known), _LEAST_NOISE * self._stated[k])
@@ -166,12 +157,12 @@ class Innovations:
     def forget(self) -> None:
         """Forget all windows: numbers have jumped, and are drawn anew."""
         last = self._windows[-1]
-        self._windows.clear()
-        self._windows.append(last._replace(measured=np.full_like(last.measured, np.nan)))
+        last[0] = np.nan
+        self._windows = deque([last], maxlen=WINDOWS)
 
     def judged(self) -> Mapping[str, Goodness]:
         """Goodness of each channel over the last windows, against the stated errors."""
-        measured, mean, spread = (np.concatenate([each[k] for each in self._windows], axis=1) for k in range(3))
+        measured, mean, spread = np.concatenate(list(self._windows), axis=2)
         return {
             name: goodness(measured[k], mean[k], spread[k], noise_of(measured[k]), float(self._stated[k]), math.nan)
             for k, name in enumerate(self._channels)

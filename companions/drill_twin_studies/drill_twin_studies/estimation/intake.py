@@ -17,7 +17,6 @@ from drill_twin_studies.estimation.subs import SubIntake
 
 SET_POINTS = Command._fields
 """Names of the set-points among the values of a sample [N], [rad/s], [m/s]: the fields of `Command`."""
-_ROTATION = SET_POINTS.index("rotation")
 _GAP = 5.0
 """Time without a sample [s] that is followed without measurement; a longer time is a jump of the clock; not
 measured."""
@@ -55,6 +54,8 @@ class Intake:
     Attributes:
         troubles: Number of samples, windows or jumps by kind of trouble.
         frozen: Channels that are frozen.
+        ready: Whole windows that wait.
+        origin: Stamp [s] of time zero of the windows; None before the first sample.
         drive: Measured speed of the top drive beside its set-point.
     """
 
@@ -71,7 +72,7 @@ class Intake:
         self.drive = DriveSpeed()
         self._pace, self._channels, self._instant = pace, list(channels), instant
         self._schedule = Schedule.from_scene(scene)
-        self._origin: float | None = None  # stamp of time zero
+        self.origin: float | None = None
         self._start = 0.0  # of the open window
         self._past = {name: deque[float](maxlen=_USUAL) for name in channels}  # times of the last samples of a channel
         self._newest = 0.0
@@ -80,13 +81,8 @@ class Intake:
         self._last: dict[str, tuple[float, float, int]] = {}  # last new value of a channel, when it came, how often
         self._varied: set[str] = set()
         self._largest: dict[str, float] = {}
-        self._ready: deque[FilterWindow] = deque()
+        self.ready: deque[FilterWindow] = deque()
         self._subs = [SubIntake(pace, sub, self.troubles) for sub in subs]
-
-    @property
-    def origin(self) -> float:
-        """Stamp [s] of time zero of the windows; 0 before the first sample."""
-        return self._origin or 0.0
 
     def take(self, stamp: float, values: Mapping[str, float]) -> bool:
         """Take a sample; returns False for a stamp that cannot be used: late, repeated or not finite.
@@ -98,12 +94,12 @@ class Intake:
         if not math.isfinite(stamp):
             self.troubles["stamp not finite"] += 1
             return False
-        if self._origin is None:
-            self._origin = stamp
-        time = round(stamp - self._origin, 6)
+        if self.origin is None:
+            self.origin = stamp
+        time = round(stamp - self.origin, 6)
         if time > self._newest + _GAP or time < self._newest - _BACK:
             self.troubles["clock jump"] += 1
-            self._origin += time - self._newest  # time goes on from where it was
+            self.origin += time - self._newest  # time goes on from where it was
             time = self._newest
         elif abs(time - self._newest) < _ROUND_OFF and self._open:
             self.troubles["repeated"] += 1
@@ -125,9 +121,9 @@ class Intake:
             sub: Number of the sub.
             values: Specific force [m/s^2] and rates of rotation [rad/s], six values.
         """
-        if self._origin is None:
+        if self.origin is None:
             return
-        time = stamp - self._origin
+        time = stamp - self.origin
         if not time > self._start or time > self._newest + _GAP:
             self.troubles["reading out of time"] += 1
             return
@@ -135,16 +131,11 @@ class Intake:
 
     def window(self) -> FilterWindow | None:
         """The next whole window, if there is one."""
-        return self._ready.popleft() if self._ready else None
-
-    @property
-    def waiting(self) -> int:
-        """Whole windows that wait."""
-        return len(self._ready)
+        return self.ready.popleft() if self.ready else None
 
     def skip(self) -> None:
         """Leave out the oldest window that waits."""
-        self._ready.popleft()
+        self.ready.popleft()
         self.troubles["skipped window"] += 1
 
     def _close(self, following: Sample) -> None:
@@ -153,7 +144,7 @@ class Intake:
         self._open = []
         ends: Array = self._start + self._pace.period * np.arange(1.0, self._pace.frames + 1.0)
         commands = np.stack([self._set_points(name, samples, following, ends) for name in SET_POINTS], axis=1)
-        self.drive.take(self._start + self._pace.window, commands[:, _ROTATION], samples)
+        self.drive.take(self._start + self._pace.window, commands[:, SET_POINTS.index("rotation")], samples)
         parts = {name: self._compared(name, samples) for name in self._channels}
         readings = np.array([sub.close(self._start) for sub in self._subs])
         usual = {name: time for name in self._channels if math.isfinite(time := self._usual(name))}
@@ -161,7 +152,7 @@ class Intake:
         if not samples and overdue:
             self.troubles["missing window"] += 1
         self._start += self._pace.window
-        self._ready.append(
+        self.ready.append(
             FilterWindow(
                 commands=commands,
                 measured={name: measured for name, (measured, _) in parts.items()},

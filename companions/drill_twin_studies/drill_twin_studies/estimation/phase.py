@@ -35,10 +35,9 @@ class PhaseCorrection:
 
     def __init__(self, members: EstimatorMembers, share: float) -> None:
         pace, subs = members.pace, members.subs
-        names = [f"{sub.name}/{axis}" for axis in "xy" for sub in subs]
         floor = np.tile([velocity_noise(sub, pace.window) for sub in subs], 2)
-        self.errors = ChannelErrors(names, share, floor)
-        self.predicted: Array = np.zeros((len(members), len(names), pace.samples))
+        self.errors = ChannelErrors(2 * len(subs), share, floor)
+        self.predicted: Array = np.zeros((len(members), 2 * len(subs), pace.samples))
         self.measured: Array = np.full(self.predicted.shape[1:], np.nan)
         self.chi_square = 0.0
 

@@ -118,8 +118,7 @@ def _means(values: NDArray[Any], samples: int) -> NDArray[Any]:
 
 def speed(readings: Array, samples: int) -> Array:
     """Speed of rotation, of means over the samples, shape (..., S) [rad/s]."""
-    rate = readings[..., 5]
-    return _means(rate, samples)
+    return _means(readings[..., 5], samples)
 
 
 def velocity_noise(sub: Sub, window: float) -> float:

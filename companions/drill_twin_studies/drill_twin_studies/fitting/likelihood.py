@@ -113,11 +113,8 @@ class Difference(NamedTuple):
     """Covariance of the difference, shape (F, F)."""
     freedom: float
     """Degrees of freedom with which the covariance is known."""
-
-    @property
-    def square(self) -> float:
-        """Square of the difference over its covariance."""
-        return float(self.mean @ np.linalg.solve(self.covariance, self.mean))
+    square: float
+    """Square of the difference over its covariance."""
 
 
 class WindowedRecord:
@@ -133,7 +130,7 @@ class WindowedRecord:
         Raises:
             ArgumentError: The record has fewer windows without a gap than tell how they scatter.
         """
-        self._record, self._period = record, period
+        self._period = period
         self._length = OVERLAP * max(2, round(window / period / OVERLAP))
         self._noise = {channel: noise_of(values) for channel, values in record.items()}
         found = np.concatenate([features(values, period, self._length) for values in record.values()], axis=1)
@@ -161,8 +158,9 @@ class WindowedRecord:
             parts.append(features(noisy, self._period, self._length))
         computed = np.concatenate(parts, axis=1)
         freedom = 1.5 * (self.windows - 1.0 + (len(computed) - 1) / OVERLAP)
-        covariance = self._scatter + self._of_mean(computed) + np.diag(self._floor)
-        return Difference(self._features.mean(axis=0) - computed.mean(axis=0), _shrunk(covariance, freedom), freedom)
+        covariance = _shrunk(self._scatter + self._of_mean(computed) + np.diag(self._floor), freedom)
+        mean = self._features.mean(axis=0) - computed.mean(axis=0)
+        return Difference(mean, covariance, freedom, float(mean @ np.linalg.solve(covariance, mean)))
 
     def _of_mean(self, found: Array) -> Array:
         """Covariance of the mean of features, shape (windows, F)."""

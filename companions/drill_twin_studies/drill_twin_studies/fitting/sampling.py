@@ -51,9 +51,6 @@ _PRIOR_SHARE = 0.1  # of the draws of a round, from the prior: finds what the pr
 _GLOBAL = 3  # every so many rounds a proposal of all draws; the others are local
 _NEAR = 0.1  # share of the draws that tells the spread of a local proposal
 
-Likelihood = Callable[[Array], Array]
-"""Positions in the unit cube, shape (M, d) -> logarithm of the likelihood of all runs so far, shape (all M,)."""
-
 
 @dataclass(frozen=True)
 class Sampling:
@@ -94,7 +91,7 @@ class Sampling:
 
 
 def sample(
-    likelihood: Likelihood,
+    likelihood: Callable[[Array], Array],
     dimensions: int,
     *,
     members: int,
@@ -106,7 +103,8 @@ def sample(
     """Draw from the posterior under a uniform prior.
 
     Args:
-        likelihood: Called once a round with new draws; returns the likelihood of all draws so far.
+        likelihood: Called once a round with the positions of new draws in the unit cube, shape (M, d); returns the
+            logarithm of the likelihood of all draws so far, shape (all M,).
         dimensions: Numbers to be found.
         members: Draws of a round.
         rounds: Rounds at most.

@@ -25,7 +25,7 @@ def wave(time):
 def feed(intake, times, values=wave, shift=100.0):
     for time in times:
         intake.take(shift + time, values(time))
-    return [intake.window() for _ in range(intake.waiting)]
+    return [intake.window() for _ in range(len(intake.ready))]
 
 
 def test_samples_become_means_over_the_time_before_each_end(intake):
@@ -75,7 +75,7 @@ def test_what_a_model_that_does_as_the_rig_is_compared_by_is_what_was_measured(i
         intake.take(7.0 + stamp, {"torque": mean})
     count = 0
     padded = np.append(np.zeros(PACE.tail), frames)
-    for number in range(intake.waiting):
+    for number in range(len(intake.ready)):
         window = intake.window()
         known = np.isfinite(window.measured["torque"])
         own = padded[100 * number :][: PACE.tail + 100] @ window.weights[0]

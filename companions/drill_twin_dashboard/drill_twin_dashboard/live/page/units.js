@@ -8,11 +8,10 @@ let chosen = null, listeners = [];
 
 export const unit = (quantity) => (chosen ?? SYSTEMS.lab)[quantity];
 export const size = (quantity) => UNITS[quantity][unit(quantity)][0];
-export const digits = (quantity) => UNITS[quantity][unit(quantity)][1];
 // A number that would round to nothing gets a few more digits than usual; a zero has no sign.
 export function number(value, quantity, extra = 2) {
   if (value === null || value === undefined) return "-";
-  const scaled = value / size(quantity), usual = Math.abs(scaled) < 1e3 ? digits(quantity) : 0;
+  const scaled = value / size(quantity), usual = Math.abs(scaled) < 1e3 ? UNITS[quantity][unit(quantity)][1] : 0;
   let more = usual;
   while (more < usual + extra && Math.abs(scaled) < 10 ** (1 - more)) more += 1;
   return Math.abs(scaled) < 0.5 * 10 ** -more ? (0).toFixed(usual) : scaled.toFixed(more);

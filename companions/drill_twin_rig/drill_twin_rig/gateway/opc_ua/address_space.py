@@ -16,6 +16,7 @@ from drill_twin_rig.gateway.dwis import (
     UNITS,
     UNITS_OF_NODES,
     VERBS,
+    Unit,
     classes,
     facts,
 )
@@ -36,37 +37,25 @@ class AddressSpace:
         self._spaces = {uri: await server.register_namespace(uri) for uri in (NAMESPACE, PROPOSED_NAMESPACE)}
         self._own = await server.get_namespace_index(application)
         self._nouns: dict[str, Any] = {}
-        self.root = await server.nodes.objects.add_object(self.id("DrillTwin"), self.name("DrillTwin"))
+        self.root = await server.nodes.objects.add_object(*_named("DrillTwin", self._own))
         """Object that holds all of the gateway."""
         self._signals, self._points, self._vocabulary = [
-            await self.root.add_folder(self.id(name), self.name(name))
-            for name in ("Signals", "DataPoints", "Vocabulary")
+            await self.root.add_folder(*_named(name, self._own)) for name in ("Signals", "DataPoints", "Vocabulary")
         ]
         links = server.get_node(ua.ObjectIds.NonHierarchicalReferences)
         index = self._spaces[NAMESPACE]
-        self._verbs = {
-            verb: await links.add_reference_type(ua.NodeId(verb, index), ua.QualifiedName(verb, index), False)
-            for verb in VERBS
-        }
-
-    def id(self, name: str) -> Any:
-        """Node id of a node of ours."""
-        return ua.NodeId(name, self._own)
-
-    def name(self, name: str) -> Any:
-        """Browse name of a node of ours."""
-        return ua.QualifiedName(name, self._own)
+        self._verbs = {verb: await links.add_reference_type(*_named(verb, index), False) for verb in VERBS}
 
     async def add_signal(self, signal: ShownSignal) -> Any:
         """Add the nodes of a signal; returns the node id of its variable."""
         variable = await self._signals.add_variable(
-            self.id(signal.name), self.name(signal.name), ua.Variant(0.0, ua.VariantType.Double)
+            *_named(signal.name, self._own), ua.Variant(0.0, ua.VariantType.Double)
         )
         meaning, ours = QUANTITIES[signal.quantity].meaning, signal.kind not in PROTOTYPES
         if ours:
             meaning += " (class proposed by drill_twin, not of D-WIS)"
         await self.describe(variable, meaning, signal.unit)
-        point = await self._points.add_object(self.id(f"{signal.name}#01"), self.name(f"{signal.name}#01"))
+        point = await self._points.add_object(*_named(f"{signal.name}#01", self._own))
         await self.link(point, "HasDynamicValue", variable)
         await self.link(point, "BelongsToClass", await self._noun(signal.kind, ours=ours))
         for verb, noun in facts(signal.kind, signal.quantity):
@@ -81,7 +70,7 @@ class AddressSpace:
 
     async def add_control(self, targets: Sequence[CommandTarget]) -> dict[str, Any]:
         """Add the nodes of control and the set-points; returns their ids by name."""
-        folder = await self.root.add_object(self.id("Control"), self.name("Control"))
+        folder = await self.root.add_object(*_named("Control", self._own))
         rows = (
             (REQUEST, ua.Variant(False), "true requests control, false gives it back"),
             (HEARTBEAT, ua.Variant(0, ua.VariantType.UInt32), "number that the holder changes to keep control"),
@@ -91,15 +80,13 @@ class AddressSpace:
         )
         ids = {}
         for name, value, meaning in rows:
-            node = await folder.add_variable(self.id(name), self.name(name), value)
+            node = await folder.add_variable(*_named(name, self._own), value)
             await node.write_attribute(ua.AttributeIds.Description, _text(meaning))
             ids[name] = node.nodeid
             if name in {REQUEST, HEARTBEAT}:
                 await node.set_writable()
         for target in targets:
-            node = await folder.add_variable(
-                self.id(target.name), self.name(target.name), ua.Variant(0.0, ua.VariantType.Double)
-            )
+            node = await folder.add_variable(*_named(target.name, self._own), ua.Variant(0.0, ua.VariantType.Double))
             await node.set_writable()
             await self.describe(node, f"set-point of the {QUANTITIES[target.quantity].meaning}", target.unit)
             await self.link(node, "BelongsToClass", await self._noun("SetPoint"))
@@ -109,12 +96,12 @@ class AddressSpace:
     async def describe(self, variable: Any, meaning: str, unit: str) -> None:
         """Give a variable its description, its unit as an OPC UA property, and its class and unit in D-WIS."""
         await variable.write_attribute(ua.AttributeIds.Description, _text(meaning))
-        known = UNITS.get(unit)
+        known = UNITS.get(unit, Unit(unit))
         information = ua.EUInformation(
             NamespaceUri="http://www.opcfoundation.org/UA/units/un/cefact",
-            UnitId=known.number if known else -1,
+            UnitId=known.number,
             DisplayName=ua.LocalizedText(unit),
-            Description=ua.LocalizedText(known.noun if known else unit),
+            Description=ua.LocalizedText(known.noun),
         )
         await variable.add_property(
             ua.NodeId(f"{variable.nodeid.Identifier}.EngineeringUnits", self._own),
@@ -122,7 +109,7 @@ class AddressSpace:
             information,
         )
         await self.link(variable, "BelongsToClass", await self._noun("DynamicDrillingSignal"))
-        if known:
+        if unit in UNITS:
             await self.link(variable, "HasUnitOfMeasure", await self._noun(known.noun))
 
     async def link(self, subject: Any, verb: str, noun: Any) -> None:
@@ -133,19 +120,24 @@ class AddressSpace:
         """Node of a noun, made when it is first used."""
         if name not in self._nouns:
             index = self._spaces[PROPOSED_NAMESPACE if ours else NAMESPACE]
-            self._nouns[name] = await self._vocabulary.add_object(ua.NodeId(name, index), ua.QualifiedName(name, index))
+            self._nouns[name] = await self._vocabulary.add_object(*_named(name, index))
         return self._nouns[name]
 
     async def _one_of(self, noun: str, feature: str = "") -> Any:
         """Node that belongs to a class, made when it is first used; it accounts for a feature where one is given."""
         name = f"{noun}#01"
         if name not in self._nouns:
-            self._nouns[name] = one = await self._vocabulary.add_object(self.id(name), self.name(name))
+            self._nouns[name] = one = await self._vocabulary.add_object(*_named(name, self._own))
             for parent in classes(noun):
                 await self.link(one, "BelongsToClass", await self._noun(parent))
             if feature:
                 await self.link(one, "AccountsFor", await self._one_of(feature))
         return self._nouns[name]
+
+
+def _named(name: str, space: int) -> tuple[Any, Any]:
+    """Node id and browse name of a node, by the index of its namespace."""
+    return ua.NodeId(name, space), ua.QualifiedName(name, space)
 
 
 def _text(text: str) -> Any:

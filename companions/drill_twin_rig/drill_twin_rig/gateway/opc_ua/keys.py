@@ -5,8 +5,6 @@
 passwords (scrypt), in a file that its owner alone reads.
 """
 
-from __future__ import annotations
-
 import hashlib
 import hmac
 import json
@@ -16,7 +14,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
-from typing import Final
+from typing import Final, Self
 
 from asyncua.crypto.cert_gen import dump_private_key_as_pem, generate_private_key, generate_self_signed_app_certificate
 from cryptography import x509
@@ -53,7 +51,7 @@ class PasswordHash:
     """log2 n, r and p of scrypt."""
 
     @classmethod
-    def of(cls, password: str) -> PasswordHash:
+    def of(cls, password: str) -> Self:
         """Hash of a new password.
 
         Raises:
@@ -68,7 +66,7 @@ class PasswordHash:
         return cls(salt, _scrypt(password, salt, _COST))
 
     @classmethod
-    def parsed(cls, text: str) -> PasswordHash:
+    def parsed(cls, text: str) -> Self:
         """Hash from a line of the file: `LOG2N-R-P:SALT:HASH`.
 
         Raises:
@@ -164,11 +162,6 @@ class Keys:
     """Certificates of others, DER."""
     users: Mapping[str, PasswordHash]
     """Hash of the password of each user."""
-
-    @property
-    def private_key(self) -> Path:
-        """File of the private key."""
-        return self.folder / PRIVATE_KEY
 
     def distrust(self, certificate: bytes) -> str:
         """Reason why a certificate is not trusted; empty if it is."""

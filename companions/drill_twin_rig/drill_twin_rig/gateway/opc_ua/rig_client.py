@@ -9,44 +9,34 @@ import asyncio
 import math
 from collections.abc import Sequence
 from datetime import UTC
-from typing import Any, NamedTuple
+from types import SimpleNamespace
+from typing import Any
 
 from asyncua import Client, ua
 from asyncua.crypto.security_policies import SecurityPolicyBasic256Sha256
 
-from drill_twin_rig.gateway.opc_ua.keys import CERTIFICATE, Keys
+from drill_twin_rig.gateway.opc_ua.keys import CERTIFICATE, PRIVATE_KEY, Keys
+from drill_twin_rig.gateway.opc_ua.server import APPLICATION
 from drill_twin_rig.gateway.rig_reader import PATIENCE, RefusedError, RigReader, SignalReading, unit_fault
 from drill_twin_rig.gateway.signals import RigSignal
-
-
-class ServerAccess(NamedTuple):
-    """Address of a rig's server, and the way to enter it."""
-
-    url: str
-    """Address, as `opc.tcp://rig:4840`."""
-    keys: Keys | None = None
-    """Keys for an encrypted connection; None for an open one."""
-    application: str = ""
-    """URI of this application, as in its certificate."""
-    user: str = ""
-    """User; empty: anonymous."""
-    password: str = ""
-    """His password."""
 
 
 class RigClient(RigReader):
     """Client of the OPC UA server of a rig."""
 
-    def __init__(self, access: ServerAccess, signals: Sequence[RigSignal], period: float) -> None:
+    def __init__(
+        self, settings: SimpleNamespace, signals: Sequence[RigSignal], keys: Keys | None, password: str
+    ) -> None:
         """Begin to read.
 
         Args:
-            access: Server of the rig.
+            settings: Parameters `rig_url`, as `opc.tcp://rig:4840`, `rig_user` and `rig_rate` of the gateway.
             signals: Signals to read.
-            period: Time between two readings [s].
+            keys: Keys for an encrypted connection; None for an open one.
+            password: Password of the user.
         """
-        self._access = access
-        super().__init__(signals, period)
+        self._settings, self._keys, self._password = settings, keys, password
+        super().__init__(signals, 1.0 / settings.rig_rate)
 
     async def connect_and_read(self) -> None:
         """Connect, and read all nodes once a period until it fails.
@@ -54,12 +44,12 @@ class RigClient(RigReader):
         Raises:
             RefusedError: The server is not to be used.
         """
-        client = Client(self._access.url, timeout=PATIENCE)
-        if self._access.keys is not None:
-            await self._secure(client, self._access.keys)
-        if self._access.user:
-            client.set_user(self._access.user)
-            client.set_password(self._access.password)
+        client = Client(self._settings.rig_url, timeout=PATIENCE)
+        if self._keys is not None:
+            await self._secure(client, self._keys)
+        if self._settings.rig_user:
+            client.set_user(self._settings.rig_user)
+            client.set_password(self._password)
         async with client:
             uris = await client.get_namespace_array()
             nodes = [client.get_node(_node_id(signal.node, uris)) for signal in self._signals]
@@ -87,11 +77,11 @@ class RigClient(RigReader):
             )
         if reason := keys.distrust(bytes(found[0].ServerCertificate)):
             raise RefusedError(f"server of the rig: {reason}")
-        client.application_uri = self._access.application
+        client.application_uri = APPLICATION
         await client.set_security(
             SecurityPolicyBasic256Sha256,
             str(keys.folder / CERTIFICATE),
-            str(keys.private_key),
+            str(keys.folder / PRIVATE_KEY),
             server_certificate=bytes(found[0].ServerCertificate),
         )
 

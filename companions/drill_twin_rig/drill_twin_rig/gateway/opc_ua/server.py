@@ -20,7 +20,7 @@ from drill_twin.core.errors import RunError
 from drill_twin.core.loopback import in_url
 from drill_twin_rig.gateway.control import Control
 from drill_twin_rig.gateway.opc_ua.address_space import AddressSpace
-from drill_twin_rig.gateway.opc_ua.keys import Keys
+from drill_twin_rig.gateway.opc_ua.keys import PRIVATE_KEY, Keys
 from drill_twin_rig.gateway.opc_ua.sessions import Sessions
 from drill_twin_rig.gateway.rig_reader import EventLoopThread
 from drill_twin_rig.gateway.signals import CommandTarget, ShownSignal
@@ -107,7 +107,8 @@ class OpcUaServer:
         while True:
             await asyncio.sleep(_LOOK)
             clients = list(self._server.bserver.clients)  # the oldest first
-            silent = [one for one in clients if not _has_session(one)]
+            sessions = [(one, one.processor.session) for one in clients]
+            silent = [one for one, session in sessions if session is None or not session.is_activated()]
             for one in silent[: max(len(clients) - (MOST_CLIENTS - _FREE), 0)]:
                 one.transport.close()
                 self.sessions.refused["silent"] += 1
@@ -118,7 +119,7 @@ class OpcUaServer:
             server.set_identity_tokens([ua.AnonymousIdentityToken])
             return
         await server.load_certificate(self._keys.certificate, "der")
-        await server.load_private_key(self._keys.private_key)
+        await server.load_private_key(self._keys.folder / PRIVATE_KEY)
         server.set_security_policy([ua.SecurityPolicyType.Basic256Sha256_SignAndEncrypt])
         server.set_identity_tokens([ua.UserNameIdentityToken])
         server.set_certificate_validator(self.sessions.check_certificate)
@@ -159,8 +160,3 @@ class OpcUaServer:
         """End all sessions, and the thread."""
         self._thread.call(self._server.stop())
         self._thread.close()
-
-
-def _has_session(client: Any) -> bool:
-    session = client.processor.session
-    return session is not None and session.is_activated()

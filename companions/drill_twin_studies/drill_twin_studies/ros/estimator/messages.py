@@ -23,36 +23,24 @@ _VALUES = ("torque", "motor_torque", "hookload", "top_drive_speed", "bit_speed",
 def values_of(state: JointState, *, set_points: bool) -> dict[str, float]:
     """Channels of a message like `/rig/state` by name, NaN for what it does not have; set-points if asked for."""
     wanted = [name for name in _VALUES if set_points or name not in {"weight_on_bit", "rotation"}]
-    channels = zip(wanted, map(channel_of, wanted), strict=True)
-    return {name: float(state.column(channel.array, channel.joint)) for name, channel in channels}
+    return {name: float(state.column(channel_of(name).array, channel_of(name).joint)) for name in wanted}
 
 
-class EstimateEncoder:
-    """Encoder of `/estimate/state`; its names come from the first estimate."""
-
-    def __init__(self) -> None:
-        self._template: JointStateTemplate | None = None
-
-    def encode(self, stamp: int, found: Estimate) -> bytes:
-        """CDR of an estimate at a stamp [ns]."""
-        level, _ = trust_in(found)
-        values = {"trust": float(level), "alarm": float(bool(found.alarm)), "whirls": found.whirls}
-        values["unexplained"] = sum(one.end - one.start for one in found.spans)
-        if math.isfinite(found.chance):
-            values["chance_of_whirl"] = found.chance
-        for name, band in {**found.numbers, **found.sensors}.items():
-            values |= {name: band.mean, f"{name}/deviation": band.deviation}
-            values |= {f"{name}/low": band.low, f"{name}/high": band.high}
-        if self._template is None:
-            self._template = JointStateTemplate(tuple(values), velocity=False, effort=False)
-        return self._template.fill(stamp, [values[name] for name in self._template.names])
+def encode_estimate(stamp: int, found: Estimate) -> bytes:
+    """CDR of an estimate, a message of `/estimate/state`, at a stamp [ns]."""
+    level, _ = trust_in(found)
+    values = {"trust": float(level), "alarm": float(bool(found.alarm)), "whirls": found.whirls}
+    values["unexplained"] = sum(one.end - one.start for one in found.spans)
+    if math.isfinite(found.chance):
+        values["chance_of_whirl"] = found.chance
+    for name, band in {**found.numbers, **found.sensors}.items():
+        values |= {name: band.mean, f"{name}/deviation": band.deviation}
+        values |= {f"{name}/low": band.low, f"{name}/high": band.high}
+    return JointStateTemplate(tuple(values), velocity=False, effort=False).fill(stamp, list(values.values()))
 
 
 def verdict_of(found: Estimate) -> tuple[Level, str]:
-    """Level and sentence for the diagnostics: what is wrong with the estimate, else what it says of whirl."""
-    level, doubt = trust_in(found)
-    if level is not Level.OK:
-        return level, doubt
+    """Level and sentence for the diagnostics: what an estimate that is not doubted says of whirl."""
     if found.chance >= _LIKELY:
         return Level.WARN, "whirl is likely soon" if found.whirls <= _LIKELY else "the string whirls"
     return Level.OK, "the model explains what is measured"

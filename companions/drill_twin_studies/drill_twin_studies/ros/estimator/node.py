@@ -5,12 +5,11 @@ import math
 from collections.abc import Callable
 from concurrent.futures import Future, ThreadPoolExecutor
 from functools import partial
-from types import SimpleNamespace
 from typing import TypeVar
 
 import numpy as np
 
-from drill_twin.core.errors import ParameterError, RunError, RunStopped
+from drill_twin.core.errors import RunError, RunStopped
 from drill_twin.dynamics.solver.slices import checked
 from drill_twin.io.messages.decode import JointState
 from drill_twin.io.messages.diagnostics import Level, Status
@@ -38,59 +37,13 @@ from drill_twin.runs import compile_kernel
 from drill_twin_studies.api.estimator import Estimator as Following
 from drill_twin_studies.estimation import Estimate, EstimatorOptions
 from drill_twin_studies.ros.estimator.messages import (
-    EstimateEncoder,
+    encode_estimate,
     nearest_twin,
     trust_in,
     values_for_diagnostics,
     values_of,
     verdict_of,
 )
-
-PARAMETERS = (
-    SCENE,
-    OVERRIDES,
-    Parameter(
-        "free", ("load_factor=0.8..1.2",), "free numbers and their ranges as KEY=LO..HI",
-        such_as='["wall_friction.coefficient=0.1..0.4", "load_factor=0.8..1.2"]', between=";",
-    ),
-    Parameter(
-        "channels", ("torque", "hookload"),
-        "channels that correct: torque, or motor_torque with inertia and bearings of the drive; hookload, "
-        "top_drive_speed, bit_speed",
-    ),
-    Parameter(
-        "subs", (),
-        "downhole subs of the scene whose readings correct, by name; of a real rig as measured/NAME",
-        such_as='["measured/near_bit"]',
-    ),
-    Parameter(
-        "set_points", "command", "where set-points come from: /rig/command, the measured message, or the scene", "",
-        choices=("command", "measured", "scene"),
-    ),
-    Parameter("members", 64, "members of the ensemble", "", 4, 1000),
-    Parameter("window", 1.0, "time from estimate to estimate", "s", 0.05, 60.0),
-    Parameter("rate", 10.0, "samples a second that are compared", "Hz", 0.1, 1000.0),
-    Parameter("error", 0.02, "error of a sample, over the largest value of its channel", "", 1e-6, 1.0),
-    Parameter("horizon", 4.0, "time ahead for which the chance of whirl is computed; 0: not computed", "s", 0.0, 60.0),
-    Parameter("show", True, "publish the member nearest to the rig under estimate/"),
-    Parameter("seed", 1, "seed of the draws", "", 0, 2**31 - 1),
-    AUTOSTART,
-)  # fmt: skip
-
-
-def make_estimator(settings: SimpleNamespace) -> Following:
-    """Estimator of the parameters.
-
-    Raises:
-        DrillTwinError: Scene, numbers or channels cannot be taken.
-    """
-    free = pairs_of("free", settings.free)
-    if not free:
-        raise ParameterError("parameter free: expected at least one KEY=LO..HI, found none")
-    names = ("members", "window", "rate", "error", "horizon", "seed")
-    options = EstimatorOptions(frames=settings.show, **{name: getattr(settings, name) for name in names})
-    return Following(scene_of(settings), free, channels=settings.channels, subs=settings.subs, options=options)
-
 
 _DEPTH = 1000  # messages that wait while another thread has the processor
 _BEHIND = 10  # windows that wait before the oldest is left out
@@ -104,7 +57,38 @@ class Estimator(TwinNode):
 
     NAME = "estimator"
     PURPOSE = "Follows a rig with an ensemble: numbers, virtual sensors, chance of whirl, alarm."
-    PARAMETERS = PARAMETERS
+    PARAMETERS = (
+        SCENE,
+        OVERRIDES,
+        Parameter(
+            "free", ("load_factor=0.8..1.2",), "free numbers and their ranges as KEY=LO..HI",
+            such_as='["wall_friction.coefficient=0.1..0.4", "load_factor=0.8..1.2"]', between=";",
+        ),
+        Parameter(
+            "channels", ("torque", "hookload"),
+            "channels that correct: torque, or motor_torque with inertia and bearings of the drive; hookload, "
+            "top_drive_speed, bit_speed",
+        ),
+        Parameter(
+            "subs", (),
+            "downhole subs of the scene whose readings correct, by name; of a real rig as measured/NAME",
+            such_as='["measured/near_bit"]',
+        ),
+        Parameter(
+            "set_points", "command", "where set-points come from: /rig/command, the measured message, or the scene", "",
+            choices=("command", "measured", "scene"),
+        ),
+        Parameter("members", 64, "members of the ensemble", "", 4, 1000),
+        Parameter("window", 1.0, "time from estimate to estimate", "s", 0.05, 60.0),
+        Parameter("rate", 10.0, "samples a second that are compared", "Hz", 0.1, 1000.0),
+        Parameter("error", 0.02, "error of a sample, over the largest value of its channel", "", 1e-6, 1.0),
+        Parameter(
+            "horizon", 4.0, "time ahead for which the chance of whirl is computed; 0: not computed", "s", 0.0, 60.0
+        ),
+        Parameter("show", True, "publish the member nearest to the rig under estimate/"),
+        Parameter("seed", 1, "seed of the draws", "", 0, 2**31 - 1),
+        AUTOSTART,
+    )  # fmt: skip
     RIGHTS = Rights(
         (DIAGNOSTICS, MEASURED_RIG_STATE, RIG_STATE, RIG_COMMAND, "/downhole/*/imu", "/measured/downhole/*/imu"),
         publishes=tuple(ESTIMATE + topic for topic in OF_NEAREST_TWIN),
@@ -126,7 +110,7 @@ class Estimator(TwinNode):
         self._found: Estimate | None = None
         self._heard: tuple[float, float] | None = None  # stamp of the last sample, and when it came [s]
         self._alone = 0.0  # s since then, for which the ensemble has run alone
-        self._encoder, self._channels = EstimateEncoder(), GoodSamples()
+        self._channels = GoodSamples()
         self._making, self._closing = "making the ensemble", False
         self._thread = ThreadPoolExecutor(1, "ensemble")
         self._made: Future[Following] | None = self._thread.submit(self._stoppable, self._make)
@@ -166,9 +150,9 @@ class Estimator(TwinNode):
             self._publish(self._following, self._step.result())
             self._step = None
         self._let_time_pass(self._following)
-        while self._following.intake.waiting > _BEHIND:
+        while len(self._following.intake.ready) > _BEHIND:
             self._following.intake.skip()
-        if self._step is None and self._following.intake.waiting:
+        if self._step is None and self._following.intake.ready:
             self._step = self._thread.submit(self._stoppable, self._following.step)
 
     def _stoppable(self, function: Callable[[], Result]) -> Result:
@@ -183,9 +167,12 @@ class Estimator(TwinNode):
 
     def _make(self) -> Following:
         """Make the ensemble; its kernels are compiled by a child process, which `complete` ends at once."""
-        scene = scene_of(self.settings)
+        settings, scene = self.settings, scene_of(self.settings)
+        free = pairs_of("free", settings.free)
         compile_kernel(scene, scene.numerics.frame_period, self._on_compilation)
-        return make_estimator(self.settings)
+        names = ("members", "window", "rate", "error", "horizon", "seed")
+        options = EstimatorOptions(frames=settings.show, **{name: getattr(settings, name) for name in names})
+        return Following(scene, free, channels=settings.channels, subs=settings.subs, options=options)
 
     def _on_compilation(self, progress: str) -> None:
         self._making = progress
@@ -248,9 +235,9 @@ class Estimator(TwinNode):
         if found.alarm and (self._found is None or not self._found.alarm):
             self.get_logger().warning(found.alarm)
         self._found = found
-        origin = following.intake.origin
+        origin = following.intake.origin or 0.0
         stamp = stamp_ns(max(origin + found.time, 0.0))
-        self.topics.publish(ESTIMATE_STATE, self._encoder.encode(stamp, found))
+        self.topics.publish(ESTIMATE_STATE, encode_estimate(stamp, found))
         self.publish_diagnostics()  # the sentence on it
         if self._nearest is not None and found.frames is not None:
             for topic, raw in nearest_twin(self._nearest, found.frames, origin):
@@ -263,7 +250,7 @@ class Estimator(TwinNode):
         intake = self._following.intake
         values = {f"samples_{kind.replace(' ', '_')}": str(count) for kind, count in intake.troubles.items()}
         values |= {} if self._found is None else values_for_diagnostics(self._found)
-        values |= {**self.samples.values(), **self._channels.values(), "windows_waiting": str(intake.waiting)}
+        values |= {**self.samples.values(), **self._channels.values(), "windows_waiting": str(len(intake.ready))}
         level, silence = self.samples.verdict()
         lacks = "" if self.samples.rests else self._channels.verdict()[1]
         frozen = f"{', '.join(sorted(intake.frozen))}: frozen, left out" if intake.frozen else ""
