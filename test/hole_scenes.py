@@ -17,7 +17,7 @@ ON_THE_WALL: dict[str, Any] = {
     "wall_friction": {"coefficient": 0.0},
     "bit_friction": WALLED["bit_friction"],
 }
-"""The set of effects of pa6_bench, hence no kernel of its own, for all tests of the wall; here all but the wall at zero."""
+"""The effects of pa6_bench, hence no kernel of its own, for all tests of the wall; here all but the wall at zero."""
 SETTLING: dict[str, Any] = {
     "drag": {"linear": 1.0},
     "internal_damping": {"bending_time": 0.02, "stretch_time": 2e-3, "torsion_time": 2e-3},

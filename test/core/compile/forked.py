@@ -26,7 +26,7 @@ class Forked:
             path: Folder in which it looks for packages first.
         """
         self.returncode = None
-        self._files = [tempfile.TemporaryFile("w+", encoding="utf-8") for _ in range(2)]
+        self._files = [tempfile.TemporaryFile("w+", encoding="utf-8") for _ in range(2)]  # noqa: SIM115
         self._pid = os.fork()
         if self._pid == 0:
             ended = 1

@@ -13,12 +13,12 @@ from drill_twin.core.errors import RunError
 from drill_twin.core.table import Table
 from drill_twin.core.units.system import SYSTEMS
 from drill_twin.dynamics.discretisation.joint import collars_of
+from drill_twin.dynamics.rotordynamics import modes as modes_module
 from drill_twin.dynamics.rotordynamics.assembly import Extent
 from drill_twin.dynamics.rotordynamics.assembly_modes import critical_ranges, in_trough
 from drill_twin.dynamics.rotordynamics.campbell import campbell, critical_speeds, growth_map, mac
 from drill_twin.dynamics.rotordynamics.eigenvalues import MOST_UNKNOWNS, Pencil, eigenvalues_only
 from drill_twin.dynamics.rotordynamics.equations import EquationsOfMotion, meshed
-from drill_twin.dynamics.rotordynamics import modes as modes_module
 from drill_twin.dynamics.rotordynamics.modes import compared, modes
 from drill_twin.physics.effects.bit_torque_stribeck import BitTorqueStribeck
 from drill_twin.scene import load_scene
