@@ -164,7 +164,7 @@ def regular_line(time: Array, values: Array) -> float | None:
     """
     known, even = np.isfinite(values), np.linspace(time[0], time[-1], time.size)
     size = np.ptp(whole := np.interp(even, time[known], values[known]))
-    whole -= np.polynomial.Polynomial.fit(even, whole, 1)(even)
+    whole -= whole.mean() + (ramp := np.linspace(-1.0, 1.0, even.size)) * (ramp @ whole / (ramp @ ramp))
     half, step = time.size // 2, float(even[1] - even[0])
     parts = (whole, whole[:half], whole[-half:])
     powers = [float(part @ part) for part in parts]
