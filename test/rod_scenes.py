@@ -31,7 +31,6 @@ __all__ = [
     "EULER_LOAD",
     "FATIGUE",
     "FIRST",
-    "FORMS",
     "LENGTH",
     "LINE_MASS",
     "ROLLING",
@@ -45,7 +44,6 @@ __all__ = [
     "rod_scene",
 ]
 
-FORMS = ("spatial", "lateral")
 EULER_LOAD = 4.0 * pi**2 * EI / LENGTH**2
 """Between clamps [N]."""
 FATIGUE: dict[str, Any] = {

@@ -149,7 +149,7 @@ def test_the_wall_that_was_not_listed_is_told() -> None:
     effects = QUIET | {
         "gravity": {"magnitude": 0.02}, "drag": {"linear": 0.3}, "internal_damping": SETTLING["internal_damping"],
     }  # fmt: skip
-    options = {"bit_end": "free", "length": 5.0, "effects": effects, "inclination": np.pi / 2}
+    options = {"bit_end": "free", "length": 5.0, "effects": effects, "inclination": np.pi / 2, "form": "lateral"}
     sag = LINE_MASS * 0.02 * 5.0**4 / (8.0 * EI)
     for radius, outside in ((0.02, True), (1.0, False)):
         twin = Twin(with_parts(**options, radius=radius))
