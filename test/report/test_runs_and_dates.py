@@ -28,7 +28,7 @@ def thin(messages):
 
 @pytest.fixture
 def three(messages, thin, write):
-    """The whole run in few samples, its first 4 s, and its first 3 s where only the stamps tell that a run has begun."""
+    """The whole run in few samples, its first 4 s, and its first 3 s where only stamps tell that a run has begun."""
     runs = [(number, [row for row in messages if row[1] <= end]) for number, end in ((1, 4 * 10**9), (2, 3 * 10**9))]
     again = {1: lambda raw: encode_string(f"{read_string(raw)}# again\n"), 2: lambda raw: raw}
     later = [

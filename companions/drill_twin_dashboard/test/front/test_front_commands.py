@@ -16,7 +16,7 @@ pytestmark = pytest.mark.process
 SURVEY = (config_dir() / "wells" / "drillbotics_survey.csv").read_text("utf-8")
 TALLY = (config_dir() / "wells" / "drillbotics_tally.csv").read_text("utf-8")
 TABLES = {"--survey": SURVEY, "--tally": TALLY}
-DEEP = {f"--{name}": (config_dir() / "wells" / f"s_shaped_{name}.csv").read_text("utf-8") for name in ("survey", "tally")}
+DEEP = {f"--{of}": (config_dir() / "wells" / f"s_shaped_{of}.csv").read_text("utf-8") for of in ("survey", "tally")}
 """Tables of the well s_shaped, whose kernel other tests have."""
 
 
