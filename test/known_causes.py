@@ -84,7 +84,7 @@ BRISK = {"rig.rotation.value": 5.0, "rig.rotation.duration": 0.5}
 SOFT = {"model": "speed_controller", "inertia": 200, "proportional_gain": 5.0, "integral_gain": 50.0}
 CASES = {
     "unbalance at a critical speed": Known(
-        bench(rpm=52.2, effects__eccentricity__offset="8 mm", duration=20), (UNBALANCE,)
+        bench(rpm=52.2, effects__eccentricity__offset="8 mm", duration=12), (UNBALANCE,)
     ),
     "bow above the critical speed": Known(
         bench(
