@@ -185,8 +185,7 @@ def _steady(speed: Array) -> float:
     if known.size < FEWEST or abs(known.mean()) < REST:
         return 0.0
     first, last = np.array_split(known, 2)
-    even = abs(first.mean() - last.mean()) < EVEN * abs(known.mean())
-    return float(abs(known.mean())) if even else 0.0
+    return float(abs(known.mean())) if abs(first.mean() - last.mean()) < EVEN * abs(known.mean()) else 0.0
 
 
 def index_by_torque(scene: Scene, swing: float, period: float, speed: float) -> float:

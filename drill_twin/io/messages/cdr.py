@@ -89,8 +89,7 @@ class Template:
 
 def _places(wanted: bytes, raw: bytearray) -> list[int]:
     """Offsets of bytes in a message."""
-    between = map(len, raw.split(wanted)[:-1])
-    return [begun + k * len(wanted) for k, begun in enumerate(accumulate(between))]
+    return [begun + k * len(wanted) for k, begun in enumerate(accumulate(map(len, raw.split(wanted)[:-1])))]
 
 
 class PoseArrayTemplate(Template):
