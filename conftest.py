@@ -6,6 +6,7 @@ import subprocess
 import sys
 from collections.abc import Iterator
 from contextlib import suppress
+from functools import cache
 from pathlib import Path
 from types import FunctionType
 from typing import Any
@@ -30,11 +31,22 @@ MARKED_BY = {
 """Marker -> names by which code of a test, or of what it calls in the test house, starts processes or compiles."""
 
 
+@cache
+def _is_of_tests(file: str) -> bool:
+    return Path(file).is_relative_to(ROOT) and "test" in Path(file).relative_to(ROOT).parts
+
+
+@cache
+def _all_names(function: Any) -> frozenset[str]:
+    """Names of `_names`, found once for a test of many variants and for a fixture of many tests."""
+    return frozenset(_names(function, set()))
+
+
 def _names(function: Any, seen: set[Any]) -> Iterator[str]:
     """Names in the code of a function, and in that of the functions and classes of the test house which it names."""
     function = getattr(function, "__wrapped__", function)
     file = getattr(sys.modules.get(getattr(function, "__module__", "")), "__file__", None) or ""
-    if function in seen or not Path(file).is_relative_to(ROOT) or "test" not in Path(file).relative_to(ROOT).parts:
+    if function in seen or not _is_of_tests(file):
         return
     seen.add(function)
     if isinstance(function, type):
@@ -56,8 +68,7 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     for item in items:
         fixtures = getattr(item, "_fixtureinfo").name2fixturedefs.values()  # noqa: B009
         functions = [getattr(item, "function"), *(fixture.func for found in fixtures for fixture in found)]  # noqa: B009
-        seen: set[Any] = set()
-        names = {name for function in functions for name in _names(function, seen)}
+        names = frozenset().union(*map(_all_names, functions))
         for marker, known in MARKED_BY.items():
             if names & known or (marker == "process" and "ros" in item.path.parent.parts):
                 item.add_marker(marker)

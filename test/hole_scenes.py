@@ -3,7 +3,7 @@
 
 from typing import Any
 
-from rod_scenes import rod_scene
+from rod_scenes import WALLED, rod_scene
 
 from drill_twin.scene import Scene
 
@@ -15,8 +15,9 @@ ON_THE_WALL: dict[str, Any] = {
     "internal_damping": {"bending_time": 0.0},
     "wall": {"stiffness": 1e7, "restitution": 1.0},
     "wall_friction": {"coefficient": 0.0},
+    "bit_friction": WALLED["bit_friction"],
 }
-"""One set of effects, hence one compiled kernel, for all tests of the wall; here all but the wall at zero."""
+"""The effects of pa6_bench, hence no kernel of its own, for all tests of the wall; here all but the wall at zero."""
 SETTLING: dict[str, Any] = {
     "drag": {"linear": 1.0},
     "internal_damping": {"bending_time": 0.02, "stretch_time": 2e-3, "torsion_time": 2e-3},

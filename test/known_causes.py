@@ -7,11 +7,12 @@ from collections.abc import Callable
 from math import tau
 from typing import Any, NamedTuple
 
-from rod_scenes import FIRST, ROLLING, WALLED, quiet_scene
+from rod_scenes import FIRST, ROLLING, quiet_scene
 
 from drill_twin.api import Result, Simulation
 from drill_twin.scene import Scene, load_scene
 from drill_twin_evidence.verify.contact.regenerative import scene as drag_bit
+from drill_twin_evidence.verify.scenes import WALLED
 
 SOON = {"wob": 5, "rig.weight_on_bit.duration": 2, "rig.rotation.duration": 2}
 BENCH = {"severity.source": "a bench", "severity.lateral_rms": [0.1, 0.2, 0.5, 2.0]}
@@ -83,7 +84,7 @@ BRISK = {"rig.rotation.value": 5.0, "rig.rotation.duration": 0.5}
 SOFT = {"model": "speed_controller", "inertia": 200, "proportional_gain": 5.0, "integral_gain": 50.0}
 CASES = {
     "unbalance at a critical speed": Known(
-        bench(rpm=52.2, effects__eccentricity__offset="8 mm", duration=20), (UNBALANCE,)
+        bench(rpm=52.2, effects__eccentricity__offset="8 mm", duration=12), (UNBALANCE,)
     ),
     "bow above the critical speed": Known(
         bench(

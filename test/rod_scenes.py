@@ -5,6 +5,7 @@ from math import pi
 from typing import Any
 
 from drill_twin.scene import Scene
+from drill_twin_evidence.verify import scenes as cases
 from drill_twin_evidence.verify.scenes import (
     DENSITY,
     DIAMETER,
@@ -15,7 +16,6 @@ from drill_twin_evidence.verify.scenes import (
     LINE_MASS,
     ROLLING,
     SHEAR,
-    WALLED,
     YOUNG,
     quiet_scene,
     rod_scene,
@@ -31,7 +31,6 @@ __all__ = [
     "EULER_LOAD",
     "FATIGUE",
     "FIRST",
-    "FORMS",
     "LENGTH",
     "LINE_MASS",
     "ROLLING",
@@ -45,13 +44,14 @@ __all__ = [
     "rod_scene",
 ]
 
-FORMS = ("spatial", "lateral")
 EULER_LOAD = 4.0 * pi**2 * EI / LENGTH**2
 """Between clamps [N]."""
 FATIGUE: dict[str, Any] = {
     "sections": [{"name": "middle", "distance_from_bit": 0.5 * LENGTH}],
     "line": {"stress_range": 1e6, "slope": 3.0}, "mean_stress": "none", "smallest_range": 1e4,
 }  # fmt: skip
+WALLED = {**cases.WALLED, "bit_friction": {"coefficient": 0.0, "radius": 1e-9}}
+"""The effects of pa6_bench, so that the kernel of that scene serves all tests with a wall; the bit has no friction."""
 STRESSED = {**WALLED, "fatigue": FATIGUE}
 """Set of effects with a wall, and the stress at mid-span."""
 

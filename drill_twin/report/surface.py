@@ -164,7 +164,7 @@ def regular_line(time: Array, values: Array) -> float | None:
     """
     known, even = np.isfinite(values), np.linspace(time[0], time[-1], time.size)
     size = np.ptp(whole := np.interp(even, time[known], values[known]))
-    whole -= np.polynomial.Polynomial.fit(even, whole, 1)(even)
+    whole -= whole.mean() + (ramp := np.linspace(-1.0, 1.0, even.size)) * (ramp @ whole / (ramp @ ramp))
     half, step = time.size // 2, float(even[1] - even[0])
     parts = (whole, whole[:half], whole[-half:])
     powers = [float(part @ part) for part in parts]
@@ -185,8 +185,7 @@ def _steady(speed: Array) -> float:
     if known.size < FEWEST or abs(known.mean()) < REST:
         return 0.0
     first, last = np.array_split(known, 2)
-    even = abs(first.mean() - last.mean()) < EVEN * abs(known.mean())
-    return float(abs(known.mean())) if even else 0.0
+    return float(abs(known.mean())) if abs(first.mean() - last.mean()) < EVEN * abs(known.mean()) else 0.0
 
 
 def index_by_torque(scene: Scene, swing: float, period: float, speed: float) -> float:

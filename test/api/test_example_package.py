@@ -10,6 +10,7 @@ import sys
 from pathlib import Path
 
 import pytest
+from forked import Forked
 
 from drill_twin.core.compile.source_hash import modules_reached, source_hash
 
@@ -63,18 +64,11 @@ def target(tmp_path_factory):
 
 
 def python(target: Path, code: str, warnings: str = "error") -> str:
-    paths = os.pathsep.join((str(target), str(ROOT)))
-    done = subprocess.run(
-        [sys.executable, "-W", f"{warnings}::UserWarning", "-c", code],
-        env={**os.environ, "PYTHONPATH": paths},
-        cwd=target,
-        capture_output=True,
-        text=True,
-        timeout=900,
-        check=False,
-    )
-    assert done.returncode == 0, done.stderr
-    return done.stdout
+    first = f"import warnings\nwarnings.filterwarnings({warnings!r}, category=UserWarning)\n"
+    process = Forked(first + code, [], environment={}, forget=("drill_twin", "drill_twin_example"), path=target)
+    said, told = process.communicate()
+    assert process.returncode == 0, told
+    return said
 
 
 @pytest.fixture(scope="module")

@@ -37,6 +37,8 @@ REPEATS = (
     " ", "\t", "\n", "0", "a", "A", "_", "-", ".", ",", ":", ";", "/", "^", "(", ")", "[", "]", "[]", "[] ", "{", "1 ",
     "1/", "1.", "1e", "a.", "a=", ", ", ", a", ", at ", "[a] ", "m^2", "deg", "\u00b5", "\u2028", "\u0661", "\0", "0-",
 )  # fmt: skip
+FAST = 0.01
+"""Processor time of a text of 16 000 repeats that no timer tells from none [s]; a quadratic pattern takes a second."""
 ALL = {
     **{f"{place}.{name}": getattr(importlib.import_module(place), name)
        for place, names in PATTERNS.items() for name in names},
@@ -44,11 +46,11 @@ ALL = {
 }  # fmt: skip
 
 
-def work(name, text):
-    """Processor time of a match and, where it is used so, of a search for all places [s], the least of three."""
+def work(name, text, tries=3):
+    """Processor time of a match and, where it is used so, of a search for all places [s], the least of some tries."""
     pattern = ALL[name]
     least = float("inf")
-    for _ in range(3):
+    for _ in range(tries):
         begin = time.process_time()
         pattern.fullmatch(text)
         if name not in MATCHED_WHOLE:
@@ -63,4 +65,5 @@ def test_the_work_of_a_pattern_grows_as_the_text(name):
     for repeat in REPEATS:
         for begin, end in (("", ""), ("1", "x"), ("a", "="), ("x [", "!")):
             small, large = (begin + repeat * count + end for count in (2000, 16_000))
-            assert work(name, large) < 24.0 * work(name, small) + 0.01, (repeat, begin, end)
+            if work(name, large, tries=1) >= FAST:
+                assert work(name, large) < 24.0 * work(name, small) + FAST, (repeat, begin, end)

@@ -7,7 +7,7 @@ from drill_twin.api import load_scene
 from drill_twin.runs.loop import RunLoop
 from drill_twin.scene.set_points import Schedule
 
-THIN = {"effects.viscous_drag": "off", "added_mass.confined": "false"}
+THIN = {"effects.mud.viscosity": "1e-6 cP", "added_mass.confined": "false"}
 """Mud that brakes by its vortices alone: with viscous drag none of these strings whirls."""
 FAST = THIN | {"rig.rotation.value": "150 rpm", "effects.eccentricity.offset": "5 mm"}
 RUBBING = THIN | {
@@ -17,8 +17,15 @@ RUBBING = THIN | {
 }
 
 
+PLUMB = {
+    "hole.survey": "[{depth: 0 m, inclination: 0 deg, azimuth: 0 deg},"
+                   " {depth: 3000 m, inclination: 0.001 deg, azimuth: 0 deg}]",
+}  # fmt: skip
+"""A bend that nothing feels: the kernel is that of s_shaped."""
+
+
 def _told(changes, well="vertical_3000", until=20.0):
-    scene = load_scene(f"wells/{well}", changes)
+    scene = load_scene(f"wells/{well}", (PLUMB if well == "vertical_3000" else {}) | changes)
     loop, schedule, period = (
         RunLoop(scene, scene.numerics.frame_period, lambda *_: None),
         Schedule.from_scene(scene),

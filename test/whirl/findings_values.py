@@ -17,6 +17,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import fields, is_dataclass, replace
 from enum import Enum
 from functools import partial
+from itertools import groupby
 from pathlib import Path
 from typing import Any
 
@@ -158,13 +159,16 @@ def plain(value: Any) -> Any:
 
 
 def values(marks: tuple[MarkInfo, ...], pushed: Iterator[Sample]) -> dict[str, Any]:
-    """Findings after every two hundredth sample, and the summary."""
-    analyzer = Analyzer(marks)
-    kept = [
-        plain(found) for number, found in enumerate(analyzer.push(*sample) for sample in pushed) if number % EVERY == 0
-    ]
-    for row in kept:
-        row.pop("marks")
+    """Findings after every two hundredth sample, and the summary; a block gives the bits that its samples give."""
+    analyzer, all_samples, kept = Analyzer(marks), list(pushed), []
+    for first in range(1 - EVERY, len(all_samples), EVERY):
+        block = all_samples[max(first, 0) : first + EVERY]
+        for _, alike in groupby(block, key=lambda sample: tuple(part is None for part in sample)):
+            columns = zip(*alike, strict=True)
+            analyzer.push_block(*(None if column[0] is None else np.array(column) for column in columns))
+        if first + EVERY <= len(all_samples):
+            kept.append(plain(analyzer.findings))
+            kept[-1].pop("marks")
     return {"findings": kept, "summary": plain(analyzer.summary())}
 
 

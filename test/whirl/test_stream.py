@@ -7,7 +7,7 @@ from dataclasses import fields, replace
 
 import numpy as np
 import pytest
-from kinematics import MARKS, clock, growth, motion, play
+from kinematics import MARKS, clock, growth, motion, play, play_each
 
 from drill_twin import analyze
 from drill_twin.whirl import Analyzer, Findings, MotionState
@@ -30,7 +30,7 @@ def bits(findings, *, but=()):
 @pytest.mark.parametrize("spin", [True, False])
 def test_live_and_offline_are_equal_to_the_last_bit(spin):
     moved = moved_marks()
-    live, found = play(moved, spin=spin)
+    live, found = play_each(moved, spin=spin)
     offline = Analyzer(MARKS)
     whole = np.asfortranarray(moved.positions)  # other strides, other alignment
     twice = np.repeat(moved.spin, 2, axis=1)[:, ::2]
@@ -67,7 +67,7 @@ def test_findings_are_not_overwritten_by_later_samples():
 
 def test_duplicate_late_and_incomplete_samples_are_counted_and_skipped():
     moved = moved_marks()
-    clean, found = play(moved)
+    clean, found = play_each(moved)
     dirty, positions = Analyzer(MARKS), moved.positions
     stamps = moved.stamps.tolist()
     nothing = np.full_like(positions[0], np.nan)
@@ -106,7 +106,7 @@ def test_shuffled_neighbours_still_give_the_onset():
 
 def test_one_mark_missing_leaves_the_others_alone():
     moved = moved_marks()
-    _, found = play(moved)
+    _, found = play_each(moved)
     analyzer, positions = Analyzer(MARKS), moved.positions
     for i, stamp in enumerate(moved.stamps.tolist()):
         positions[i, 1] = np.nan

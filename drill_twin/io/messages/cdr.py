@@ -10,8 +10,8 @@ fixed for a template.
 """
 
 import math
-import re
 from collections.abc import Sequence
+from itertools import accumulate
 from typing import Any
 
 import numpy as np
@@ -52,10 +52,9 @@ class Template:
         Raises:
             MessageError: A block that is not empty does not occur exactly once.
         """
-        raw = serialize(content, type_name)
-        self._buffer = bytearray(raw)
-        self._stamp_offsets = _places(_SENTINEL_BYTES, raw)
-        found = [_places(block.tobytes(), raw) if block.size else [0] for block in blocks]
+        self._buffer = bytearray(serialize(content, type_name))
+        self._stamp_offsets = _places(_SENTINEL_BYTES, self._buffer)
+        found = [_places(block.tobytes(), self._buffer) if block.size else [0] for block in blocks]
         for block, at in zip(blocks, found, strict=True):
             if len(at) != 1:
                 raise MessageError(
@@ -88,9 +87,9 @@ class Template:
         return [bytes(filled[start : start + length]) for start in range(0, count * length, length)]
 
 
-def _places(wanted: bytes, raw: bytes) -> list[int]:
+def _places(wanted: bytes, raw: bytearray) -> list[int]:
     """Offsets of bytes in a message."""
-    return [match.start() for match in re.finditer(re.escape(wanted), raw)]
+    return [begun + k * len(wanted) for k, begun in enumerate(accumulate(map(len, raw.split(wanted)[:-1])))]
 
 
 class PoseArrayTemplate(Template):

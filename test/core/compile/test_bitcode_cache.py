@@ -1,14 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
 """Compiled parts that kernels share: used by other kernels, never stale, made again where damaged or not ours."""
 
-import os
 import re
 import shutil
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
+from forked import Forked
 from numba import float64, types
 
 from drill_twin.core.compile.inlined_compiler import lasting_name, type_text
@@ -58,17 +56,11 @@ def package(tmp_path):
 
 def use(package, factor):
     """What a kernel computes in a new process and what was compiled for it, and the lines on stderr."""
-    environment = dict(os.environ, DRILL_TWIN_CACHE=str(package / "cache"), PYTHONPATH=str(package))
-    done = subprocess.run(
-        [sys.executable, "-c", USE, str(factor)],
-        env=environment,
-        cwd=package,
-        capture_output=True,
-        text=True,
-        check=False,
-    )
-    assert done.returncode == 0, done.stderr
-    return done.stdout.strip(), done.stderr.splitlines()
+    cache = {"DRILL_TWIN_CACHE": str(package / "cache")}
+    process = Forked(USE, [factor], environment=cache, forget=("drill_twin",), path=package)
+    said, told = process.communicate()
+    assert process.returncode == 0, told
+    return said.strip(), told.splitlines()
 
 
 def test_a_part_is_shared_made_again_and_never_stale(package):

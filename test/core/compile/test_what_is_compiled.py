@@ -9,6 +9,7 @@ import sys
 from pathlib import Path
 
 import pytest
+from forked import Forked
 
 from drill_twin.core.compile.source_hash import modules_reached
 from drill_twin.dynamics.solver import kernel_codegen
@@ -99,12 +100,10 @@ print(json.dumps(told))
 def test_a_kernel_is_named_by_every_source_that_it_reaches(tmp_path):
     """An edit of any of them gives another name to the kernels that reach it and to no other; a comment does not."""
     shutil.copytree(ROOT / "drill_twin", tmp_path / "drill_twin", ignore=shutil.ignore_patterns("__pycache__"))
-    done = subprocess.run(
-        [sys.executable, "-c", EDITS], cwd=tmp_path, capture_output=True, text=True, check=False,
-        env=dict(os.environ, PYTHONPATH=str(tmp_path)),
-    )  # fmt: skip
-    assert done.returncode == 0, done.stderr
-    told = json.loads(done.stdout)
+    process = Forked(EDITS, [], environment={}, forget=("drill_twin",), path=tmp_path)
+    said, error = process.communicate()
+    assert process.returncode == 0, error
+    told = json.loads(said)
     wanted = {
         "drill_twin.physics.effects.bow",
         "drill_twin.physics.effects.drag",

@@ -101,7 +101,8 @@ def test_driven_into_the_wall_with_friction_the_books_still_close(form):
     assert last.dissipated["wall_friction"] > 1e-4
     assert last.work["top_drive"] > 0.0
     assert last.work["weight_on_bit"] > 0.0
-    assert set(last.dissipated) == {"drag", "internal_damping", "wall", "wall_friction"}
+    assert set(last.dissipated) == {"bit_friction", "drag", "internal_damping", "wall", "wall_friction"}
+    assert last.dissipated["bit_friction"] == 0.0
 
 
 def test_a_force_that_is_not_accounted_for_is_caught():

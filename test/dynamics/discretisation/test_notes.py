@@ -72,8 +72,9 @@ def test_a_rotary_drag_copied_to_a_long_string_is_told():
 
 
 def test_notes_are_in_the_diagnostics():
-    loop = RunLoop(load_scene("bha_full_size", overrides=LOADED), 0.01, lambda *_: None)
-    assert loop.diagnostics()["notes"].startswith("`numerics.elements: auto` takes 400 elements")
+    below = {"effects.wall_friction.intervals": "[{top: 20 m, bottom: 30 m, coefficient: 0.2}]"}
+    loop = RunLoop(load_scene("pa6_bench", overrides=below), 0.01, lambda *_: None)
+    assert loop.diagnostics()["notes"].startswith("`effects.wall_friction.intervals[0]` begins at 20 m, below the bit")
 
 
 def test_friction_of_an_interval_below_the_bit_is_told():

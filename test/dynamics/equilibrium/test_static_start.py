@@ -67,7 +67,7 @@ def test_a_string_in_an_inclined_hole_begins_on_the_low_side() -> None:
 def test_swings_about_the_balance_are_those_of_the_loaded_string() -> None:
     """A kick after the start swings the straight string with omega^2 = FIRST^2 (1 - F / F_E), to 1 % (Galef 1968)."""
     kick = {"lateral_kick": {"velocity": 1e-3, "shape": "hump"}}
-    twin = Twin(in_equilibrium(quiet_scene(kick, weight_on_bit=0.5 * EULER_LOAD, step=5e-3)))
+    twin = Twin(in_equilibrium(quiet_scene(kick, weight_on_bit=0.5 * EULER_LOAD, step=5e-3, form="lateral")))
     x = np.array([twin.advance(Command(*twin.scene.rig.first), 0.02).positions[12, 0] for _ in range(300)])
     crossings = 0.02 * (np.flatnonzero(np.diff(np.sign(x)))[[0, -1]])
     number = np.count_nonzero(np.diff(np.sign(x))) - 1
@@ -75,8 +75,8 @@ def test_swings_about_the_balance_are_those_of_the_loaded_string() -> None:
 
 
 def test_no_equilibrium_is_said_clearly() -> None:
-    """Far above its buckling load, without a wall, the string folds."""
-    scene = in_equilibrium(quiet_scene({}, weight_on_bit=10.0 * EULER_LOAD))
+    """Far above its buckling load, with the wall far away, the string folds."""
+    scene = in_equilibrium(quiet_scene({}, of=WALLED, weight_on_bit=10.0 * EULER_LOAD))
     with pytest.raises(RunError, match=r"rig\.start: expected a static equilibrium .* Start from the axis instead"):
         Twin(scene)
 

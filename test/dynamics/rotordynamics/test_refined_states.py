@@ -22,14 +22,13 @@ ROD = {
     "wall_friction": {"coefficient": 0.308, "decay": 1.0},
 }
 """Effects of pa6_calibrated, without imperfections."""
-SET = {**WALLED, "bit_friction": {"coefficient": 0.0, "radius": 5.5e-3}}
 FORM = {"effects.stretch": "off", "effects.torsion": "off"}
 
 
 @pytest.fixture(scope="module")
 def coarse():
     """The state of 20 N and 2 rev/s on 16 elements; the string touches the wall in a few points alone."""
-    scene = quiet_scene(ROD, of=SET, form="lateral", bit_end="guided", radius=0.09, elements=16, step=1e-3)
+    scene = quiet_scene(ROD, of=WALLED, form="lateral", bit_end="guided", radius=0.09, elements=16, step=1e-3)
     return scene, states_of_mesh(EquationsOfMotion(scene), Command(20.0, 2.0 * math.tau), random_starts=0)
 
 

@@ -1,12 +1,15 @@
 # SPDX-License-Identifier: Apache-2.0
 """Broomstick: at the depth of the scene the soft string of `statics`, at others that of a shorter string."""
 
+from functools import cache
+
 import numpy as np
 import pytest
 
 import drill_twin as dt
 from drill_twin.core.errors import ArgumentError, TableError
 from drill_twin.dynamics.torque_drag.along_string import hole_and_string
+from drill_twin.dynamics.torque_drag.over_depth import OverDepth
 from drill_twin.dynamics.torque_drag.soft_string import soft_string
 from drill_twin.studies.over_depth import (
     Points,
@@ -19,6 +22,8 @@ from drill_twin.studies.over_depth import (
 )
 
 WELL = "wells/vertical_3000"
+COARSE = {"numerics.elements": "100"}
+"""Elements enough for the soft string of `s_shaped`, and a fraction of those that its motion takes."""
 
 
 def said_of(found, points, fits):
@@ -27,12 +32,12 @@ def said_of(found, points, fits):
 
 @pytest.fixture(scope="module")
 def found():
-    return dt.statics_over_depth("wells/s_shaped", [0.15, 0.25, 0.35], depths=6)
+    return dt.statics_over_depth("wells/s_shaped", [0.15, 0.25, 0.35], COARSE, depths=6)
 
 
 @pytest.mark.slow
 def test_at_the_depth_of_the_scene_it_is_the_soft_string_of_statics(found):
-    whole = dt.statics("wells/s_shaped", {"effects.wall_friction.coefficient": 0.25})
+    whole = dt.statics("wells/s_shaped", {"effects.wall_friction.coefficient": 0.25, **COARSE})
     for rows, operation in zip(found.hookload, found.operations, strict=True):
         assert rows[1, -1] == pytest.approx(whole[operation.name].soft.hookload, rel=1e-9)
     assert found.torque[1, -1] == pytest.approx(whole["off bottom"].soft.surface_torque, rel=1e-9)
@@ -124,13 +129,20 @@ NOISE = {"trip out": 6e3, "trip in": 6e3, "torque": 400.0}
 """Standard deviations of the loads of made-up trips [N], [N m]."""
 
 
-def trip(cased: float, uncased: float, load: str, depth: np.ndarray) -> np.ndarray:
-    """Loads of a string that is run with a coefficient in the casing of `s_shaped` and another below it."""
+@cache
+def rubbing(cased: float, uncased: float) -> OverDepth:
+    """Well `s_shaped` with a coefficient in its casing and another below it."""
     change = {
+        **COARSE,
         "effects.wall_friction.coefficient": uncased,
         "effects.wall_friction.intervals": [{"top": "0 m", "bottom": "1500 m", "coefficient": cased}],
     }
-    own = dt.statics_over_depth("wells/s_shaped", [0.2], change, depths=1)
+    return dt.statics_over_depth("wells/s_shaped", [0.2], change, depths=1)
+
+
+def trip(cased: float, uncased: float, load: str, depth: np.ndarray) -> np.ndarray:
+    """Loads of a string that is run with a coefficient in the casing of `s_shaped` and another below it."""
+    own = rubbing(cased, uncased)
     operation = own.curves(load)[1]
     strings = (hole_and_string(own.equations.scene, own.equations.model, bit) for bit in depth.tolist())
     loads = [soft_string(string, operation) for string in strings]
@@ -281,7 +293,7 @@ def test_friction_that_is_no_list_of_coefficients_is_refused(friction):
 
 def test_a_string_that_locks_is_neither_drawn_nor_fitted():
     """With friction of 2 the string holds in `s_shaped` from 1500 m on; points of 0.3 are fitted all the same."""
-    found = dt.statics_over_depth("wells/s_shaped", [0.2, 2.0], depths=4)
+    found = dt.statics_over_depth("wells/s_shaped", [0.2, 2.0], COARSE, depths=4)
     assert np.isnan(found.hookload[1, 1]).tolist() == [False, True, True, True]
     assert np.isfinite(found.hookload[[0, 2]]).all()
     depth = np.linspace(1000.0, 2900.0, 6)

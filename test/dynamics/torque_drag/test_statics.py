@@ -168,7 +168,8 @@ def test_the_possible_operations_of_a_level_well_are_printed(tmp_path) -> None:
     hole = type(scene.hole).model_validate({"radius": 0.1556, "survey": survey})
     weight = scene.rig.weight_on_bit.model_copy(update={"value": 5e3})
     rig = scene.rig.model_copy(update={"weight_on_bit": weight})
-    found = dt.statics(scene.model_copy(update={"hole": hole, "rig": rig}))
+    coarse = scene.numerics.model_copy(update={"elements": 100})
+    found = dt.statics(scene.model_copy(update={"hole": hole, "rig": rig, "numerics": coarse}))
     assert [loads.operation.name for loads in found.operations] == ["trip out", "off bottom", "drill"]
     assert [*found.notes] == ["trip in", "slide"]
     stop = float(re.search(r"with the bit from (\d+) m on", found.notes["trip in"])[1])

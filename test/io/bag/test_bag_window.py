@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """A window of a complete bag is read by its index: the same samples as of the whole bag, a small part of its bytes."""
 
+import shutil
 import sqlite3
 from pathlib import Path
 
@@ -37,9 +38,23 @@ def write(folder, scenes=1):
     return folder
 
 
-@pytest.fixture(autouse=True)
-def small_chunks(monkeypatch):
-    monkeypatch.setattr(file_writer, "_CHUNK_SIZE", 16 * 1024)
+@pytest.fixture(scope="module", autouse=True)
+def small_chunks():
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(file_writer, "_CHUNK_SIZE", 16 * 1024)
+        yield
+
+
+@pytest.fixture(scope="module")
+def bag(tmp_path_factory):
+    """The bag of one run; for reading only."""
+    return write(tmp_path_factory.mktemp("window") / "bag")
+
+
+@pytest.fixture
+def copy(bag, tmp_path):
+    """A copy of it, to be damaged."""
+    return shutil.copytree(bag, tmp_path / "bag")
 
 
 @pytest.fixture
@@ -56,8 +71,7 @@ def decompressed(monkeypatch):
 
 
 @pytest.mark.slow
-def test_a_window_takes_its_part_of_the_bytes_and_gives_the_same_samples(tmp_path, decompressed):
-    bag = write(tmp_path / "bag")
+def test_a_window_takes_its_part_of_the_bytes_and_gives_the_same_samples(bag, decompressed):
     whole = Bag(bag)
     size = sum(decompressed)
     decompressed.clear()
@@ -77,8 +91,7 @@ def test_a_window_takes_its_part_of_the_bytes_and_gives_the_same_samples(tmp_pat
 
 
 @pytest.mark.slow
-def test_open_ends_and_windows_beside_the_bag(tmp_path):
-    bag = write(tmp_path / "bag")
+def test_open_ends_and_windows_beside_the_bag(bag):
     for begin, end, first, last in ((-np.inf, 2.0, 0.0, 2.0), (398.0, np.inf, 398.0, 399.99)):
         assert read_rig(bag, Selection(begin=begin, end=end))[0].time[[0, -1]].tolist() == [first, last]
     assert len(list(Bag(bag, window=(1000.0, 1001.0)).messages((RIG_STATE,)))) < 0.2 * SECONDS * RATE
@@ -86,9 +99,9 @@ def test_open_ends_and_windows_beside_the_bag(tmp_path):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("what", ["cut", "checksum", "two runs"])
-def test_a_bag_without_an_index_to_trust_is_read_whole(tmp_path, decompressed, what):
-    bag = write(tmp_path / "bag", scenes=2 if what == "two runs" else 1)
-    file = bag / "bag_0.mcap"
+def test_a_bag_without_an_index_to_trust_is_read_whole(copy, tmp_path, decompressed, what):
+    bag = write(tmp_path / "two", scenes=2) if what == "two runs" else copy
+    file = next(bag.glob("*.mcap"))
     data = bytearray(file.read_bytes())
     if what == "cut":
         del data[-100:]
@@ -101,17 +114,16 @@ def test_a_bag_without_an_index_to_trust_is_read_whole(tmp_path, decompressed, w
 
 
 @pytest.mark.slow
-def test_damage_in_a_window_is_told(tmp_path):
-    bag = write(tmp_path / "bag")
-    file = bag / "bag_0.mcap"
+def test_damage_in_a_window_is_told(copy):
+    file = copy / "bag_0.mcap"
     with file.open("rb") as stream:
         chunks = read_index(stream).chunks
     data = bytearray(file.read_bytes())
     data[chunks[len(chunks) // 2][2][0] + 200] ^= 1
     file.write_bytes(data)
-    found = Bag(bag, window=(150.0, 250.0))
+    found = Bag(copy, window=(150.0, 250.0))
     assert "damaged chunk at byte" in found.damage[0]
-    assert not Bag(bag, window=(0.0, 10.0)).damage
+    assert not Bag(copy, window=(0.0, 10.0)).damage
 
 
 def bytes_read(function, *arguments):
@@ -125,13 +137,13 @@ def bytes_read(function, *arguments):
 
 
 @pytest.fixture(scope="module")
-def sqlite_bag(tmp_path_factory):
+def sqlite_bag(bag, tmp_path_factory):
     """The same messages as rosbag2 keeps them in SQLite."""
     folder = tmp_path_factory.mktemp("sqlite")
-    bag, store = Bag(write(folder / "bag")), get_typestore(Stores.ROS2_JAZZY)
+    whole, store = Bag(bag), get_typestore(Stores.ROS2_JAZZY)
     with Writer(folder / "sql", version=9, storage_plugin=StoragePlugin.SQLITE3) as writer:
-        topics = {name: writer.add_connection(name, of.type_name, typestore=store) for name, of in bag.topics.items()}
-        for name, stamp, raw in bag.messages():
+        topics = {name: writer.add_connection(name, of.type_name, typestore=store) for name, of in whole.topics.items()}
+        for name, stamp, raw in whole.messages():
             writer.write(topics[name], stamp, raw)
     return folder / "sql"
 

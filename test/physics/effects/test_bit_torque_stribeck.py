@@ -6,6 +6,7 @@ import pytest
 from jsonschema import Draft7Validator
 from numba.core.dispatcher import Dispatcher
 from pydantic import ValidationError
+from rod_scenes import WALLED
 
 from drill_twin.api import load_scene
 from drill_twin.core.compile.jit import as_python
@@ -21,6 +22,8 @@ from drill_twin.physics.effects.bit_torque_stribeck import (
 from drill_twin.scene.json_schema import scene_json_schema
 from drill_twin.scene.set_points.command import Command
 
+IDLE = ("gravity", "bow", "eccentricity", "drag", "wall", "wall_friction")
+"""With these, at zero, the effects are those of pa6_bench, and no other kernel is compiled."""
 LAW = Parameters(0.1, 0.2, 0.5, 0.3, 1e-4, np.zeros(5), 1.0, 0.0)
 
 
@@ -130,8 +133,10 @@ def _torque_at_release(step, bit):
         {},
         {
             "effects.bit_torque_stribeck": False,
+            "effects.bit_mass": False,
             "effects.bit_friction": {"coefficient": 0.8, "radius": 0.155},
             "string.bit_end": "sliding",
+            **{f"effects.{key}": WALLED[key] for key in IDLE},
         },
     ],
     ids=["stribeck", "friction"],

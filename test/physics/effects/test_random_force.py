@@ -3,7 +3,7 @@
 
 import numpy as np
 import pytest
-from rod_scenes import AT_REST, FIRST, FORMS, LENGTH, LINE_MASS, first_mode, quiet_scene
+from rod_scenes import AT_REST, FIRST, LENGTH, LINE_MASS, first_mode, quiet_scene
 from scipy.integrate import trapezoid
 
 from drill_twin.dynamics.twin.twin import Twin
@@ -59,7 +59,7 @@ def test_how_a_mode_answers() -> None:
     assert np.mean(squares) == pytest.approx(exact, rel=0.075)
 
 
-@pytest.mark.parametrize("form", FORMS)
+@pytest.mark.parametrize("form", ["lateral", pytest.param("spatial", marks=pytest.mark.long)])
 def test_frames_do_not_change_it(form: str) -> None:
     """The same seed gives the same motion whatever the frame rate, and all but the same for half the step."""
     force = {"rms": 0.1, "correlation_time": 0.2, "correlation_length": 1.0}

@@ -16,6 +16,8 @@ pytestmark = pytest.mark.process
 SURVEY = (config_dir() / "wells" / "drillbotics_survey.csv").read_text("utf-8")
 TALLY = (config_dir() / "wells" / "drillbotics_tally.csv").read_text("utf-8")
 TABLES = {"--survey": SURVEY, "--tally": TALLY}
+DEEP = {f"--{of}": (config_dir() / "wells" / f"s_shaped_{of}.csv").read_text("utf-8") for of in ("survey", "tally")}
+"""Tables of the well s_shaped, whose kernel other tests have."""
 
 
 def new_well(front, name="north 1", tables=TABLES, **options):
@@ -25,14 +27,14 @@ def new_well(front, name="north 1", tables=TABLES, **options):
 
 
 def test_a_well_from_pasted_tables_to_its_statics_its_run_and_the_opened_report(front):
-    made = new_well(front)
+    made = new_well(front, tables=DEEP, **{"--hole": "12 1/4 in", "--wob": "100 kN"})
     assert made["code"] == 0, made
     assert made["line"] == (
-        "drill-twin scene new north_1.yaml '--hole=40 mm' '--wob=150 N' --survey=north_1_survey.csv "
+        "drill-twin scene new north_1.yaml '--hole=12 1/4 in' '--wob=100 kN' --survey=north_1_survey.csv "
         "--tally=north_1_tally.csv"
     )
-    assert "north_1.yaml: 0.9 m, 4 sections" in made["text"]
-    assert load_scene(front.folder / "north_1.yaml").rig.weight_on_bit.value == pytest.approx(150.0)
+    assert "north_1.yaml: 3000 m, 5 sections" in made["text"]
+    assert load_scene(front.folder / "north_1.yaml").rig.weight_on_bit.value == pytest.approx(100e3)
 
     assert front.ask(do="statics", on=["north_1.yaml"]) == ""
     statics = front.ended()

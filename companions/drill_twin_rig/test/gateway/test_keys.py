@@ -20,6 +20,7 @@ from asyncua.crypto.security_policies import SecurityPolicyBasic256Sha256
 from drill_twin.cli import run_command
 from drill_twin.core.errors import RunError
 from drill_twin_rig.gateway.control import Control
+from drill_twin_rig.gateway.opc_ua import keys as keys_module
 from drill_twin_rig.gateway.opc_ua.keys import (
     CERTIFICATE,
     TRUSTED,
@@ -34,10 +35,27 @@ from drill_twin_rig.gateway.opc_ua.keys import (
 from drill_twin_rig.gateway.opc_ua.server import APPLICATION, OpcUaServer
 
 LONG, OTHER = "one two three four", "another of four words"
+SCRYPT = keys_module._scrypt
+
+
+@pytest.fixture(scope="module", autouse=True)
+def cheap():
+    """Hashes of 16 rounds, which say that they have as many as a user's: one of those takes a third of a second."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(keys_module, "_scrypt", lambda password, salt, cost, *length: SCRYPT(
+            password, salt, (4, *cost[1:]), *length
+        ))  # fmt: skip
+        yield
+
+
+@pytest.fixture
+def dear(monkeypatch):
+    """Hashes as users have them."""
+    monkeypatch.setattr(keys_module, "_scrypt", SCRYPT)
 
 
 @pytest.fixture(scope="module")
-def made(tmp_path_factory):
+def made(cheap, tmp_path_factory):
     folder = tmp_path_factory.mktemp("made") / "keys"
     make_keys(folder, APPLICATION, "localhost", {"driller": LONG})
     return folder
@@ -48,7 +66,6 @@ def folder(made, tmp_path):
     return Path(shutil.copytree(made, tmp_path / "keys"))
 
 
-@pytest.mark.slow
 def test_a_user_who_is_there_gets_another_password_and_the_others_keep_theirs(folder):
     assert make_keys(folder, APPLICATION, "localhost", {"guest": LONG}) == ["guest"]
     assert make_keys(folder, APPLICATION, "localhost", {"driller": OTHER}) == []
@@ -115,8 +132,11 @@ def test_a_umask_does_not_open_the_secrets(tmp_path):
     assert (tmp_path / "open/private_key.pem").stat().st_mode & 0o777 == 0o600
 
 
-def test_a_hash_costs_what_owasp_asks():
-    assert PasswordHash.of(LONG).cost == (17, 8, 1)
+def test_a_hash_costs_what_owasp_asks(dear):
+    found = PasswordHash.of(LONG)
+    assert found.cost == (17, 8, 1)
+    assert found.is_of(LONG)
+    assert not found.is_of(OTHER)
 
 
 @pytest.mark.parametrize(
@@ -141,7 +161,7 @@ def test_a_file_that_holds_no_users_is_refused(folder, line):
     assert type(error.value).__name__ in {"KeysError", "SceneError", "YamlError"}
 
 
-def test_an_unknown_user_costs_as_much_as_a_known_one(folder):
+def test_an_unknown_user_costs_as_much_as_a_known_one(folder, dear):
     keys = read_keys(folder)
 
     def work(name):
@@ -171,7 +191,6 @@ async def _client(url, folder, password):
     return client
 
 
-@pytest.mark.slow
 def test_others_are_served_while_a_password_is_checked(folder, monkeypatch):
     """The check of one client is held up; another reads meanwhile, which it could not if the loop did the check."""
     (folder / TRUSTED / "client.der").write_bytes((folder / CERTIFICATE).read_bytes())

@@ -61,7 +61,7 @@ def test_the_fitted_scene_has_the_best_numbers(record, tmp_path):
     ]
     command = [
         "fit", record, "--scene", "two_mass", *options, "--channel", "bit_speed=bit speed [rpm]", "--to", "30 s",
-        "--rate", "10 Hz", "--members", "32", "--rounds", "24", "--out", tmp_path / "fit", "--json",
+        "--rate", "10 Hz", "--members", "16", "--rounds", "24", "--out", tmp_path / "fit", "--json",
     ]  # fmt: skip
     done = CliRunner().invoke(app, list(map(str, command)))
     assert done.exit_code == 0, done.output

@@ -56,6 +56,13 @@ numerics: {frame_rate: 50 Hz}
 """
 
 
+AS_A_WELL = {
+    "effects.mud.viscosity": "1e-6 cP", "effects.viscous_drag": {}, "effects.eccentricity": "off",
+    "effects.bit_torque_stribeck": {"radius": "1 mm", "sliding": 0.0, "sticking": 0.0, "decay": "1 s/rad"},
+}  # fmt: skip
+"""Effects at next to nothing, so that the equations are those of the statics of vertical_3000."""
+
+
 def of(state, ratio=-0.5, bit=BitMotion.STEADY, **more):
     """Findings with one motion."""
     return Summary(motion=(MotionPeriod(0.0, state, ""),), mean_ratio=ratio, bit=bit, **more)
@@ -194,7 +201,7 @@ def test_the_command_of_a_run_is_rounded_in_the_units_of_its_reader():
 @pytest.mark.slow
 def test_rolling_needs_the_friction_that_carries_its_drag():
     """Drag C_d rho r_o (w c)^2 against the centrifugal force of string, mud inside and around it, m w^2 c."""
-    scene = parse_scene(COLLARS, name="collars")
+    scene = parse_scene(COLLARS, name="collars", overrides=AS_A_WELL)
     outer, inner, hole, mud = 0.1016, 0.03571875, 0.155575, 1200.0
     mass = 7850.0 * math.pi * (outer**2 - inner**2) + mud * math.pi * (outer**2 + inner**2)
     for speed in (6.0, 21.0):
