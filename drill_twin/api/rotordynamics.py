@@ -10,6 +10,7 @@ from drill_twin.api.result_views import CampbellDiagram, GrowthPlane, Modes
 from drill_twin.api.scenes import Overrides, as_scene, points_of, range_of, with_resolution
 from drill_twin.core.arrays import Array
 from drill_twin.core.errors import RunError, SceneError
+from drill_twin.core.process import one_thread_of_blas
 from drill_twin.core.units.dimension import ANGULAR_SPEED, FORCE
 from drill_twin.dynamics.discretisation.kernel_arguments import SPATIAL, form_of
 from drill_twin.dynamics.discretisation.resolution import LONG
@@ -107,6 +108,7 @@ def _sliding(equations: EquationsOfMotion, command: Command, guess: Array | None
     return SlidingBalance(equations).solve(operation, guess).u
 
 
+@one_thread_of_blas()
 def forced_response(scene: Scene, table: ModeTable) -> ForcedResponse:
     """Response to mass unbalance and to a bend over the speed of rotation, up to twice the scene's speed.
 
@@ -119,6 +121,7 @@ def forced_response(scene: Scene, table: ModeTable) -> ForcedResponse:
     return _forced_response(assembly, [mode for mode in table.of(LATERAL) if mode.frequency > 0.0], fastest_of(command))
 
 
+@one_thread_of_blas()
 def modes(
     scene: Scene | str | Path,
     overrides: Overrides | None = None,
@@ -164,6 +167,7 @@ def modes(
         return table
 
 
+@one_thread_of_blas()
 def campbell(
     scene: Scene | str | Path,
     overrides: Overrides | None = None,
@@ -187,6 +191,7 @@ def campbell(
     return CampbellDiagram(*_campbell.campbell(equations, weight, turns, count, numbered_at))
 
 
+@one_thread_of_blas()
 def growth_map(
     scene: Scene | str | Path,
     overrides: Overrides | None = None,
@@ -208,6 +213,7 @@ def growth_map(
     return GrowthPlane(*_campbell.growth_map(equations, loads, turns, progress))
 
 
+@one_thread_of_blas()
 def whirl_states(
     scene: Scene | str | Path,
     overrides: Overrides | None = None,
@@ -254,6 +260,7 @@ def imperfect_states(
     return modulations, refined_states(scene, locked)
 
 
+@one_thread_of_blas()
 def branches(
     scene: Scene | str | Path,
     overrides: Overrides | None = None,

@@ -36,10 +36,10 @@ Spectrum = list[tuple[complex, ComplexArray]]
 """Eigenvalues with their shapes."""
 NEAREST = 60
 """Eigenvalues computed around a point of the imaginary axis, and least number of these of motion along the hole."""
-REPEATS, CONVERGED, AWAY, FEW = 10, 1e-10, 0.03, 8
-"""Most inverse iterations of a mode of the whole string, change of its eigenvalue, over its size, that ends them, and
-change over all of them from which they go to another mode; eigenvalues computed then. Two to four iterations were
-needed, and one mode in sixty went away; chosen."""
+REPEATS, CONVERGED, AWAY, FEW = 10, 1e-8, 0.03, 8
+"""Most inverse iterations of a mode of the whole string, change of its eigenvalue, over its size, that ends them (each
+squares the error), and change over all of them from which they go to another mode; eigenvalues computed then. Two to
+four iterations were needed, and one mode in sixty went away; chosen."""
 MAJORITY = 0.5
 """Share of kinetic energy across the hole above which a mode that began along it is lateral: friction couples an axial
 mode to pipe on the low side, which may take a fifth of it."""
