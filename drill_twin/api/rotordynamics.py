@@ -2,6 +2,7 @@
 """Modes, critical speeds, growth rates and steady whirl of a scene without a run."""
 
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from pathlib import Path
 
 from numpy.typing import ArrayLike
@@ -10,7 +11,6 @@ from drill_twin.api.result_views import CampbellDiagram, GrowthPlane, Modes
 from drill_twin.api.scenes import Overrides, as_scene, points_of, range_of, with_resolution
 from drill_twin.core.arrays import Array
 from drill_twin.core.errors import RunError, SceneError
-from drill_twin.core.process import one_thread_of_blas
 from drill_twin.core.units.dimension import ANGULAR_SPEED, FORCE
 from drill_twin.dynamics.discretisation.kernel_arguments import SPATIAL, form_of
 from drill_twin.dynamics.discretisation.resolution import LONG
@@ -108,7 +108,6 @@ def _sliding(equations: EquationsOfMotion, command: Command, guess: Array | None
     return SlidingBalance(equations).solve(operation, guess).u
 
 
-@one_thread_of_blas()
 def forced_response(scene: Scene, table: ModeTable) -> ForcedResponse:
     """Response to mass unbalance and to a bend over the speed of rotation, up to twice the scene's speed.
 
@@ -121,7 +120,6 @@ def forced_response(scene: Scene, table: ModeTable) -> ForcedResponse:
     return _forced_response(assembly, [mode for mode in table.of(LATERAL) if mode.frequency > 0.0], fastest_of(command))
 
 
-@one_thread_of_blas()
 def modes(
     scene: Scene | str | Path,
     overrides: Overrides | None = None,
@@ -159,15 +157,12 @@ def modes(
     if not is_compared:
         return table
     finer = EquationsOfMotion(meshed(own, 2 * equations.model.rod.length.size))
-    if finer.unknowns > (MOST_COMPARED if table.on_axis else MOST_AT_REST):
-        return table
-    try:
-        return Modes(*_modes.compared(table, _modes.modes(finer, command, resting_in(finer), finer.unknowns)))
-    except RunError:  # no balance is found on the finer mesh: the changes stay unknown
-        return table
+    if finer.unknowns <= (MOST_COMPARED if table.on_axis else MOST_AT_REST):
+        with suppress(RunError):  # no balance is found on the finer mesh: the changes stay unknown
+            return Modes(*_modes.compared(table, _modes.modes(finer, command, resting_in(finer), finer.unknowns)))
+    return table
 
 
-@one_thread_of_blas()
 def campbell(
     scene: Scene | str | Path,
     overrides: Overrides | None = None,
@@ -191,7 +186,6 @@ def campbell(
     return CampbellDiagram(*_campbell.campbell(equations, weight, turns, count, numbered_at))
 
 
-@one_thread_of_blas()
 def growth_map(
     scene: Scene | str | Path,
     overrides: Overrides | None = None,
@@ -213,7 +207,6 @@ def growth_map(
     return GrowthPlane(*_campbell.growth_map(equations, loads, turns, progress))
 
 
-@one_thread_of_blas()
 def whirl_states(
     scene: Scene | str | Path,
     overrides: Overrides | None = None,
@@ -260,7 +253,6 @@ def imperfect_states(
     return modulations, refined_states(scene, locked)
 
 
-@one_thread_of_blas()
 def branches(
     scene: Scene | str | Path,
     overrides: Overrides | None = None,

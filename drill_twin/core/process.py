@@ -4,10 +4,8 @@
 import os
 import resource
 import sys
-from collections.abc import Iterator, Mapping
-from contextlib import contextmanager, suppress
-from ctypes import CDLL
-from importlib import import_module
+from collections.abc import Mapping
+from contextlib import suppress
 from pathlib import Path
 from types import FrameType
 from typing import NoReturn
@@ -77,32 +75,6 @@ def use_one_thread_of_blas() -> None:
     compute, and the analyzer would stand still.
     """
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
-
-
-_OF_BLAS = ("numpy.linalg._umath_linalg", "scipy.linalg._fblas")
-"""Modules that are linked with the BLAS of numpy and of scipy."""
-_THREADS = ("scipy_openblas_{}_num_threads64_", "scipy_openblas_{}_num_threads", "openblas_{}_num_threads")
-"""Names of OpenBLAS's functions: in the wheels of numpy, of scipy, and of a system."""
-
-
-@contextmanager
-def one_thread_of_blas() -> Iterator[None]:
-    """Context with one thread of OpenBLAS, unless the user has asked for a number; numpy may be imported long since.
-
-    Two threads took 19 s of two processors for eigenvalues of a well that one finds in 2 s.
-    """
-    kept = []
-    if "OPENBLAS_NUM_THREADS" not in os.environ:
-        libraries = [CDLL(import_module(name).__file__) for name in _OF_BLAS]
-        found = [(one, name) for one in libraries for name in _THREADS if hasattr(one, name.format("set"))]
-        kept = [(one[name.format("set")], one[name.format("get")]()) for one, name in found]
-    try:
-        for put, _ in kept:
-            put(1)
-        yield
-    finally:
-        for put, count in kept:
-            put(count)
 
 
 def refuse_too_little_memory() -> None:

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Modes, critical speeds and growth rates as plain data and figures."""
 
-from __future__ import annotations
-
 import cmath
 import math
 from collections.abc import Sequence
@@ -159,7 +157,7 @@ PLACES = 200
 """Number of places of the assembly at which its largest clearance is sought; not measured."""
 
 
-def shapes_figure(table: ModeTable) -> Figure:
+def shapes_figure(table: ModeTable) -> "Figure":
     """Lateral mode shapes along the string, bit at the bottom: component along the largest point and across it."""
     from drill_twin.report.figures.style import BLUE, VERMILION, laid_out, styled  # matplotlib takes 0.4 s
 
@@ -184,7 +182,7 @@ def shapes_figure(table: ModeTable) -> Figure:
     return figure
 
 
-def response_figure(response: ForcedResponse, table: ModeTable) -> Figure:
+def response_figure(response: ForcedResponse, table: ModeTable) -> "Figure":
     """Amplitudes and side forces over the speed for unbalance (left) and bend, critical speeds dotted.
 
     Amplitudes beyond the clearance are pale, as the response is linear, and the wall would limit them; so are critical
@@ -249,7 +247,7 @@ def response_figure(response: ForcedResponse, table: ModeTable) -> Figure:
     return figure
 
 
-def campbell_figure(diagram: Campbell) -> Figure:
+def campbell_figure(diagram: Campbell) -> "Figure":
     """Frequency and growth of the lateral modes over the speed of rotation; critical speeds marked."""
     from drill_twin.report.figures.style import GREY, INK, MARK_COLOURS, laid_out, styled
 
@@ -272,7 +270,7 @@ def campbell_figure(diagram: Campbell) -> Figure:
     return figure
 
 
-def growth_figure(growth: GrowthMap) -> Figure:
+def growth_figure(growth: GrowthMap) -> "Figure":
     """Largest growth rate over weight on bit and speed, with its zero line; beside it the growth of torsion."""
     from matplotlib.colors import TwoSlopeNorm
 

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Torque, drag and buckling as plain data, as a table over measured depth in SI, and as tracks."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterable
 from operator import attrgetter
@@ -118,7 +116,7 @@ def depth_table(found: Statics) -> Table:
     return Table(columns, rows)
 
 
-def tracks(found: Statics) -> Figure:
+def tracks(found: Statics) -> "Figure":
     """Figure of all operations; the soft string is dashed."""
     from matplotlib.ticker import MaxNLocator  # takes 0.4 s, which tables do not need
 

@@ -158,7 +158,7 @@ def table_of(scene: Scene, command: Command, fastest: float, resting: FindBalanc
             "string that does not turn; give one, such as --rpm 120"
         )
     coarse, assembly, lateral = assembly_modes(scene, command, fastest, resting)
-    whole, equations = Pencil(*coarse.linearised(command.rotation).sparse), coarse.equations
+    whole, equations = coarse.linearised(command.rotation).sparse, coarse.equations
     found = modes_along(equations, whole, count)  # none is delayed: cutting needs its weight at the top
     reach = max(abs(mode.eigenvalue) for mode in found)
     others = [mode for kind in (TORSIONAL, AXIAL) for mode in listed(found, count)[0] if mode.kind == kind]
