@@ -158,7 +158,9 @@ def normed(shape: ComplexArray) -> ComplexArray:
     return shape / largest if largest != 0.0 else shape
 
 
-def modes_near(pencil: Pencil, shift: complex = SHIFT, count: int = NEAREST) -> tuple[ComplexArray, ComplexArray]:
+def modes_near(
+    pencil: Pencil, shift: complex = SHIFT, count: int = NEAREST, accuracy: float = 0.0
+) -> tuple[ComplexArray, ComplexArray]:
     """Eigenvalues nearest to a point [rad/s], as of `nearest_to`, and their shapes as columns.
 
     Position and velocity are eliminated by hand: a system of m unknowns is solved in place of 2 m.
@@ -173,12 +175,17 @@ def modes_near(pencil: Pencil, shift: complex = SHIFT, count: int = NEAREST) -> 
         position = -inverse.solve(mass @ ahead + damping @ z[:size])
         return np.concatenate([position, z[:size] + shift * position])
 
-    values, vectors = nearest_to(product, 2 * size, kind, shift, count)
+    values, vectors = nearest_to(product, 2 * size, kind, shift, count, accuracy)
     return values, vectors[:size]
 
 
 def nearest_to(
-    product: Callable[[NDArray[Any]], NDArray[Any]], size: int, kind: Any, shift: complex = SHIFT, count: int = NEAREST
+    product: Callable[[NDArray[Any]], NDArray[Any]],
+    size: int,
+    kind: Any,
+    shift: complex = SHIFT,
+    count: int = NEAREST,
+    accuracy: float = 0.0,
 ) -> tuple[ComplexArray, ComplexArray]:
     """Eigenvalues s of A z = s B z nearest to a point, their vectors as columns: Arnoldi's method, shifted, inverted.
 
@@ -188,6 +195,7 @@ def nearest_to(
         kind: Type of the vectors.
         shift: The point [rad/s].
         count: Number of eigenvalues.
+        accuracy: Error over the size of 1 / (s - shift) that ends the iteration; 0: the least that it can tell.
 
     Raises:
         RunError: The iteration does not converge.
@@ -195,7 +203,7 @@ def nearest_to(
     operator, few = scipy.sparse.linalg.LinearOperator((size, size), matvec=product, dtype=kind), min(count, size - 2)
     room, threads = min(max(2 * few + 1, ROOM), size), threads_of_blas(1)
     try:
-        values, vectors = scipy.sparse.linalg.eigs(operator, k=few, v0=np.ones(size, kind), ncv=room)
+        values, vectors = scipy.sparse.linalg.eigs(operator, k=few, v0=np.ones(size, kind), ncv=room, tol=accuracy)
     except scipy.sparse.linalg.ArpackError as error:
         raise RunError(f"expected the modes of the string, found none: {error}; try other elements") from error
     finally:
