@@ -2,6 +2,7 @@
 """Modes, critical speeds, growth rates and steady whirl of a scene without a run."""
 
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from pathlib import Path
 
 from numpy.typing import ArrayLike
@@ -156,12 +157,10 @@ def modes(
     if not is_compared:
         return table
     finer = EquationsOfMotion(meshed(own, 2 * equations.model.rod.length.size))
-    if finer.unknowns > (MOST_COMPARED if table.on_axis else MOST_AT_REST):
-        return table
-    try:
-        return Modes(*_modes.compared(table, _modes.modes(finer, command, resting_in(finer), finer.unknowns)))
-    except RunError:  # no balance is found on the finer mesh: the changes stay unknown
-        return table
+    if finer.unknowns <= (MOST_COMPARED if table.on_axis else MOST_AT_REST):
+        with suppress(RunError):  # no balance is found on the finer mesh: the changes stay unknown
+            return Modes(*_modes.compared(table, _modes.modes(finer, command, resting_in(finer), finer.unknowns)))
+    return table
 
 
 def campbell(

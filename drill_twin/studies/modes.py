@@ -4,18 +4,18 @@
 import cmath
 import math
 from collections.abc import Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from matplotlib.colors import TwoSlopeNorm
-from matplotlib.figure import Figure
 
 from drill_twin.core.table import Table
 from drill_twin.dynamics.discretisation.resolution import mesh, resolution_of
 from drill_twin.dynamics.rotordynamics.campbell import Campbell, GrowthMap
 from drill_twin.dynamics.rotordynamics.forced_response import BEND, JOINT, OFFSET, ForcedResponse
 from drill_twin.dynamics.rotordynamics.modes import LATERAL, Mode, ModeTable
-from drill_twin.report.figures.style import BLUE, GREY, INK, MARK_COLOURS, PURPLE, VERMILION, laid_out, styled
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 
 def modes_data(table: ModeTable) -> dict[str, Any]:
@@ -157,8 +157,10 @@ PLACES = 200
 """Number of places of the assembly at which its largest clearance is sought; not measured."""
 
 
-def shapes_figure(table: ModeTable) -> Figure:
+def shapes_figure(table: ModeTable) -> "Figure":
     """Lateral mode shapes along the string, bit at the bottom: component along the largest point and across it."""
+    from drill_twin.report.figures.style import BLUE, VERMILION, laid_out, styled  # matplotlib takes 0.4 s
+
     lateral, command, scene = table.of(LATERAL)[:SHAPES], table.balance.command, table.scene
     units = scene.unit_system
     arc = table.assembly.equations.model.rod.arc if table.assembly else mesh(scene, resolution_of(scene)[0]).arc
@@ -180,12 +182,14 @@ def shapes_figure(table: ModeTable) -> Figure:
     return figure
 
 
-def response_figure(response: ForcedResponse, table: ModeTable) -> Figure:
+def response_figure(response: ForcedResponse, table: ModeTable) -> "Figure":
     """Amplitudes and side forces over the speed for unbalance (left) and bend, critical speeds dotted.
 
     Amplitudes beyond the clearance are pale, as the response is linear, and the wall would limit them; so are critical
     speeds of the pipe above the collars.
     """
+    from drill_twin.report.figures.style import GREY, INK, MARK_COLOURS, VERMILION, laid_out, styled
+
     command, scene, units = table.balance.command, table.scene, table.scene.unit_system
     turns = units.show(response.speeds, "rotation")
     offset, bend = (units.text(size, "offset", ".2g") for size in (OFFSET, BEND))
@@ -243,8 +247,10 @@ def response_figure(response: ForcedResponse, table: ModeTable) -> Figure:
     return figure
 
 
-def campbell_figure(diagram: Campbell) -> Figure:
+def campbell_figure(diagram: Campbell) -> "Figure":
     """Frequency and growth of the lateral modes over the speed of rotation; critical speeds marked."""
+    from drill_twin.report.figures.style import GREY, INK, MARK_COLOURS, laid_out, styled
+
     name, units = diagram.scene.name, diagram.scene.unit_system
     turns, hertz = units.show(diagram.speeds, "rotation"), diagram.eigenvalues.imag / math.tau
     with styled():
@@ -264,8 +270,12 @@ def campbell_figure(diagram: Campbell) -> Figure:
     return figure
 
 
-def growth_figure(growth: GrowthMap) -> Figure:
+def growth_figure(growth: GrowthMap) -> "Figure":
     """Largest growth rate over weight on bit and speed, with its zero line; beside it the growth of torsion."""
+    from matplotlib.colors import TwoSlopeNorm
+
+    from drill_twin.report.figures.style import PURPLE, laid_out, styled
+
     name, units = growth.scene.name, growth.scene.unit_system
     maps = [(growth.lateral, "lateral: onset of whirl")]
     if growth.torsional is not None:

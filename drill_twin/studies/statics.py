@@ -4,19 +4,19 @@
 import math
 from collections.abc import Iterable
 from operator import attrgetter
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from matplotlib.figure import Figure
-from matplotlib.ticker import MaxNLocator
 
 from drill_twin.core.arrays import Array, number_or_none
 from drill_twin.core.table import Column, Table
 from drill_twin.dynamics.discretisation.discretise import sections_at
 from drill_twin.dynamics.torque_drag.analysis import OperationLoads, Statics
 from drill_twin.dynamics.torque_drag.soft_string import CHEN, BucklingState
-from drill_twin.report.figures.style import BLUE, GREEN, GREY, ORANGE, PURPLE, VERMILION, blank, styled
 from drill_twin.scene import Scene
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 TOUCHES = 1e-3
 """Side force per length, over the largest of its section, from which an element is on the wall; chosen."""
@@ -116,18 +116,20 @@ def depth_table(found: Statics) -> Table:
     return Table(columns, rows)
 
 
-COLOURS = (BLUE, VERMILION, GREEN, PURPLE, ORANGE)
-
-
-def tracks(found: Statics) -> Figure:
+def tracks(found: Statics) -> "Figure":
     """Figure of all operations; the soft string is dashed."""
+    from matplotlib.ticker import MaxNLocator  # takes 0.4 s, which tables do not need
+
+    from drill_twin.report.figures.style import BLUE, GREEN, GREY, ORANGE, PURPLE, VERMILION, blank, styled
+
     units = found.scene.unit_system
     with styled():
         figure = blank(7.2, f"{found.scene.name}: torque and drag")
         panels = [figure.add_axes((0.08 + 0.235 * k, 0.08, 0.195, 0.75)) for k in range(4)]
         tension, torque, side, buckling = panels
         widths = np.linspace(3.4, 1.0, len(found.operations))  # equal loads lie over each other, the wider ones show
-        for colour, width, loads in zip(COLOURS * 9, widths.tolist(), found.operations, strict=False):
+        colours = (BLUE, VERMILION, GREEN, PURPLE, ORANGE) * 9
+        for colour, width, loads in zip(colours, widths.tolist(), found.operations, strict=False):
             along, soft, name = loads.along, loads.soft, loads.operation.name
             depth = units.show(1.0, "length") * along.depth
             nodes = units.show(1.0, "length") * (loads.length - np.append(0.0, np.cumsum(along.length)))

@@ -184,6 +184,12 @@ def test_a_run_imports_no_statistics(tmp_path):
     assert printed(code, tmp_path).splitlines()[-1] == "set() 0"
 
 
+def test_tables_of_modes_and_statics_import_no_matplotlib():
+    """Only figures need it: it takes 0.4 s."""
+    code = "import sys, drill_twin.api.rotordynamics, drill_twin.studies.answers; print('matplotlib' in sys.modules)"
+    assert printed(code).strip() == "False"
+
+
 @pytest.mark.parametrize("number", one_of(2, [signal.SIGINT, signal.SIGTERM]))
 def test_interrupted_run_keeps_a_whole_bag_and_says_so(start, inside, number):
     child = start("run", "pa6_bench", *QUICK, "--duration", "500", "--out", "long")

@@ -138,14 +138,10 @@ class GrowthMap(NamedTuple):
 
 
 def _first_crossing(weights: Array, growth: Array) -> float:
-    above = np.flatnonzero(growth > 0.0)
-    if not above.size:
-        return float("nan")
-    k = int(above[0])
+    k = int(np.argmax(growth > 0.0))
     if k == 0:
-        return float(weights[0])
-    share = growth[k - 1] / (growth[k - 1] - growth[k])
-    return float(weights[k - 1] + share * (weights[k] - weights[k - 1]))
+        return float(weights[0]) if growth[0] > 0.0 else math.nan
+    return float(np.interp(0.0, growth[k - 1 : k + 1], weights[k - 1 : k + 1]))
 
 
 def growth_map(

@@ -18,7 +18,7 @@ from drill_twin.core.errors import SceneError
 from drill_twin.dynamics.discretisation.discretise import set_initial_state
 from drill_twin.dynamics.discretisation.kernel_arguments import KernelArguments
 from drill_twin.dynamics.rotordynamics.block_rows import BlockRows
-from drill_twin.dynamics.rotordynamics.eigenvalues import Delay
+from drill_twin.dynamics.rotordynamics.eigenvalues import Delay, Pencil
 from drill_twin.dynamics.solver.boundary import LAG
 from drill_twin.dynamics.solver.kernel_codegen import build_linearisation
 from drill_twin.physics.effects.bit_regenerative import READY, Regeneration, regeneration
@@ -51,16 +51,14 @@ class Linearised:
     """Operations on them."""
 
     @cached_property
-    def matrices(self) -> tuple[Array, Array, Array]:
+    def matrices(self) -> Pencil:
         """Mass, damping (derivative by the velocity) and stiffness (by the position), shape (m, m) each."""
-        mass, damping, stiffness = map(self.rows.dense, self.tangents)
-        return mass, damping, stiffness
+        return Pencil(*map(self.rows.dense, self.tangents))
 
     @property
-    def sparse(self) -> tuple[Any, Any, Any]:
+    def sparse(self) -> Pencil:
         """Mass, damping and stiffness as sparse matrices, for a long string."""
-        mass, damping, stiffness = map(self.rows.sparse, self.tangents)
-        return mass, damping, stiffness
+        return Pencil(*map(self.rows.sparse, self.tangents))
 
 
 def without(scene: Scene, effects: Sequence[str]) -> Scene:

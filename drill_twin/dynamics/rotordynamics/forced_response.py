@@ -140,14 +140,11 @@ def unbalance_response(scene: Scene, speeds: Array, weight_on_bit: float = 0.0) 
     if not scene.string.discs:
         raise SceneError(f"{scene.name}: expected a disc in string.discs, whose unbalance acts, found none")
     equations = EquationsOfMotion(scene)
-    model, frame, columns = equations.model, HoleFrame.of(equations), equations.columns
+    model, frame = equations.model, HoleFrame.of(equations)
     held = balance(equations, Command(weight_on_bit, float(speeds[0])), lambda command: equations.on_axis(command)[0])
-    loads = np.zeros((equations.unknowns, len(model.bodies.node)), complex)
-    for k, node in enumerate(model.bodies.node):
-        rows, size = np.zeros((model.rod.arc.size, 7), complex), np.zeros(model.rod.arc.size, complex)
-        size[node] = 1.0
-        rows[:, 0:3] = frame.forces(size)
-        loads[:, k] = rows[:, columns][equations.free]
+    nodal = np.zeros((len(model.bodies.node), model.rod.arc.size, 2))
+    nodal[np.arange(len(nodal)), model.bodies.node, 0] = 1.0
+    loads = _turning(equations, frame, nodal)
     at = locate(model.rod, [mark.distance_from_bit for mark in scene.string.marks])
     found = np.zeros((speeds.size, loads.shape[1], at.element.size, 2), complex)
     v = np.zeros_like(held.u)
@@ -157,9 +154,8 @@ def unbalance_response(scene: Scene, speeds: Array, weight_on_bit: float = 0.0) 
         mass, damping, stiffness = (system.rows.entries(tangent) for tangent in system.tangents)
         entries = stiffness - speed**2 * mass + 1j * speed * damping
         moved = system.rows.solver(entries, speed**2 * loads)
-        for k in range(loads.shape[1]):
-            nodal = element_unknowns(frame.local(equations.rows(moved[:, k])))[at.element]
-            found[number, k] = np.einsum("pi,pic->pc", at.shape[:, 0], nodal)[:, :2]
+        near = element_unknowns(frame.local(equations.rows(moved.T)))[:, at.element]
+        found[number] = np.einsum("pi,kpic->kpc", at.shape[:, 0], near)[..., :2]
     return found
 
 
@@ -170,8 +166,7 @@ def _loads(assembly: Assembly) -> ComplexArray:
     the slopes at both ends of an element.
     """
     rod = assembly.equations.model.rod
-    nodes = rod.arc.size
-    nodal = np.zeros((2, nodes, 2))  # by cause, node, position or slope
+    nodal = np.zeros((2, rod.arc.size, 2))  # by cause, node, position or slope
     curvature, bent = 8.0 * BEND / JOINT**2, min(JOINT, 0.5 * rod.arc[-1])
     for element in np.flatnonzero(rod.arc[1:] <= assembly.extent.assembly + 1e-6):
         weights = OFFSET * rod.mass[element][:, [0, 2]].sum(axis=1)
@@ -179,13 +174,15 @@ def _loads(assembly: Assembly) -> ComplexArray:
         if rod.arc[element + 1] <= bent:
             moment = rod.bending[element] * curvature
             nodal[1, element : element + 2, 1] += [-moment, moment]
-    result: list[ComplexArray] = []
-    for cause in nodal:
-        rows = np.zeros((nodes, 7), complex)
-        for first, values in ((0, cause[:, 0]), (3, cause[:, 1])):
-            rows[:, first : first + 3] = assembly.frame.forces(values.astype(complex))
-        result.append(rows[:, assembly.equations.columns][assembly.equations.free][assembly.part])
-    return np.stack(result, axis=1)
+    return _turning(assembly.equations, assembly.frame, nodal)[assembly.part]
+
+
+def _turning(equations: EquationsOfMotion, frame: HoleFrame, nodal: Array) -> ComplexArray:
+    """Loads by unknown that turn with the string, from their sizes by cause, node, force or moment; shape (m, k)."""
+    rows = np.zeros((*nodal.shape[:2], 7), complex)
+    for own, (force, moment) in zip(rows, nodal.transpose(0, 2, 1), strict=True):
+        own[:, 0:3], own[:, 3:6] = frame.forces(force), frame.forces(moment)
+    return np.asarray(rows[..., equations.columns][:, equations.free].T)
 
 
 def _contacts(assembly: Assembly, wall: Wall | None) -> tuple[dict[tuple[float, float], Array], Array, Array]:

@@ -205,7 +205,7 @@ def modes(
     """
     found = balance(equations, command, resting)
     frame, system, delay = TurningFrame(equations), found.system, equations.delay(command)
-    pencil = Pencil(*(system.matrices if is_vertical(equations) else system.sparse))
+    pencil = system.matrices if is_vertical(equations) or equations.unknowns <= MOST_UNKNOWNS else system.sparse
     on_axis = is_vertical(equations) and all(frame.is_isotropic(matrix) for matrix in pencil)
     if on_axis:
         all_modes = _lateral(equations, frame, pencil)

@@ -117,8 +117,8 @@ class HoleFrame(NamedTuple):
             result[..., 0, first : first + 3] = rows[..., 0, first : first + 3] @ turn
         return result
 
-    def forces(self, size: ComplexArray) -> ComplexArray:
+    def forces(self, size: Array) -> ComplexArray:
         """Forces that turn with the string, low - i side, at the nodes, at the bit in the bit's frame; (n + 1, 3)."""
-        vectors: ComplexArray = size[:, None] * (self.low - 1j * self.side)
+        vectors = np.asarray(size[:, None] * (self.low - 1j * self.side), complex)
         vectors[0] = self.bit @ vectors[0]
         return vectors

@@ -6,6 +6,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+import scipy.sparse.linalg
 
 import drill_twin as dt
 from drill_twin.api import rotordynamics
@@ -17,7 +18,14 @@ from drill_twin.dynamics.rotordynamics import modes as modes_module
 from drill_twin.dynamics.rotordynamics.assembly import Extent
 from drill_twin.dynamics.rotordynamics.assembly_modes import critical_ranges, in_trough
 from drill_twin.dynamics.rotordynamics.campbell import campbell, critical_speeds, growth_map, mac
-from drill_twin.dynamics.rotordynamics.eigenvalues import MOST_UNKNOWNS, Pencil, eigenvalues_only
+from drill_twin.dynamics.rotordynamics.eigenvalues import (
+    MOST_UNKNOWNS,
+    Pencil,
+    eigenvalues,
+    eigenvalues_only,
+    modes_near,
+    threads_of_blas,
+)
 from drill_twin.dynamics.rotordynamics.equations import EquationsOfMotion, meshed
 from drill_twin.dynamics.rotordynamics.modes import compared, modes
 from drill_twin.physics.effects.bit_torque_stribeck import BitTorqueStribeck
@@ -70,6 +78,42 @@ def test_an_inclined_hole_has_no_string_on_the_axis(bench):
     equations = EquationsOfMotion(inclined)
     with pytest.raises(RunError, match="expected a straight vertical hole"):
         campbell(equations, 5.0, np.array([1.0, 2.0]))
+
+
+@pytest.fixture
+def damped():
+    """Pencil of 40 unknowns without symmetry."""
+    random = np.random.default_rng(3)
+    mass, damping, stiffness = random.normal(size=(3, 40, 40)) * np.array([0.02, 0.05, 0.1])[:, None, None]
+    return Pencil(mass + np.eye(40), damping, stiffness + np.diag(np.linspace(1.0, 400.0, 40)))
+
+
+@pytest.mark.parametrize("kind", [float, complex])
+@pytest.mark.parametrize("shift", [0.01, -0.1 + 7.0j])
+def test_modes_near_a_point_are_the_nearest_of_all(damped, kind, shift):
+    """Their shapes too: M s^2 + C s + K takes each to zero."""
+    pencil = Pencil(damped.mass.astype(kind), damped.damping.astype(kind), damped.stiffness.astype(kind))
+    every, _ = eigenvalues(pencil)
+    values, shapes = modes_near(pencil, shift, 6)
+    away = np.sort(np.abs(every - shift))
+    assert np.sort(np.abs(values - shift)) == pytest.approx(away[:6], rel=1e-9)
+    left = sum(matrix @ shapes * values**power for matrix, power in zip(pencil, (2, 1, 0), strict=True))
+    assert np.linalg.norm(left, axis=0) == pytest.approx(0.0, abs=1e-8 * np.linalg.norm(shapes))
+
+
+def test_eigenvalues_are_sought_with_one_thread_of_blas(damped, monkeypatch):
+    """Two threads on a busy machine took nine times the processor time; the user's number is set again."""
+    before, inside = threads_of_blas(2), []
+    if not before:
+        pytest.skip("scipy has no OpenBLAS here")
+    search = scipy.sparse.linalg.eigs
+    monkeypatch.setattr(
+        scipy.sparse.linalg,
+        "eigs",
+        lambda *given, **named: inside.append(threads_of_blas(1)) or search(*given, **named),
+    )
+    modes_near(damped, count=6)
+    assert (inside, threads_of_blas(before)) == ([1], 2)
 
 
 @pytest.mark.slow

@@ -102,8 +102,7 @@ class ShapeSearch:
 
     def on_constraints(self, u: Array) -> Array:
         """The axis, with the free unknowns of u."""
-        moved = self.turning.frame.values(u - self.axis)
-        return np.asarray(self.axis + self.turning.equations.rows(moved))
+        return np.asarray(self.axis + self.turning.equations.rows(self.turning.frame.values(u - self.axis)))
 
     def family(self, start: Array) -> list[Shape]:
         """Shapes over whirl speeds, from the fastest forward whirl down; each begins from the shape before."""
@@ -112,8 +111,7 @@ class ShapeSearch:
         rolling = max(1.0, float((model.contact_radius / model.wellbore.clearance).max()))
         count = 1 + round((SPEEDS - 1) * (1.0 + rolling) / 2.0)
         shapes: list[Shape] = []
-        last = start
-        tries = STEPS
+        last, tries = start, STEPS
         for omega in np.linspace(fastest, -rolling * fastest, count):
             found = self.relax(last, float(omega), tries)
             if found is None and last is not start:
