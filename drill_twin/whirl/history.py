@@ -76,10 +76,8 @@ def bins_in(history: Columns, revolutions: float) -> int:
     low, high = end - bins, end
     while low < high:  # as numpy.searchsorted, which imports scipy in compiled code
         middle = (low + high) >> 1
-        if history.revolutions[middle] < least:
-            low = middle + 1
-        else:
-            high = middle
+        below = history.revolutions[middle] < least
+        low, high = (middle + 1, high) if below else (low, middle)
     return int(end - low)
 
 

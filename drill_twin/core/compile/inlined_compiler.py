@@ -11,8 +11,8 @@ import gc
 import hashlib
 import inspect
 from collections import Counter
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
+from contextlib import ExitStack
 from importlib import import_module
 from typing import Any, cast
 
@@ -43,7 +43,7 @@ _ANSWERS: tuple[tuple[Any, str, int], ...] = (
     (_TYPING.Context, "resolve_function_type", 1),
     (CPUContext, "get_arg_packer", 1),
 )
-"""Class, inherited method, and the first argument that its answer depends on; 0 is the object itself."""
+"""Class, method, and the first argument that its answer depends on; 0 is the object itself."""
 
 
 def _without_arguments() -> None:
@@ -106,7 +106,8 @@ class LoweringWithoutMachineCode(_LOWERING):  # type: ignore[misc]
         identity = state.func_id
         if name := lasting_name(identity.func):  # numba numbers the functions of a process: kept ones would clash
             identity.unique_id = _number(f"{name}({type_text(state.args)})")
-        state.targetctx.mangler = _mangled  # numba copies the context for each function
+        # Symbols with a number for the types: spelled out these take up to 250 000 letters. The context is a copy.
+        state.targetctx.mangler = lambda name, kinds, **more: _MANGLE(name, [_number(type_text(kinds))], **more)
         super().run_pass(state)
         result, library = state["cr"], state.library
         library._ensure_finalized()  # noqa: SLF001 - as numba's own `get_executable` does
@@ -131,37 +132,27 @@ class InlinedCompiler(CompilerBase):
 
 
 class EntryCompiler(_COMPILER):  # type: ignore[misc]
-    """numba's pipeline without collection of garbage: a compiler makes millions of objects and keeps most of them."""
+    """numba's pipeline without collection of garbage, which remembers answers.
+
+    A compiler makes millions of objects and keeps most of them. It resolves the types of 23 000 calls for `pa6_bench`,
+    of which a thousand differ.
+    """
 
     def compile_extra(self, func: Any) -> Any:
-        """Compile a function, and all that it calls."""
-        was_enabled = gc.isenabled()
-        gc.disable()
-        try:
-            with _asked_once():
-                return super().compile_extra(func)
-        finally:
-            if was_enabled:
-                gc.enable()
-
-
-@contextmanager
-def _asked_once() -> Iterator[None]:
-    """Context in which numba remembers the answers that it would find again and again, under its lock.
-
-    It resolves 23 000 calls for `pa6_bench`, of which a thousand differ.
-    """
-    for owner, name, first in _ANSWERS:
-        setattr(owner, name, _remembered(getattr(owner, name), first))
-    try:
-        yield
-    finally:
-        for owner, name, _ in _ANSWERS:
-            delattr(owner, name)  # the inherited method is seen again
+        """Compile a function, and all that it calls; numba's lock is held."""
+        with ExitStack() as afterwards:
+            if gc.isenabled():
+                gc.disable()
+                afterwards.callback(gc.enable)
+            for owner, name, first in _ANSWERS:
+                method = getattr(owner, name)
+                setattr(owner, name, _remembered(method, first))
+                afterwards.callback(setattr, owner, name, method)
+            return super().compile_extra(func)
 
 
 def _remembered(ask: Callable[..., Any], first: int) -> Callable[..., Any]:
-    """A method that finds its answer once for the same arguments from the first that counts; errors are not kept."""
+    """A method that finds an answer once for the same arguments, from the first that counts; no error is kept."""
     known: dict[Any, Any] = {}
 
     def answer(*asked: Any) -> Any:
@@ -230,11 +221,6 @@ def type_text(argument_types: Any) -> str:
             text = f"{named.__module__}.{named.__qualname__}({fields})"
         found.append(text)
     return ", ".join(found)
-
-
-def _mangled(name: str, argument_types: Any, **more: Any) -> Any:
-    """Symbol of an inlined function, with a number for its types: spelled out they take up to 250 000 letters."""
-    return _MANGLE(name, [_number(type_text(argument_types))], **more)
 
 
 def _number(text: str) -> int:
