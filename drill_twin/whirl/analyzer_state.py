@@ -6,7 +6,7 @@ import math
 import numpy as np
 
 from drill_twin.core.arrays import Array
-from drill_twin.core.compile.jit import strict_kernel
+from drill_twin.core.compile.jit import any_of, strict_kernel
 from drill_twin.whirl import criteria
 from drill_twin.whirl.columns import Columns, columns
 from drill_twin.whirl.history import new_history
@@ -183,7 +183,7 @@ def add_sample(
         samples.touches[k] = seen[k] and (block.force[at, k] > 0.0 if block.has_force[0] else near)
     add(bins, clock, samples.position, samples.phasor, seen, samples.touches)
     follow(carrier, separation, seconds_of(clock), samples.position, samples.phasor, seen)
-    any_seen = seen.any()
+    any_seen = any_of(seen)
     counted = samples.accepted if any_seen else samples.incomplete
     counted[0] += 1
     for k in range(seen.size):

@@ -6,7 +6,7 @@ import math
 import numpy as np
 
 from drill_twin.core.arrays import Array, ComplexArray
-from drill_twin.core.compile.jit import as_python, strict_kernel
+from drill_twin.core.compile.jit import any_of, as_python, strict_kernel
 from drill_twin.whirl.columns import Columns, columns
 from drill_twin.whirl.sample_bins import BINS
 
@@ -73,7 +73,12 @@ def bins_in(history: Columns, revolutions: float) -> int:
     end = end_of(history)
     bins = min(history.length[0], int(4 * BINS * revolutions))
     least = history.revolutions[end - 1] - revolutions + 0.5 / BINS
-    return int(bins - np.searchsorted(history.revolutions[end - bins : end], least))
+    low, high = end - bins, end
+    while low < high:  # as numpy.searchsorted, which imports scipy in compiled code
+        middle = (low + high) >> 1
+        below = history.revolutions[middle] < least
+        low, high = (middle + 1, high) if below else (low, middle)
+    return int(end - low)
 
 
 @strict_kernel
@@ -87,7 +92,7 @@ def append(history: Columns, full: Columns, vector: ComplexArray, contact: Array
     if appended:
         elapsed = full.time[0] - history.time[last]
         gap = full.revolutions[0] - history.revolutions[last] > LARGEST_STEP or elapsed > LONGEST_PAUSE
-        gap = gap or (full.valid.any() and full.revolutions[0] - history.last_seen[0] > LARGEST_STEP)
+        gap = gap or (any_of(full.valid) and full.revolutions[0] - history.last_seen[0] > LARGEST_STEP)
     for row in range(2):
         for k in range(contact.size):
             step, before, expected = vector[row, k], history.vector[last, row, k], 0.0
@@ -114,7 +119,7 @@ def append(history: Columns, full: Columns, vector: ComplexArray, contact: Array
                 history.vector[at, row, k] = vector[row, k]
             for row in range(2):
                 history.unwrapped[at, row, k] = angle[row, k]
-    if full.valid.any():
+    if any_of(full.valid):
         history.last_seen[0] = full.revolutions[0]
     history.appended[0] += 1
     history.length[0] = 1 if gap else min(history.length[0] + 1, CAPACITY)

@@ -8,7 +8,7 @@ from kinematics import clock, growth, motion, play
 
 from drill_twin.core.compile.jit import as_python
 from drill_twin.whirl import MotionState
-from drill_twin.whirl.history import CAPACITY, new_history
+from drill_twin.whirl.history import BINS, CAPACITY, new_history, newest_in
 from drill_twin.whirl.orbit.two_lines import find_lines
 
 SEEDS = range(900000, 900006)
@@ -81,3 +81,15 @@ def test_strikes_shorter_than_a_bin(ratio):
 
     moved = motion(clock(200, 16), whirl=whirl).with_noise(0.01, 2)
     assert play(moved)[0].summary().lasting_motion is MotionState.IMPACTS
+
+
+@pytest.mark.parametrize("revolutions", [0.5, 1.0, 2.0, 4.0])
+def test_newest_bins_are_those_that_numpy_counts(revolutions):
+    """Bins of uneven places, some of them at the bound."""
+    draw = np.random.default_rng(5)
+    places = np.cumsum(draw.integers(1, 4, size=160) / (2.0 * BINS))
+    at = 159 + CAPACITY + 1
+    history = new_history(1)._replace(appended=np.array([160]), length=np.array([160]))
+    history.revolutions[at - 160 : at] = places
+    least = places[-1] - revolutions + 0.5 / BINS
+    assert newest_in(history, revolutions) == 160 - np.searchsorted(places, least) < 160

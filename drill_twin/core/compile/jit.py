@@ -110,6 +110,15 @@ def copy(values: NDArray[Any], out: NDArray[Any]) -> None:
         out[k] = values[k]
 
 
+@strict_kernel
+def any_of(marks: NDArray[Any]) -> bool:
+    """True where an array of one dimension holds a true value; numba's own imports scipy in each run."""
+    found = False
+    for k in range(marks.size):
+        found = found or marks[k]
+    return found
+
+
 def is_inlined(dispatcher: Any) -> bool:
     """True for a compiled function that only other kernels call."""
     pipeline: type = dispatcher._compiler.pipeline_class  # noqa: SLF001

@@ -32,7 +32,7 @@ import math
 import numpy as np
 
 from drill_twin.core.arrays import Array, ComplexArray, Mask
-from drill_twin.core.compile.jit import strict_kernel
+from drill_twin.core.compile.jit import any_of, strict_kernel
 from drill_twin.whirl import criteria
 from drill_twin.whirl.columns import Columns, columns
 from drill_twin.whirl.history import ASYNCHRONOUS, CAPACITY, bins_in, end_of
@@ -166,7 +166,7 @@ def new_onsets(inclined: Mask) -> Columns:
 def watch(onsets: Columns, averaged: Columns, history: Columns) -> bool:
     """Check the newest bin for marks that begin to whirl; return whether `OnsetDetector.check` must decide."""
     m, now = onsets.began.size, history.revolutions[end_of(history) - 1]
-    whirling = onsets.active.any()
+    whirling = any_of(onsets.active)
     for k in range(m):
         if onsets.falling[k] and now > criteria.FALLING_TIME:
             return True
@@ -229,7 +229,7 @@ def ends(
             swing = math.sqrt(max(swing * swing - 2.0 * noise * noise, 0.0))
             if swing > max(criteria.RELEASE_RADIUS, noise * UNSURE):
                 onsets.swing[k] = swing
-    if not onsets.active.any():
+    if not any_of(onsets.active):
         return False
     for k in range(onsets.active.size):
         least = fall * averaged.threshold[k]

@@ -11,7 +11,7 @@ from numba.core.dispatcher import Dispatcher
 
 from drill_twin.core.arrays import Array
 from drill_twin.core.compile import jit
-from drill_twin.core.compile.inlined_compiler import InlinedLibrary
+from drill_twin.core.compile.inlined_compiler import _ANSWERS, InlinedLibrary, _remembered
 
 ROOMS = ("core", "physics", "dynamics.solver", "dynamics.audit", "whirl")
 
@@ -70,3 +70,30 @@ def test_a_variable_that_is_assigned_once_has_no_place_on_the_stack(monkeypatch)
     assert " = alloca" in text  # of what is assigned more than once
     assert '%"record" = alloca' not in text
     assert '%"values" = alloca' not in text
+
+
+def test_an_answer_is_found_once_for_the_same_arguments_and_an_error_or_none_again():
+    asked = []
+
+    def ask(owner, values, more):
+        asked.append((owner, values, more))
+        return 1.0 / values[0] if values[0] > -1.0 else None
+
+    answer = _remembered(ask, 1)
+    assert [answer("a", (2.0,), {}), answer("b", (2.0,), {}), answer("b", (2.0,), {"by": 1})] == [0.5] * 3
+    assert len(asked) == 2  # the owner does not count, a keyword does
+    assert [answer("a", [4.0], {}), answer("a", [4.0], {})] == [0.25, 0.25]
+    assert len(asked) == 4  # a list has no hash
+    assert [answer("a", (-2.0,), {}), answer("a", (-2.0,), {})] == [None, None]
+    for _ in range(2):
+        with pytest.raises(ZeroDivisionError):
+            answer("a", (0.0,), {})
+    assert len(asked) == 8
+
+
+def test_numba_is_left_as_it_was_after_an_entry_that_calls_an_entry_is_compiled():
+    jit.start()
+    before = [getattr(owner, name) for owner, name, _ in _ANSWERS]
+    once = jit.entry_kernel(lambda value: value + value)
+    assert jit.entry_kernel(lambda value: 1.0 + once(value))(2.0) == 5.0
+    assert [getattr(owner, name) for owner, name, _ in _ANSWERS] == before
