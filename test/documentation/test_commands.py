@@ -59,6 +59,10 @@ ELSEWHERE = {
 OF_THE_NIGHT = {
     r"wells/s_shaped --duration|bha_full_size --accuracy": "test/dynamics/twin/test_joint.py, test/studies/accuracy",
     r"analyze out/whirl/bag_0 --why": "test/api/test_cause.py",
+    r"--over rpm=": "test/dynamics/rotordynamics/test_branches.py",
+    r"^drill-twin run bha_stress ": "test/physics/effects/test_fatigue.py",
+    r"^drill-twin fit out/hidden ": "companions/drill_twin_studies/test/fitting",
+    r"^drill-twin map pa6_bench|map_pa6_bench/map.json": "companions/drill_twin_studies/test/maps and test/ros",
     r"stamp_score|switched_off|^drill-twin estimate out/hidden ":
         "companions/drill_twin_studies/test/estimation, evidence/test/estimation",
 }  # fmt: skip
