@@ -98,6 +98,6 @@ def pairs():
         yield pytest.param(name, command, marks=pytest.mark.long if held else pytest.mark.nightly)
 
 
-@pytest.mark.parametrize(("name", "command"), pairs())
+@pytest.mark.parametrize(("name", "command"), list(pairs()))
 def test_each_shipped_scene_goes_through_each_command(ends_well, name, command):
     ends_well(name, (OF_SCENE | OF_BAG)[command])

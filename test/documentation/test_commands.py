@@ -338,7 +338,7 @@ def ended(line, folder, domain):
         return child.returncode, said.read()
 
 
-@pytest.mark.parametrize("commands", pages())
+@pytest.mark.parametrize("commands", list(pages()))
 def test_the_commands_of_a_page_end_as_they_should(commands, tmp_path):
     claim, page = DomainClaim(), commands[0].page
 
