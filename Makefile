@@ -33,14 +33,15 @@ endif
 COMPANIONS := $(addprefix --editable companions/drill_twin_,rig dashboard studies)
 PIP := $(CLEAN) $(PYTHON) -m pip install --disable-pip-version-check -qq -c $(STAMPS)/constraints.txt
 
-.PHONY: help setup setup-test demo docs quick test test-long evidence faults faults-seeded kills soak fuzz day damage random-scenes fit-coverage sub-onsets browser bench bounds map-boundary advice-loop peers check clean
+.PHONY: help setup setup-test demo docs quick test test-long nightly evidence faults faults-seeded kills soak fuzz day damage random-scenes fit-coverage sub-onsets browser bench bounds map-boundary advice-loop peers check clean
 
 help:
 	@echo 'make demo       the paper'"'"'s drillstring over DDS: four nodes, a bag, a report in out/demo/'
 	@echo 'make docs       the documentation as a site in out/docs/html'
 	@echo 'make quick      the short tests that neither start a process nor compile a kernel'
 	@echo 'make test       the test suite'
-	@echo 'make test-long  its variants, soaks and large random samples, and one variant of each test in evidence/'
+	@echo 'make test-long  variants, soaks and large random samples, and one variant of each test in evidence/'
+	@echo 'make nightly    the variants that `make test-long` leaves to the night'
 	@echo 'make evidence   the tests of what shows that the twin is right (evidence/), all variants'
 	@echo 'make faults     faults of a rig, applied to real processes; prints a table of the results'
 	@echo 'make kills      kill -9 of each node, KILLS=50 times, while recording; needs a quiet machine'
@@ -147,7 +148,7 @@ test: setup-test
 
 # Tests that neither start a process nor compile, of less than a second each: what one wants after an edit. Who takes longer is listed, and marked slow.
 quick: setup-test
-	@$(PYTEST) -q $(addprefix --ignore=,$(WITH_ROS)) -m 'not long and not slow and not process and not compiles' --durations=5 test companions
+	@$(PYTEST) -q $(addprefix --ignore=,$(WITH_ROS)) -m 'not long and not nightly and not slow and not process and not compiles' --durations=5 test companions
 
 # The long tests of nodes wait for most of their time: the others run beside them, with less right to the processor.
 test-long: setup-test
@@ -159,6 +160,12 @@ test-long: setup-test
 	$(ROS_PYTEST) -n 2 --dist loadfile $(WITH_ROS) -m long || found=$$?; \
 	wait $$! || found=$$?; \
 	cat $(BESIDE_LONG); \
+	exit $$found
+
+# Variants of the long tests that differ from those in numbers: a change is guarded by some of each, and each night by all.
+nightly: setup-test
+	@found=0; $(PYTEST) -n 2 --dist loadfile $(addprefix --ignore=,$(WITH_ROS)) -m nightly test companions || found=$$?; \
+	$(ROS_PYTEST) -n 2 --dist loadfile $(WITH_ROS) -m nightly || found=$$?; \
 	exit $$found
 
 evidence: setup-test

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Size of core and companions against the limits in `pyproject.toml`; part of `make check`.
+"""Size of core and companions, and numbers without a ground, against limits in `pyproject.toml`; in `make check`.
 
     python .ci/ratchet.py            # a table; exit code 1 if a limit is exceeded
 
@@ -8,6 +8,9 @@ that a reason costs nothing; a statement counts one line for each `WIDTH` charac
 
 A passage is repeated if six or more lines, without blank ones, comments and imports, stand in two places with the same
 shape: alike but for names, strings and numbers.
+
+A number of the whirl analysis has a ground if its docstring or comment says what it rests on, as
+`python -m drill_twin_evidence.detection.constants` counts.
 """
 
 from __future__ import annotations
@@ -50,6 +53,7 @@ def main() -> int:
         print(f"{name.replace('_', ' '):34}{number:8}{limits[name]:8}{'  exceeded' if above else ''}")
     if exceeded:
         print("make it smaller, or raise the limit in pyproject.toml, [tool.ratchet], and say why in the commit")
+        print("a number without a ground: say in the docstring of its name, or in a comment, what it rests on")
     return int(exceeded)
 
 
@@ -70,6 +74,7 @@ def measure() -> dict[str, int]:
         "folders_at_the_top": sum((path / "__init__.py").exists() for path in CORE.iterdir()),
         "repeated_passages": repeated({path: _code(text) for path, text in texts.items()}),
         "parameters_of_commands": _parameters(),
+        **_without_a_ground(),
     }
 
 
@@ -145,6 +150,16 @@ def _parameters() -> int:
         if str(getattr(command.callback, "__module__", "")).partition(".")[0]
         in {CORE.name, *(path.name for path in COMPANIONS)}
     )
+
+
+def _without_a_ground() -> dict[str, int]:
+    """Named constants and factors of the whirl analysis that state no ground."""
+    from drill_twin_evidence.detection.constants.ground import Ground
+    from drill_twin_evidence.detection.constants.literals import counts, literals
+
+    found = counts(literals(CORE / "whirl"))
+    constants = found["constants without a ground"]
+    return {"constants_without_a_ground": constants, "factors_without_a_ground": found[Ground.NONE] - constants}
 
 
 if __name__ == "__main__":

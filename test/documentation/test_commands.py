@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Every command that a page shows is one that the command line takes; the long run runs each once, to its exit code.
+"""Every command that a page shows is one that the command line takes; each is run once, to its exit code.
 
 A page has a folder of its own, in which its commands run in their order; a command of several pages runs on the first
 one. What a page leaves to its reader (a record, a survey) is `GIVEN`. A command prints what the page shows under it,
 and the files are there that `--out` and the page's sentences with "writes" name.
 Commands that go on until they are stopped get SIGINT once they have said something. What is not run is in `ELSEWHERE`,
-with the reason.
+what only each night is run in `OF_THE_NIGHT`, with the reason; the others are long.
 """
 
 import os
@@ -17,6 +17,7 @@ import signal
 import subprocess
 import time
 from contextlib import redirect_stdout
+from functools import cache
 from typing import NamedTuple
 
 import numpy as np
@@ -55,6 +56,17 @@ ELSEWHERE = {
     r"175_completo_1": "a record that is not part of the package: evidence/docs/validation.md says where it is from",
 }  # fmt: skip
 """Commands that are not run here, and why."""
+OF_THE_NIGHT = {
+    r"wells/s_shaped --duration|bha_full_size --accuracy": "test/dynamics/twin/test_joint.py, test/studies/accuracy",
+    r"analyze out/whirl/bag_0 --why": "test/api/test_cause.py",
+    r"--over rpm=": "test/dynamics/rotordynamics/test_branches.py",
+    r"^drill-twin run bha_stress ": "test/physics/effects/test_fatigue.py",
+    r"^drill-twin fit out/hidden ": "companions/drill_twin_studies/test/fitting",
+    r"^drill-twin map pa6_bench|map_pa6_bench/map.json": "companions/drill_twin_studies/test/maps and test/ros",
+    r"stamp_score|switched_off|^drill-twin estimate out/hidden ":
+        "companions/drill_twin_studies/test/estimation, evidence/test/estimation",
+}  # fmt: skip
+"""Commands of more than ten seconds of processor time: run each night, and what guards a change."""
 UNTIL_STOPPED = re.compile(r"ros2 run drill_twin|drill-twin (watch|ros node|ros load)|pace:=lockstep")
 
 
@@ -151,6 +163,7 @@ def is_name(shown):
     return shown.named and (problem_of(shown.line) is not None or (bare and shown.page != "docs/gallery.md"))
 
 
+@cache
 def to_be_run():
     """Commands that are run, by page, each on the first page that has it."""
     first, pages = {}, {}
@@ -159,6 +172,21 @@ def to_be_run():
         if not (elsewhere or PATTERN.search(one.line) or is_name(one)) and first.setdefault(one.line, one) is one:
             pages.setdefault(one.page, []).append(one)
     return pages
+
+
+def of_a_change(page):
+    """Those of a page that are run with each change."""
+    return [one for one in to_be_run()[page] if not any(re.search(of, one.line) for of in OF_THE_NIGHT)]
+
+
+def pages():
+    """Pages with what is run of them: with each change, and each night all of those of which some is left to it."""
+    for page, every in to_be_run().items():
+        some = of_a_change(page)
+        if some:
+            yield pytest.param(some, marks=pytest.mark.long, id=page)
+        if some != every:
+            yield pytest.param(every, marks=pytest.mark.nightly, id=f"{page}, all")
 
 
 def test_output_on_a_page_is_compared():
@@ -181,7 +209,7 @@ def test_each_page_with_a_shell_is_followed():
         assert f'follow_shell("{page.removeprefix("docs/")}"' in text, page
 
 
-@pytest.mark.parametrize("of", ELSEWHERE)
+@pytest.mark.parametrize("of", [*ELSEWHERE, *OF_THE_NIGHT])
 def test_what_is_not_run_is_on_a_page(of):
     assert any(re.search(of, one.line) for one in ALL)
 
@@ -192,8 +220,13 @@ def write(name, text):
 
 
 def base_run(folder, run):
-    """The first run of the reference, as the bag that pages have from before."""
-    run('drill-twin run pa6_bench --wob "60 N" --rpm 180 --duration 20 --out out/run')
+    """The first run of the reference, as the bag that pages have from before; it is made once for all of them."""
+    kept = folder.parent / "first_run"
+    if kept.exists():
+        shutil.copytree(kept, folder / "out/run")
+    else:
+        run('drill-twin run pa6_bench --wob "60 N" --rpm 180 --duration 20 --out out/run')
+        shutil.copytree(folder / "out/run", kept)
 
 
 def copied(name):
@@ -290,7 +323,7 @@ def ended(line, folder, domain):
             child.stdin.write(answer)
             child.stdin.close()
             begun = time.monotonic()
-            while child.poll() is None and time.monotonic() < begun + 400.0:
+            while child.poll() is None and time.monotonic() < begun + 1200.0:
                 # a node that waits for messages may have nothing to say; a start under load takes half a minute
                 if endless and ((folder / "said.txt").stat().st_size or time.monotonic() > begun + 60.0):
                     time.sleep(1.0)  # it goes on
@@ -305,10 +338,9 @@ def ended(line, folder, domain):
         return child.returncode, said.read()
 
 
-@pytest.mark.long
-@pytest.mark.parametrize("page", to_be_run())
-def test_the_commands_of_a_page_end_as_they_should(page, tmp_path):
-    claim = DomainClaim()
+@pytest.mark.parametrize("commands", list(pages()))
+def test_the_commands_of_a_page_end_as_they_should(commands, tmp_path):
+    claim, page = DomainClaim(), commands[0].page
 
     def run(line, prints=""):
         code, said = ended(line, tmp_path, claim.domain)
@@ -326,12 +358,13 @@ def test_the_commands_of_a_page_end_as_they_should(page, tmp_path):
         return {path for kind in ("html", "png") for path in tmp_path.rglob(f"*.{kind}")}
 
     try:
-        for one in to_be_run()[page]:
+        for one in commands:
             given(tmp_path, one.line, run)
             before = pictures()
             run(one.line, one.prints)
             if page == "docs/gallery.md" and not UNTIL_STOPPED.search(one.line):
                 assert pictures() > before, one.line
-        assert [name for name in written(page) if not any(tmp_path.rglob(name))] == []
+        if commands == to_be_run()[page]:
+            assert [name for name in written(page) if not any(tmp_path.rglob(name))] == []
     finally:
         claim.release()

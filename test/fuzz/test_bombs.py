@@ -15,6 +15,7 @@ import pytest
 import zstandard
 from companion_parts import part
 from mcap.writer import MCAP0_MAGIC
+from variants import long_one_of
 
 sys.path.insert(0, str(Path(__file__).parent))
 
@@ -94,13 +95,9 @@ def test_scene_files(text, tmp_path):
     assert harmless(load_scene, file)
 
 
-FAST = ("merge keys",)
-
-
-@pytest.mark.parametrize(
-    "text", [pytest.param(TEXTS[name], id=name, marks=() if name in FAST else pytest.mark.long) for name in TEXTS]
-)
-def test_scene_texts_and_metadata_of_a_bag(text, bag_of, rows):
+@pytest.mark.parametrize("name", long_one_of(3, TEXTS, short=1))
+def test_scene_texts_and_metadata_of_a_bag(name, bag_of, rows):
+    text = TEXTS[name]
     folder = bag_of([(TWIN_SCENE, rows[-1][1], encode_string(text))])
     (folder / "metadata.yaml").write_text(text, "utf-8")
     assert not harmless(read_bag, folder)
@@ -164,10 +161,10 @@ SMALL = 1 << 20
     ("announced", "said"),
     [
         (True, GIGABYTES),
-        pytest.param(True, SMALL, marks=pytest.mark.long),
+        pytest.param(True, SMALL, marks=pytest.mark.nightly),
         pytest.param(False, GIGABYTES, marks=pytest.mark.long),
         (False, SMALL),
-        pytest.param(False, 50 << 20, marks=pytest.mark.long),
+        pytest.param(False, 50 << 20, marks=pytest.mark.nightly),
         pytest.param(False, 2**63, marks=pytest.mark.long),
     ],
 )

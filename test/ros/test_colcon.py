@@ -163,8 +163,9 @@ def _run(command, folder=Path("/"), **variables):
     return done.stdout
 
 
-@pytest.mark.long
+@pytest.mark.nightly
 def test_every_line_of_the_readme_works_in_the_virtual_environment():
+    """A change is guarded by the same lines in the workspace, and by `test/documentation/test_commands.py` here."""
     folder = Path(sys.executable).parent
     if not (folder / "drill-twin").exists():
         pytest.skip("needs the installed command: pip install -e .")

@@ -27,7 +27,7 @@ from drill_twin.io.messages.topics import DIAGNOSTICS
 from drill_twin.ros.entry_points import node_names
 from drill_twin.scene import load_scene
 
-STEPS = 1000
+STEPS, OF_A_NIGHT = 300, 1000
 ANSWER = 60.0
 """Longest wait for an answer [s]; a node answers within a second, unless the machine is loaded."""
 SEED = 41
@@ -224,12 +224,12 @@ class Walk:
         assert "Traceback" not in text, text
         assert "\x1b" not in text, text
 
-    def run(self):
-        """Take all steps, then end the node."""
+    def run(self, steps):
+        """Take steps, then end the node."""
         ways = (self.change_state, self.look, self.call, self.set_parameters, self.read_parameters, self.publish,
                 self.wait, self.end_and_begin)  # fmt: skip
         shares = (0.15, 0.05, 0.16, 0.12, 0.03, 0.4, 0.085, 0.005)
-        for k in self.rng.choice(len(ways), STEPS, p=shares):
+        for k in self.rng.choice(len(ways), steps, p=shares):
             self.taken[ways[k].__name__] += 1
             ways[k]()
             self.alive()
@@ -245,9 +245,11 @@ class Walk:
         self.ends.append(time.monotonic() - begin)
 
 
-@pytest.mark.long
+@pytest.mark.parametrize(
+    "steps", [pytest.param(STEPS, marks=pytest.mark.long), pytest.param(OF_A_NIGHT, marks=pytest.mark.nightly)]
+)
 @pytest.mark.parametrize("node", node_names())
-def test_a_random_walk_leaves_every_node_alive_and_true_to_its_state(bench, small_bag, node):
+def test_a_random_walk_leaves_every_node_alive_and_true_to_its_state(bench, small_bag, node, steps):
     given = {
         "simulator": {"wait_for_command": False, "checkpoint": str(bench.folder / "run.npz")},
         "rig_driver": {"wait_for": ""},
@@ -257,5 +259,5 @@ def test_a_random_walk_leaves_every_node_alive_and_true_to_its_state(bench, smal
         "gateway": {"port": free_port()} if node == "gateway" else {},
     }
     walk = Walk(bench, node, given.get(node, {}))
-    walk.run()
+    walk.run(steps)
     print(node, dict(walk.taken), f"ended by {len(walk.ends)} signals, the slowest within {max(walk.ends):.2f} s")

@@ -11,6 +11,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from std_msgs.msg import Float64
+from variants import long_one_of
 
 from drill_twin.io.messages.topics import WOB_COMMAND
 from drill_twin.ros.core.stop_request import END_WITH_PARENT
@@ -103,7 +104,7 @@ def test_a_signal_during_the_start_ends_it_too(bench, delay):
 _DELAYS = np.random.default_rng(28).uniform(0.0, 4.0, 20)
 
 
-@pytest.mark.parametrize("delay", [_DELAYS[0], *(pytest.param(delay, marks=pytest.mark.long) for delay in _DELAYS[1:])])
+@pytest.mark.parametrize("delay", long_one_of(4, _DELAYS, short=1))
 def test_two_signals_at_once_end_a_node_at_any_moment_of_its_start(bench, delay):
     """As `timeout` sends them to a launch and its group."""
     process = bench.start("analyzer")

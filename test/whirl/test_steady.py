@@ -4,6 +4,7 @@
 import numpy as np
 import pytest
 from kinematics import BENCH, MARKS, clock, motion, play, turning
+from variants import long_one_of
 
 from drill_twin import analyze
 from drill_twin.whirl import Analyzer, MarkInfo, MotionState
@@ -80,8 +81,7 @@ def test_camera_without_spin(rate):
     assert_no_whirl(motion(clock(rate, 120), bow=0.05, offset=0.1, marks=MARKS).with_noise(0.03, seed=6), spin=False)
 
 
-@pytest.mark.long
-@pytest.mark.parametrize("rate", [20, 100])
+@pytest.mark.parametrize("rate", long_one_of(2, [20, 100]))
 def test_no_false_onset_in_as_many_revolutions_as_four_marks_see_in_a_day(rate):
     hours, many = (3, 40) if rate == 20 else (1, 100)
     marks = tuple(MarkInfo(f"m{i}", 0.1 * i, "wall", BENCH.wall_offset, BENCH.clearance) for i in range(many))

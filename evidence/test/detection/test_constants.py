@@ -1,18 +1,18 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Numeric constants of the whirl analysis: found wherever they stand, varied in place, and no more without a ground."""
+"""Numeric constants of the whirl analysis: found wherever they stand, and varied in place.
+
+`.ci/ratchet.py` holds how many have no ground.
+"""
 
 import ast
 
 import pytest
 
-from drill_twin_evidence.detection.constants.__main__ import NOTHING, WHIRL, change, counts, main, table
+from drill_twin_evidence.detection.constants.__main__ import NOTHING, WHIRL, change, main, table
 from drill_twin_evidence.detection.constants.ground import Ground, stated
-from drill_twin_evidence.detection.constants.literals import CHOICES, Use, literals
+from drill_twin_evidence.detection.constants.literals import CHOICES, Use, counts, literals
 from drill_twin_evidence.detection.constants.outcome import Outcome
 from drill_twin_evidence.detection.constants.variation import Row, edited
-
-MOST_CONSTANTS, MOST_FACTORS = 14, 71
-"""Named constants and factors of `whirl/` without a stated ground: may fall, not grow."""
 
 TRICKY = '''\
 """The ä in this line moves bytes."""
@@ -137,13 +137,6 @@ def test_the_count_is_printed(capsys):
     assert f"| all | {counts(literals(WHIRL))['all']} |" in printed
     with pytest.raises(SystemExit, match="2"):
         main(["journal.jsonl", "--only", "nowhere.py"])
-
-
-def test_no_more_constants_without_a_ground():
-    found = counts(literals(WHIRL))
-    factors = found[Ground.NONE] - found["constants without a ground"]
-    assert found["constants without a ground"] <= MOST_CONSTANTS, "say what the new constant rests on"
-    assert factors <= MOST_FACTORS, "name the new factor and say what it rests on, or comment its line"
 
 
 @pytest.mark.long

@@ -69,7 +69,9 @@ def test_a_jump_of_the_load_is_told_and_followed_and_friction_stays():
     assert any("load_factor | " in line and " s" in line for line in lines("load_jump", found))
 
 
+@pytest.mark.long
 def test_a_jump_is_followed_in_the_number_that_explains_it_alone():
+    """Friction, as the load above."""
     case = CASES["friction_jump"]
     found = follow(case, 101, 45.0, 16)
     assert all(found.dragged(key)[0] < 0.03 for key in found.hidden if key != case.jump)

@@ -10,6 +10,7 @@ from pathlib import Path
 
 import pytest
 from forked import Forked
+from variants import long_one_of
 
 from drill_twin.core.compile.source_hash import modules_reached
 from drill_twin.dynamics.solver import kernel_codegen
@@ -63,8 +64,7 @@ def test_a_kernel_reaches_the_source_of_its_own_effects_only(form, on):
     assert {name for name in EFFECTS if f"drill_twin.physics.effects.{name}" in reached} == set(on)
 
 
-@pytest.mark.long
-@pytest.mark.parametrize("form", ["lateral", "spatial"])
+@pytest.mark.parametrize("form", long_one_of(2, ["spatial", "lateral"]))
 def test_what_is_off_is_not_in_the_machine_code(tmp_path, form):
     bare = machine_code(tmp_path / "all", form)
     assert machine_code(tmp_path / "hidden", form, hide=True) == bare

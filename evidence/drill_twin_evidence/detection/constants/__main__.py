@@ -11,14 +11,12 @@ from __future__ import annotations
 
 import argparse
 import csv
-from collections import Counter
 from collections.abc import Sequence
 from pathlib import Path
 
 import drill_twin_studies
 from drill_twin.core.files.json_files import JsonLines
-from drill_twin_evidence.detection.constants.ground import Ground
-from drill_twin_evidence.detection.constants.literals import CHOICES, Literal, Use, literals
+from drill_twin_evidence.detection.constants.literals import CHOICES, Literal, counts, literals
 from drill_twin_evidence.detection.constants.outcome import BASE, Outcome
 from drill_twin_evidence.detection.constants.variation import FACTORS, PACKAGE, Row, copy_of_the_package, digest_of
 
@@ -39,17 +37,6 @@ NOTHING = "changes nothing: goes or merges"
 def choices(folder: Path, under: str = "") -> list[Literal]:
     """Literals that are a choice."""
     return [one for one in literals(folder, under) if one.use in CHOICES]
-
-
-def counts(found: Sequence[Literal]) -> dict[str, int]:
-    """Literals in all, by use, and of the choices by ground."""
-    chosen = [one for one in found if one.use in CHOICES]
-    uses, grounds = Counter(one.use for one in found), Counter(one.ground for one in chosen)
-    return {
-        "all": len(found), "choices": len(chosen), **{use: uses[use] for use in Use},
-        **{ground: grounds[ground] for ground in Ground},
-        "constants without a ground": sum(one.use is Use.CONSTANT and one.ground is Ground.NONE for one in chosen),
-    }  # fmt: skip
 
 
 def count_table() -> str:

@@ -8,7 +8,8 @@ printed text, a guard against a division by zero) from the literals which are: c
 from __future__ import annotations
 
 import ast
-from collections.abc import Iterator
+from collections import Counter
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
 from pathlib import Path
@@ -83,6 +84,17 @@ def literals(folder: Path, under: str = "") -> list[Literal]:
     """Numeric literals of the Python files of a folder, or of a file in it, in their order."""
     files = sorted((folder / under).rglob("*.py")) if (folder / under).is_dir() else [folder / under]
     return [one for file in files for one in _in_file(file, file.relative_to(folder).as_posix())]
+
+
+def counts(found: Sequence[Literal]) -> dict[str, int]:
+    """Literals in all, by use, and of the choices by ground."""
+    chosen = [one for one in found if one.use in CHOICES]
+    uses, grounds = Counter(one.use for one in found), Counter(one.ground for one in chosen)
+    return {
+        "all": len(found), "choices": len(chosen), **{use: uses[use] for use in Use},
+        **{ground: grounds[ground] for ground in Ground},
+        "constants without a ground": sum(one.use is Use.CONSTANT and one.ground is Ground.NONE for one in chosen),
+    }  # fmt: skip
 
 
 def _in_file(file: Path, name: str) -> list[Literal]:
