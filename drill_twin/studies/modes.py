@@ -10,6 +10,7 @@ import numpy as np
 
 from drill_twin.core.table import Table
 from drill_twin.dynamics.discretisation.resolution import mesh, resolution_of
+from drill_twin.dynamics.rotordynamics.assembly_modes import in_trough
 from drill_twin.dynamics.rotordynamics.campbell import Campbell, GrowthMap
 from drill_twin.dynamics.rotordynamics.forced_response import BEND, JOINT, OFFSET, ForcedResponse
 from drill_twin.dynamics.rotordynamics.modes import LATERAL, Mode, ModeTable
@@ -147,10 +148,9 @@ def critical_text(diagram: Campbell) -> str:
 
 SHAPES = 6
 """Largest number of mode shapes in a figure, so that each panel can be read."""
-FLOOR = 1e-6
-"""Bottom of the axes of the forced response over their top, at least."""
-CEILING = 10.0
-"""Top of the axis of amplitudes over the largest clearance, at most: the wall limits what lies above; chosen."""
+FLOOR, CEILING = 1e-6, 10.0
+"""Least bottom of the axes of the forced response over their top; largest top of the axis of amplitudes over the
+largest clearance, as the wall limits what lies above; chosen."""
 CONTACTS = 4
 """Number of contacts drawn, from the bit up, so that their lines can be told apart."""
 PLACES = 200
@@ -158,10 +158,12 @@ PLACES = 200
 
 
 def shapes_figure(table: ModeTable) -> "Figure":
-    """Lateral mode shapes along the string, bit at the bottom: component along the largest point and across it."""
+    """Lateral mode shapes along the string, swings in the trough last: component along the largest point and across."""
     from drill_twin.report.figures.style import BLUE, VERMILION, laid_out, styled  # matplotlib takes 0.4 s
 
-    lateral, command, scene = table.of(LATERAL)[:SHAPES], table.balance.command, table.scene
+    trough = [mode.number for mode in table.of(LATERAL) if in_trough(table, mode)]
+    lateral = sorted(table.of(LATERAL), key=lambda mode: mode.number in trough)[:SHAPES]
+    command, scene, sign = table.balance.command, table.scene, "+" if table.on_axis else ""
     units = scene.unit_system
     arc = table.assembly.equations.model.rod.arc if table.assembly else mesh(scene, resolution_of(scene)[0]).arc
     end = table.assembly.extent.cut if table.assembly else arc[-1]
@@ -172,7 +174,8 @@ def shapes_figure(table: ModeTable) -> "Figure":
         for panel, mode in zip(panels, lateral, strict=False):
             panel.plot(mode.shape.real, units.show(arc, "length"), color=BLUE)
             panel.plot(mode.shape.imag, units.show(arc, "length"), color=VERMILION, linestyle="--")
-            panel.set_title(f"{mode.frequency:+.3g} Hz\n{mode.growth:+.3g} 1/s", fontsize=10)
+            name = f"lateral {mode.number}{', trough' * (mode.number in trough)}"
+            panel.set_title(f"{name}\n{mode.frequency:{sign}.3g} Hz\n{mode.growth:+.3g} 1/s", fontsize=10)
             panel.set(xlim=(-1.15, 1.15), xlabel="shape [-]")
         panels[0].set(ylabel=f"distance from bit [{units.length}]", ylim=(0.0, units.show(end, "length")))
         if lateral:
