@@ -4,13 +4,9 @@
 numba and LLVM hold a process for seconds at a time, in which it answers no service and no signal. The child leaves the
 process free; loading the machine code from the cache afterwards takes a tenth of a second.
 
-The time that it takes depends on the machine and on the effects, so the progress names the last compilation,
-which is kept with the compiled kernels. No share of the time is told: one function takes up to a hundred times as
-long as another.
+No share of the time is told: one function takes up to a hundred times as long as another.
 """
 
-import json
-import logging
 import os
 import pickle
 import select
@@ -20,13 +16,10 @@ import tempfile
 import time
 from collections.abc import Callable
 from contextlib import suppress
-from pathlib import Path
 
 from drill_twin.core.compile.kernel_cache import NotCachedError, from_cache_only
 from drill_twin.core.errors import RunStopped
-from drill_twin.core.files.json_files import read_json
-from drill_twin.core.files.kept_files import permanent_folder, read_own
-from drill_twin.core.files.output import PRIVATE, write_whole
+from drill_twin.core.files.kept_files import permanent_folder
 from drill_twin.core.process import child_environment
 from drill_twin.dynamics.solver.slices import checked
 from drill_twin.dynamics.twin.twin import Twin
@@ -35,51 +28,9 @@ from drill_twin.scene import Scene
 from drill_twin.scene.set_points.command import Command
 from drill_twin.whirl import Analyzer
 
-_LOG = logging.getLogger(__name__)
-
-_NAME = "last_compilation.json"
-
-
-class LastCompilation:
-    """Number of functions and wall-clock time of the last compilation: what the next may take."""
-
-    functions, seconds = 0, 0.0
-    """Both 0 where none is known."""
-
-    def __init__(self, folder: Path) -> None:
-        """Read them.
-
-        Args:
-            folder: Folder of compiled kernels.
-        """
-        self._path = folder / _NAME
-        try:
-            functions, seconds = read_json(read_own(self._path) or b"[0, 0]")
-            self.functions, self.seconds = int(functions), float(seconds)
-        except (ValueError, TypeError, RecursionError):
-            pass  # a damaged file tells nothing; the next is written over it
-
-    def __str__(self) -> str:
-        """Time that the compilation is expected to take."""
-        if self.seconds > 0.0:
-            return f"the last compilation took {self.seconds:.0f} s"
-        return "ten seconds to two minutes on most machines"
-
-    def text(self, functions: int, seconds: float) -> str:
-        """Progress after a number of functions and a wall-clock time [s]."""
-        of = f" of about {self.functions}" if functions < self.functions else ""
-        return f"{functions}{of} functions, {seconds:.0f} s; {self}"
-
-    def keep(self, functions: int, seconds: float) -> None:
-        """Keep functions and time [s] of this compilation for the next."""
-        try:
-            write_whole(self._path, json.dumps([functions, seconds]), PRIVATE)
-        except OSError as error:
-            _LOG.warning("%s: not kept: %s", self._path, error.strerror or error)
-
-
 COMPILING = "compiling the effects of the scene"
 """First words of each text of progress."""
+_TIME = "ten seconds to two minutes on most machines"
 _POLL = 0.1  # s between two reports
 _READ = 4096  # bytes
 
@@ -125,12 +76,11 @@ def first_frame(scene: Scene, period: float, *, analysis: bool = False) -> None:
 
 def _compile_in_child(scene: Scene, period: float, progress: Callable[[str], None]) -> None:
     """Fill the cache in a child process; where that is not possible, report so and return."""
-    folder = permanent_folder()
-    if folder is None:
+    if permanent_folder() is None:
         progress(f"{COMPILING} in this process: the folder of compiled kernels cannot be written to")
         return
-    last, began = LastCompilation(folder), time.monotonic()
-    progress(f"{COMPILING}, once for this set of effects: {last}")
+    began = time.monotonic()
+    progress(f"{COMPILING}, once for this set of effects: {_TIME}")
     with tempfile.TemporaryFile() as given:
         pickle.dump((scene, period), given)
         given.seek(0)
@@ -144,18 +94,16 @@ def _compile_in_child(scene: Scene, period: float, progress: Callable[[str], Non
             start_new_session=True,  # Ctrl-C reaches this process only
         )
     try:
-        functions = _follow(child, lambda n: progress(f"{COMPILING}: {last.text(n, time.monotonic() - began)}"))
+        _follow(child, lambda n: progress(f"{COMPILING}: {n} functions, {time.monotonic() - began:.0f} s; {_TIME}"))
     finally:
         child.kill()
         child.communicate()
-    if child.returncode == 0:
-        last.keep(functions, time.monotonic() - began)
-    else:
+    if child.returncode != 0:
         progress(f"{COMPILING} in this process: the child process ended with code {child.returncode}")
 
 
-def _follow(child: subprocess.Popen[bytes], report: Callable[[int], None]) -> int:
-    """Report and return the number of functions that a child compiles, until it ends: it writes a byte for each."""
+def _follow(child: subprocess.Popen[bytes], report: Callable[[int], None]) -> None:
+    """Report the number of functions that a child compiles, until it ends: it writes a byte for each."""
     functions, pipe = 0, child.stdout
     while pipe is not None:
         if select.select([pipe], [], [], _POLL)[0]:
@@ -164,4 +112,3 @@ def _follow(child: subprocess.Popen[bytes], report: Callable[[int], None]) -> in
             functions += len(read)
         report(functions)
     child.wait()
-    return functions
