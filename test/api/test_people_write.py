@@ -144,7 +144,7 @@ def test_modes_draw_and_show_themselves(monkeypatch):
     assert any(line.split()[:2] == ["lateral", "1"] for line in lines)
     panels = table.plot().axes
     assert len(panels) == 3
-    assert panels[0].get_title(loc="left").startswith(f"{table.modes[0].frequency:+.3g} Hz")
+    assert panels[0].get_title(loc="left").startswith(f"lateral 1\n{table.modes[0].frequency:+.3g} Hz\n")
 
 
 def test_speeds_are_a_range_with_its_unit_or_numbers_in_si():

@@ -57,7 +57,7 @@ def test_without_a_terminal_progress_is_a_line_now_and_then(capsys, monkeypatch,
             bar.step(text)
             now[0] += 6.0
         bar.show("fourth", 4)
-    assert re.fullmatch(rf"third, 3 of {words}4 runs, {words}\d+ s left\n", capsys.readouterr().err)
+    assert re.fullmatch(rf"third, 3 of {words}4 runs, {words}\d:\d\d:\d\d left\n", capsys.readouterr().err)
 
 
 def test_in_a_terminal_a_line_is_broken_between_words_and_a_path_stays_whole(capsys):

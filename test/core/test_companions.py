@@ -5,7 +5,7 @@ from importlib.metadata import EntryPoint
 
 import pytest
 
-from drill_twin.cli.groups import _of_companion
+from drill_twin.cli import groups
 from drill_twin.core import companions
 from drill_twin.core.companions import not_installed
 
@@ -27,5 +27,6 @@ def test_the_message_tells_what_to_do(monkeypatch, installed, words):
 )
 def test_the_help_tells_the_same(monkeypatch, installed, words):
     entry = EntryPoint("another", f"drill_twin_{installed}.cli:another", "drill_twin.commands")
-    monkeypatch.setattr(companions, "entries", lambda _: (entry,))
-    assert _of_companion("map").help.startswith(words)
+    for module in (companions, groups):
+        monkeypatch.setattr(module, "entries", lambda _: (entry,))
+    assert groups._of_another("map").help.startswith(words)
