@@ -30,9 +30,7 @@ def encode_estimate(stamp: int, found: Estimate) -> bytes:
     """CDR of an estimate, a message of `/estimate/state`, at a stamp [ns]."""
     level, _ = trust_in(found)
     values = {"trust": float(level), "alarm": float(bool(found.alarm)), "whirls": found.whirls}
-    values["unexplained"] = sum(one.end - one.start for one in found.spans)
-    if math.isfinite(found.chance):
-        values["chance_of_whirl"] = found.chance
+    values |= {"unexplained": sum(one.end - one.start for one in found.spans), "chance_of_whirl": found.chance}
     for name, band in {**found.numbers, **found.sensors}.items():
         values |= {name: band.mean, f"{name}/deviation": band.deviation}
         values |= {f"{name}/low": band.low, f"{name}/high": band.high}
