@@ -54,7 +54,9 @@ def planted(tmp_path):
 
 
 @pytest.mark.parametrize("python_path", [str(ROOT), f"{ROOT}:", f":.:{ROOT}"])
-@pytest.mark.parametrize(("script", "said"), [(READ, "['rpm', 'time', 'wob']"), (POOL, "2.0"), (NODE, "expected one of simulator, ")])
+@pytest.mark.parametrize(
+    ("script", "said"), [(READ, "['rpm', 'time', 'wob']"), (POOL, "2.0"), (NODE, "found 'no_such")]
+)
 def test_no_child_runs_what_lies_in_the_working_folder(script, said, python_path, planted, tmp_path_factory):
     file = tmp_path_factory.mktemp("script") / "main.py"
     # The parent is started as the console script is, without the working folder; its children get the rest.
