@@ -58,8 +58,8 @@ FAULTS = (
     Fault(
         "sign: the wall pulls the string outwards in /marks/state",
         "drill_twin/io/messages/encode.py",
-        "push: Array = -wall_force[",
-        "push: Array = wall_force[",
+        "np.asarray(-wall_force[",
+        "np.asarray(wall_force[",
         "test/io/messages/test_frame_messages.py",
     ),
     Fault(
@@ -135,7 +135,7 @@ FAULTS = (
     Fault(
         "ignored limit: the largest speed of the parameters",
         "drill_twin/ros/simulator/command_limits.py",
-        "speed = max_speed or _largest",
+        "speed = settings.max_speed or _largest",
         "speed = _largest",
         "test/ros/test_command_arbiter.py",
     ),
